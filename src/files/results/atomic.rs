@@ -1,8 +1,8 @@
-//! Atomic files: written to a temporary file, synced, renamed.
+//! Atomic writing of files: to a temporary file that is synced and renamed.
 //!
 //! Waiting for the disk takes longer than many cases of a sweep. [`write_whole`] waits until the
-//! file would survive a loss of power, [`write_whole_before`] until it does together with the next
-//! one, and [`place_whole`] not at all.
+//! file would survive a loss of power, [`write_whole_before`] only until its contents would, and
+//! [`place_whole`] does not wait.
 
 use super::ResultsError;
 use std::ffi::OsStr;
@@ -14,7 +14,7 @@ use tempfile::NamedTempFile;
 /// Prefix of temporary files; leftovers of a crash are removed at the next start.
 pub(super) const TEMPORARY_PREFIX: &str = ".rodlab-unfinished-";
 
-/// Whether a file of that name is a leftover temporary file.
+/// Whether a file name is that of a leftover temporary file.
 pub fn is_unfinished(name: &OsStr) -> bool {
     name.to_string_lossy().starts_with(TEMPORARY_PREFIX)
 }
@@ -36,12 +36,12 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
     Ok(())
 }
 
-/// [`write_whole`] to a path chosen by the user: replaces only a file that `is_own` accepts by its
-/// first bytes.
+/// Writes a file like [`write_whole`] to a path chosen by the user: replaces only a file that
+/// `is_own` accepts by its first bytes.
 ///
 /// # Errors
 /// [`ResultsError::NotOwn`] if something else is there: a device, a link, a folder, another file;
-/// as [`write_whole`].
+/// otherwise as [`write_whole`].
 pub fn replace_own(
     path: &Path,
     bytes: &[u8],
@@ -51,11 +51,11 @@ pub fn replace_own(
     write_whole(path, bytes)
 }
 
-/// Checks that a path is free, or a file that `is_own` accepts by its first bytes, before it is
-/// replaced or removed.
+/// Checks that a path is free, or holds a file that `is_own` accepts by its first bytes, before it
+/// is replaced or removed.
 ///
 /// # Errors
-/// [`ResultsError::NotOwn`] as for [`replace_own`]; [`ResultsError::Io`] where it cannot be read.
+/// [`ResultsError::NotOwn`] as for [`replace_own`]; [`ResultsError::Io`] if it cannot be read.
 pub fn check_own(path: &Path, is_own: impl Fn(&[u8]) -> bool) -> Result<(), ResultsError> {
     let refusal = |what| {
         Err(ResultsError::NotOwn {
@@ -79,8 +79,8 @@ pub fn check_own(path: &Path, is_own: impl Fn(&[u8]) -> bool) -> Result<(), Resu
     Ok(())
 }
 
-/// The same where [`write_whole`] follows in the same directory, which also makes the name of this
-/// file durable.
+/// Writes a whole file like [`write_whole`], which must follow in the same directory: it also
+/// makes the name of this file durable.
 ///
 /// # Errors
 /// [`ResultsError::Io`] naming `path`.
@@ -94,7 +94,7 @@ pub(super) fn write_whole_before(path: &Path, bytes: &[u8]) -> Result<(), Result
         .map_err(ResultsError::io("write", path))
 }
 
-/// The same for a file that is useless without later ones: until it is [`sync`]ed, a loss of power
+/// Writes a whole file that is useless without later ones. Until it is [`sync`]ed, a loss of power
 /// may leave it empty or remove it.
 ///
 /// # Errors
@@ -127,7 +127,7 @@ fn directory_of(path: &Path) -> &Path {
 fn written_aside(directory: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY_PREFIX);
-    // Temporary files are private by default; results have the permissions of the user's mask.
+    // Temporary files are private by default; results get the permissions of the user's mask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.tempfile_in(directory)?;
@@ -135,10 +135,11 @@ fn written_aside(directory: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFil
     Ok(file)
 }
 
-/// Creates a file with its content atomically, unless one of its name exists. It is not synced.
+/// Creates a file with its contents atomically, unless a file of its name exists. The file is not
+/// synced.
 ///
 /// # Errors
-/// `AlreadyExists` if there is one; any other error of the file system.
+/// `AlreadyExists` if such a file exists; otherwise the error of the file system.
 pub(super) fn create_whole(directory: &Path, name: &str, bytes: &[u8]) -> std::io::Result<()> {
     let file = written_aside(directory, bytes)?;
     file.persist_noclobber(directory.join(name))?;

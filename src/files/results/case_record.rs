@@ -13,7 +13,7 @@ pub struct CaseRecord {
     pub outcome: CaseOutcome,
     /// Wall time of all calls that worked on it, s.
     pub wall_time: f64,
-    /// The part of it that went into steps with contact, s.
+    /// Part of the wall time spent in steps with contact, s.
     #[serde(default)]
     pub wall_time_with_contact: f64,
     /// Processor time of all these calls, s; `None` if the system does not report it.
@@ -91,12 +91,12 @@ pub enum CaseStatus {
     Unphysical,
     /// The scenario of the case is impossible.
     Invalid,
-    /// Results could not be written; the same command tries again.
+    /// Results could not be written; running the same command again retries the case.
     Failed,
 }
 
 impl CaseStatus {
-    /// Whether the case has a final outcome that the same command would only repeat.
+    /// Whether the case has a final outcome, which the same command would only reproduce.
     pub fn is_final(self) -> bool {
         match self {
             Self::Finished | Self::NoConvergence | Self::Unphysical | Self::Invalid => true,

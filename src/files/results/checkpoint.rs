@@ -23,7 +23,8 @@ use std::path::{Path, PathBuf};
 pub(super) const SLOTS: [&str; 2] = ["checkpoint.0", "checkpoint.1"];
 
 const MAGIC: &[u8; 8] = b"RODLABCP";
-/// Increase it whenever the layout, the payload's types or the meaning of the state change.
+/// Version of the layout. Increase it whenever the layout, the payload's types or the meaning of
+/// the state change.
 const VERSION: u32 = 13;
 const HASH_LENGTH: usize = 64;
 const HEADER_LENGTH: usize = 8 + 4 + HASH_LENGTH + 8 + 8;
@@ -31,7 +32,7 @@ const CHECKSUM_LENGTH: usize = blake3::OUT_LEN;
 
 /// The two checkpoint files of a results directory.
 ///
-/// The older of the two is overwritten, so that one whole checkpoint exists at any time.
+/// Each new checkpoint overwrites the older file, so that one whole checkpoint exists at any time.
 pub struct CheckpointFiles {
     directory: PathBuf,
     scenario_hash: String,
@@ -39,7 +40,7 @@ pub struct CheckpointFiles {
 }
 
 impl CheckpointFiles {
-    /// The checkpoints of the scenario of the given hash in a directory.
+    /// The checkpoints in a directory, for the scenario with the given hash.
     pub fn new(directory: &Path, scenario_hash: &str) -> Self {
         assert_eq!(
             scenario_hash.len(),
@@ -53,7 +54,7 @@ impl CheckpointFiles {
         }
     }
 
-    /// Writes a checkpoint in place of the older one.
+    /// Writes a checkpoint that replaces the older one.
     pub fn write(&mut self, payload: &impl Serialize) -> Result<(), ResultsError> {
         let slot = SLOTS[(self.next_sequence % 2) as usize];
         let bytes = encode(&self.scenario_hash, self.next_sequence, payload);
@@ -64,11 +65,11 @@ impl CheckpointFiles {
 
     /// Reads the newest complete checkpoint that `accept` accepts; `None` if there is none.
     ///
-    /// An unusable checkpoint causes a warning, and the older one is tried.
+    /// An unusable checkpoint causes a warning; then the older one is tried.
     ///
     /// # Errors
-    /// [`ResultsError::Altered`] of `accept` if it rejected a complete checkpoint and no other was
-    /// accepted: the files do not match it.
+    /// [`ResultsError::Altered`] of `accept` if it rejected a complete checkpoint, whose files do
+    /// not match, and no other was accepted.
     pub fn read<P: DeserializeOwned, T>(
         &mut self,
         mut accept: impl FnMut(P) -> Result<T, ResultsError>,
@@ -107,7 +108,7 @@ impl CheckpointFiles {
         altered.map_or(Ok(None), Err)
     }
 
-    /// Whether there is any checkpoint, usable or not.
+    /// Whether any checkpoint exists, usable or not.
     pub fn exist(&self) -> bool {
         SLOTS.iter().any(|slot| self.directory.join(slot).exists())
     }
@@ -145,7 +146,7 @@ fn encode(scenario_hash: &str, sequence: u64, payload: &impl Serialize) -> Vec<u
     bytes
 }
 
-/// Sequence number and payload of a checkpoint, or what is wrong with it.
+/// Sequence number and payload of a checkpoint, or the reason why it is unusable.
 fn check<'a>(bytes: &'a [u8], scenario_hash: &str) -> Result<(u64, &'a [u8]), String> {
     let Some((content, checksum)) = bytes.split_last_chunk::<CHECKSUM_LENGTH>() else {
         return Err("it is too short".into());
@@ -222,7 +223,7 @@ mod tests {
         let mut continued = files(directory.path());
         continued.read(Ok::<Payload, _>).unwrap();
         continued.write(&payload(3)).unwrap();
-        // The slot of 3 is damaged: 2 must still exist.
+        // The file of checkpoint 3 is damaged; checkpoint 2 must still exist.
         fs::write(directory.path().join(SLOTS[1]), "").unwrap();
         assert_eq!(read(directory.path()).unwrap().0, 2);
     }

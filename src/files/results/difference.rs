@@ -9,10 +9,11 @@ const LONGEST_VALUE: usize = 48;
 
 /// Top-level keys that describe a run without changing it.
 const REMARKS: [&str; 1] = ["title"];
-/// Keys of `[output]` that only add files: without one, results hold everything requested and more.
+/// Keys of `[output]` that only add files: results with such files also serve a scenario that
+/// omits them.
 const ADDITIONS: [&str; 3] = ["nodes", "forces", "vtk"];
 
-/// The text without keys that do not change a run; text that is not TOML stays unchanged.
+/// The text without the keys that do not change a run; text that is not TOML stays unchanged.
 pub(super) fn without_remarks(scenario: &str) -> String {
     let Ok(mut table) = scenario.parse::<Table>() else {
         return scenario.to_owned();
@@ -23,8 +24,8 @@ pub(super) fn without_remarks(scenario: &str) -> String {
     toml::to_string(&table).unwrap_or_else(|_| scenario.to_owned())
 }
 
-/// Whether finished results of one scenario contain everything that another requests: it only omits
-/// files.
+/// Whether finished results of one scenario contain everything that another requests: the other
+/// may only omit files.
 pub(super) fn holds(finished: &str, asked: &str) -> bool {
     let tables = finished.parse::<Table>().ok().zip(asked.parse().ok());
     let Some((mut finished, asked)): Option<(Table, Table)> = tables else {
@@ -79,7 +80,7 @@ pub(super) fn difference(earlier: &str, now: &str) -> Vec<String> {
 }
 
 /// All dotted keys at or below `value` with their values. Elements of lists of tables are
-/// identified by their names, as on the command line, or otherwise by their numbers.
+/// identified by their names, as on the command line, or otherwise by their indices.
 fn flatten(path: &str, value: &Value, keys: &mut Vec<(String, String)>) {
     let below = |key: &str| match path {
         "" => key.to_owned(),

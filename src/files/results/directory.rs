@@ -1,4 +1,4 @@
-//! A results directory: recognised, locked, swept.
+//! A results directory: recognising, locking and cleaning it.
 
 use super::atomic::TEMPORARY_PREFIX;
 use super::checkpoint::SLOTS;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub enum Opened {
     /// The same scenario has finished here; there is nothing to do and nothing was changed.
     Finished(Manifest),
-    /// The directory is ready to be written.
+    /// The directory is ready for writing.
     Ready(ResultsDirectory),
 }
 
@@ -22,20 +22,20 @@ pub enum Opened {
 pub struct ResultsDirectory {
     path: PathBuf,
     unfinished: Option<Manifest>,
-    // Released when the directory is dropped or the process dies.
+    // Lock, released when the directory is dropped or the process dies.
     _lock: File,
 }
 
 impl ResultsDirectory {
     /// Opens a directory for the resolved `scenario` of the given hash, and creates it if missing.
     ///
-    /// With `force` old results are removed, but no other files.
+    /// With `force`, old results are removed, but no other files.
     ///
     /// # Errors
     /// [`ResultsError::NotResults`] for a directory with other files and no manifest, even with
-    /// `force`; [`ResultsError::AnotherScenario`]; [`ResultsError::Locked`] where another process
-    /// writes; [`ResultsError::NotWritable`]; [`ResultsError::Damaged`] if the manifest is invalid;
-    /// [`ResultsError::Altered`] if files of an earlier call were changed.
+    /// `force`; [`ResultsError::AnotherScenario`]; [`ResultsError::Locked`] if another process is
+    /// writing; [`ResultsError::NotWritable`]; [`ResultsError::Damaged`] if the manifest is
+    /// invalid; [`ResultsError::Altered`] if files of an earlier call were changed.
     pub fn open(
         path: &Path,
         scenario_hash: &str,
@@ -48,8 +48,8 @@ impl ResultsDirectory {
             scenario,
             reads_files: false,
         };
-        // First without a lock, so that a finished directory may be read-only and a foreign one
-        // stays unchanged.
+        // Check first without a lock, so that a finished directory may be read-only and a foreign
+        // one stays unchanged.
         if let Some(manifest) = recognise(path, &asked, force)?
             && manifest.is_finished()
         {
@@ -82,7 +82,7 @@ impl ResultsDirectory {
         &self.path
     }
 
-    /// The manifest of the unfinished run of the same scenario that was found here.
+    /// The manifest of an unfinished run of the same scenario that was found in the directory.
     pub fn unfinished(&self) -> Option<&Manifest> {
         self.unfinished.as_ref()
     }
@@ -93,13 +93,13 @@ impl ResultsDirectory {
     }
 }
 
-/// The scenario whose results a directory is to hold.
+/// The scenario whose results a directory is requested to hold.
 pub(super) struct Asked<'a> {
     /// Its hash, including that of the files that it reads.
     pub hash: &'a str,
     /// Its resolved TOML.
     pub scenario: &'a str,
-    /// Whether it reads files, whose contents only the hash covers.
+    /// Whether it reads files, whose contents are covered by the hash only.
     pub reads_files: bool,
 }
 
@@ -137,8 +137,7 @@ pub(super) fn recognise(
                 command,
             })
         }
-        // A file of this name that is not a rodlab manifest: the files beside it must not be
-        // removed.
+        // A file of this name is not a rodlab manifest: the files next to it must not be removed.
         Err(ResultsError::Damaged { .. }) if force => Err(foreign(MANIFEST.to_owned())),
         Ok(_) if force => Ok(None),
         Ok(Some(manifest)) if !asked.is_that_of(&manifest) => {
@@ -176,7 +175,7 @@ fn kind_in_words(scenario: &str) -> Option<String> {
     Some(format!("{what} of the experiment `{experiment}`"))
 }
 
-/// The command of the manifest in a directory, if it is that of a task of a robot cell.
+/// The command in the manifest of a directory, if it is that of a task of a robot cell.
 fn task_in(path: &Path) -> Option<String> {
     let text = fs::read(path.join(MANIFEST)).ok()?;
     let manifest: serde_json::Value = serde_json::from_slice(&text).ok()?;
@@ -184,7 +183,7 @@ fn task_in(path: &Path) -> Option<String> {
     Some(format!("rodlab {command}"))
 }
 
-/// The first entry by name that a run cannot have left before its manifest.
+/// The first entry, by name, that a run cannot have created before its manifest.
 fn first_foreign_entry(path: &Path) -> Result<Option<String>, ResultsError> {
     let entries = match fs::read_dir(path) {
         Ok(entries) => entries,
@@ -242,8 +241,8 @@ pub(super) fn sweep_temporary_files(path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes the files of runs, the manifest last: if interrupted, the directory is still recognised.
-/// Links are not followed; files that are not regular are kept.
+/// Removes the files of runs, the manifest last: after an interruption the directory is still
+/// recognised. Links are not followed; files that are not regular are kept.
 pub(super) fn remove_results(path: &Path, own_files: &[&str]) -> Result<(), ResultsError> {
     let slots = SLOTS.iter().map(|&name| name.to_owned());
     for name in slots.chain(files_of_runs(own_files)) {
@@ -281,7 +280,7 @@ fn remove_frames(folder: &Path) -> Result<(), ResultsError> {
             remove_own(&entry.path())?;
         }
     }
-    // Kept if it has foreign files.
+    // Kept if it contains foreign files.
     let _ = fs::remove_dir(folder);
     Ok(())
 }
@@ -308,7 +307,7 @@ mod tests {
     }
 
     fn open(path: &Path, hash: &str, force: bool) -> Result<ResultsDirectory, ResultsError> {
-        // Any different text is sufficient.
+        // Any text that depends on the hash is sufficient.
         ResultsDirectory::open(
             path,
             hash,

@@ -37,7 +37,7 @@ pub struct EndRow {
     pub wall_director_z: Option<f64>,
 }
 
-/// Writes the state in which a run ends.
+/// Writes the final state of a run.
 ///
 /// # Errors
 /// [`ResultsError::Io`].
@@ -52,7 +52,7 @@ pub fn write_end_state(directory: &Path, rows: &[EndRow]) -> Result<(), ResultsE
 }
 
 impl EndRow {
-    /// Its numbers, with the names of their columns.
+    /// The numbers of the row, with the names of their columns.
     fn numbers(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let given = [
             ("x_m", self.x_m),
@@ -82,7 +82,7 @@ impl EndRow {
     }
 }
 
-/// Reads the text of such a file.
+/// Reads the text of `end_state.csv`.
 ///
 /// # Errors
 /// The error, with its location.

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-/// Why results could not be written or read.
+/// Reason why results could not be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum ResultsError {
     /// The directory holds the results of another scenario.
@@ -52,7 +52,7 @@ pub enum ResultsError {
         /// A file or folder that does not belong to a run.
         found: String,
     },
-    /// A folder of results is a link, through which files elsewhere would be written or removed.
+    /// A folder of the results is a link; files elsewhere would be written or removed through it.
     #[error("`{}` is a link; results are neither written nor removed through links: put a folder \
              in its place", path.display())]
     Link {
@@ -89,7 +89,7 @@ pub enum ResultsError {
         /// The error.
         reason: String,
     },
-    /// A file is not what the run wrote.
+    /// A file differs from what the run wrote.
     #[error(
         "`{}` {what}: it was changed after rodlab wrote it; restore it, or start over with --force \
          (of a sweep: remove the folder of the case)",
@@ -119,7 +119,7 @@ fn indented(lines: &[String]) -> String {
 }
 
 impl ResultsError {
-    /// Turns an error of the operating system into one that names the file.
+    /// Converts an error of the operating system to one that names the file.
     pub fn io(action: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let path = path.into();
         move |source| Self::Io {

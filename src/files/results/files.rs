@@ -2,7 +2,7 @@
 
 /// Manifest of a run: scenario, program, machine, times and outcome.
 pub const MANIFEST: &str = "manifest.json";
-/// The resolved scenario, which can be run.
+/// The resolved scenario, which can be run again.
 pub const SCENARIO: &str = "scenario.toml";
 /// A row per output time.
 pub const SERIES: &str = "series.csv";
@@ -10,15 +10,15 @@ pub const SERIES: &str = "series.csv";
 pub const NODES: &str = "nodes.csv";
 /// Node velocities and forces at each output time.
 pub const NODE_FORCES: &str = "node_forces.csv";
-/// The state in which the run ended.
+/// The final state of the run.
 pub const END_STATE: &str = "end_state.csv";
-/// The state from which it started, if it did not start as placed.
+/// The initial state of the run, if it did not start as placed.
 pub const START: &str = "start_state.csv";
 /// A row per case: outcomes.
 pub const SUMMARY: &str = "summary.csv";
 /// A row per case: cost.
 pub const TIMINGS: &str = "timings.csv";
-/// The rods at several times, drawn from the node positions.
+/// Figure of the rods at several times, drawn from the node positions.
 pub const RODS_FIGURE: &str = "rods.svg";
 /// Figure of the series over time.
 pub const SERIES_FIGURE: &str = "series.svg";
@@ -34,7 +34,7 @@ pub const PAGE: &str = "view.html";
 pub const VTK_COLLECTION: &str = "rods.pvd";
 /// Folder of the frames of the collection.
 pub const VTK_FOLDER: &str = "vtk";
-/// The frames of obstacles in it, as they are marked.
+/// Pattern of the frames of obstacles in that folder, as used in marks.
 pub(super) const OBSTACLE_FRAMES: &str = "vtk/obstacles";
 /// Lock file of the writing process.
 pub(super) const LOCK: &str = ".lock";
@@ -85,7 +85,7 @@ const FILES: [&str; 15] = [
     PAGE,
 ];
 
-/// All possible names of files of a run: `own` are those of kinds of experiments. A figure may
+/// All possible names of files of a run. `own` lists those of kinds of experiments. A figure may
 /// exist in every format.
 pub(super) fn files_of_runs(own: &[&str]) -> impl Iterator<Item = String> {
     let names = FILES.iter().chain(own).flat_map(|name| {

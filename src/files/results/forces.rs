@@ -74,7 +74,7 @@ pub struct NodeForces {
     pub twist_rates: Vec<f64>,
 }
 
-/// The columns that are read back.
+/// The columns to be read back.
 #[derive(Deserialize)]
 struct ReadRow {
     velocity_x_m_per_s: f64,
@@ -83,19 +83,18 @@ struct ReadRow {
     contact_force_x_n: f64,
     contact_force_y_n: f64,
     contact_force_z_n: f64,
-    /// Missing in files of version 0.1.
+    /// Absent in files of version 0.1.
     #[serde(default)]
     twist_rad_per_m: f64,
 }
 
-/// Reads `node_forces.csv` of a results directory whose rods have `nodes` nodes in all; `None` where the run
-/// writes no such file.
+/// Reads `node_forces.csv` of a results directory whose rods have `nodes` nodes in total; `None`
+/// if the run writes no such file.
 ///
-/// A running process or a crash may leave a partial last output; it is ignored.
+/// Ignores a partial last output, which a running process or a crash may leave.
 ///
 /// # Errors
-/// [`ResultsError::Io`] where it cannot be read, [`ResultsError::Damaged`] if it is not such a
-/// table.
+/// [`ResultsError::Io`] if it cannot be read, [`ResultsError::Damaged`] if it is not such a table.
 pub fn read_node_forces(
     directory: &Path,
     nodes: usize,

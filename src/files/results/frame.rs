@@ -3,20 +3,22 @@
 use super::RodRecord;
 use nalgebra::{Isometry3, Vector3};
 
-/// Everything about the rods that is written at an output time; arrays run over all nodes, rod after rod.
+/// All data of the rods that are written at an output time; arrays run over all nodes, rod after
+/// rod.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
     /// Time, s.
     pub time: f64,
     /// Positions of the nodes, m.
     pub positions: Vec<Vector3<f64>>,
-    /// Angle of the edge that starts at each node, rad; values without an edge are not read.
+    /// Angle of the edge that starts at each node, rad; values at nodes without an edge are not
+    /// read.
     pub edge_angles: Vec<f64>,
     /// Twist per length at each node, rad/m; may be empty unless node forces are written.
     pub twist_rates: Vec<f64>,
     /// Velocities of the nodes, m/s; may be empty unless node forces or VTK are written.
     pub velocities: Vec<Vector3<f64>>,
-    /// Forces of the fluid on the nodes, N; empty without fluid.
+    /// Forces of the fluid on the nodes, N; empty without a fluid.
     pub fluid_forces: Vec<Vector3<f64>>,
     /// Contact forces on the nodes, N; empty without contact.
     pub contact_forces: Vec<Vector3<f64>>,
@@ -24,7 +26,7 @@ pub struct Frame {
     pub obstacle_poses: Vec<Isometry3<f64>>,
 }
 
-/// A node of a frame: its rod, its number along the rod, its number among all nodes.
+/// A node of a frame: its rod, its index along the rod, its index among all nodes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NodePlace<'a> {
     pub rod: &'a RodRecord,
@@ -33,7 +35,7 @@ pub(super) struct NodePlace<'a> {
 }
 
 impl NodePlace<'_> {
-    /// Whether an edge starts here: everywhere except at the last node of an open rod.
+    /// Whether an edge starts at the node: at every node except the last one of an open rod.
     pub fn starts_edge(&self) -> bool {
         self.rod.closed || self.node + 1 < self.rod.nodes
     }

@@ -1,12 +1,13 @@
 //! Leases: assignment of cases to processes.
 //!
 //! A lease is a small file `<case>.<generation>`, created only if it does not exist. The highest
-//! generation owns the case; a process that takes over a dead process's lease creates the next
+//! generation owns the case. A process that takes over a dead process's lease creates the next
 //! generation, so that only one of several succeeds, and no valid lease is removed. A lease names
-//! its process and machine, and its modification time is updated while that process lives.
+//! its process and machine; its modification time is updated while that process lives.
 //!
-//! A process of this machine is dead once it does not run; one of another machine is dead if its
-//! leases have not been updated for [`Leases::patience`] while observed. Clocks are never compared.
+//! A process of this machine is dead once it no longer runs. A process of another machine is dead
+//! if its leases have not been updated for [`Leases::patience`] while observed. Clocks are never
+//! compared.
 
 use super::ResultsError;
 use super::atomic::{TEMPORARY_PREFIX, create_whole};
@@ -21,7 +22,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 /// Time between two updates of a lease.
 pub const HEARTBEAT: Duration = Duration::from_secs(5);
-/// Time after which a lease of another machine without an update is taken over. File systems of
+/// Time without an update after which a lease of another machine is taken over. File systems of
 /// clusters may show a change a minute late.
 const PATIENCE: Duration = Duration::from_secs(90);
 
@@ -30,7 +31,7 @@ pub struct Leases {
     folder: PathBuf,
     owner: Owner,
     patience: Duration,
-    /// When a lease of another machine was first seen with a given modification time.
+    /// For leases of other machines, the last modification time and when it was first seen.
     seen: Mutex<BTreeMap<PathBuf, (SystemTime, Instant)>>,
 }
 
@@ -43,11 +44,11 @@ pub struct Owner {
     pub boot: Option<String>,
     /// Number of the process.
     pub process: u32,
-    /// When the process was started, in ticks since the start of the machine, if available.
+    /// Start time of the process, in ticks since the start of the machine, if available.
     pub started: Option<u64>,
 }
 
-/// Whether a case could be leased.
+/// Result of the attempt to lease a case.
 #[derive(Debug)]
 pub enum LeaseAttempt {
     /// This process has it now.
@@ -82,7 +83,7 @@ impl Leases {
     /// Leases a case, unless a living process has it.
     ///
     /// # Errors
-    /// [`ResultsError::Io`] where the folder cannot be read or written.
+    /// [`ResultsError::Io`] if the folder cannot be read or written.
     pub fn acquire(&self, case: &str) -> Result<LeaseAttempt, ResultsError> {
         let mut files = self.files_of(case)?;
         let overruled = files.last().map(|(_, newest)| newest.clone());
@@ -106,7 +107,7 @@ impl Leases {
         let path = self.folder.join(&name);
         match self.create(&name) {
             Ok(()) if overruled.is_some_and(|newest| read_owner(&newest) != former) => {
-                // Meanwhile another process took over, finished and released it.
+                // Meanwhile another process took over the case, finished it and released it.
                 let _ = fs::remove_file(path);
                 Ok(LeaseAttempt::Held(None))
             }
@@ -125,7 +126,7 @@ impl Leases {
     /// Whether any living process has a lease.
     ///
     /// # Errors
-    /// [`ResultsError::Io`] where the folder cannot be read.
+    /// [`ResultsError::Io`] if the folder cannot be read.
     pub fn any_alive(&self) -> Result<bool, ResultsError> {
         Ok(self.all_files()?.iter().any(|path| {
             let owner = read_owner(path);
@@ -137,9 +138,9 @@ impl Leases {
     /// two processes could take over the same case.
     ///
     /// # Errors
-    /// [`ResultsError::Io`] where the folder cannot be read.
+    /// [`ResultsError::Io`] if the folder cannot be read.
     pub fn remove_dead(&self) -> Result<(), ResultsError> {
-        // Including those that were being written.
+        // All paths include leases that were being written.
         for path in self.all_paths()? {
             if !self.is_alive(&path, read_owner(&path).as_ref()) {
                 // Files that cannot be removed do no harm.
@@ -149,7 +150,8 @@ impl Leases {
         Ok(())
     }
 
-    /// A lease is created with its owner: an empty one would look like that of an unknown process.
+    /// Creates a lease together with its owner: an empty lease would look like that of an unknown
+    /// process.
     fn create(&self, name: &str) -> io::Result<()> {
         let text = serde_json::to_vec(&self.owner).expect("an owner has string keys only");
         create_whole(&self.folder, name, &text)
@@ -179,7 +181,7 @@ impl Leases {
     /// The leases on a case by generation, the newest last.
     fn files_of(&self, case: &str) -> Result<Vec<(u32, PathBuf)>, ResultsError> {
         let first = self.folder.join(format!("{case}.0"));
-        // The usual cases: no lease at all, or one; the folder is listed only after a take-over.
+        // Usually there is no lease, or one; the folder is listed only after a take-over.
         let lone = first.exists() && !self.folder.join(format!("{case}.1")).exists();
         if lone {
             return Ok(vec![(0, first)]);
@@ -210,7 +212,7 @@ impl Leases {
     /// Removes all leases of all processes.
     ///
     /// # Errors
-    /// [`ResultsError::Io`] where the folder cannot be read.
+    /// [`ResultsError::Io`] if the folder cannot be read.
     pub(super) fn remove_all(&self) -> Result<(), ResultsError> {
         self.all_paths()?
             .iter()
@@ -238,7 +240,7 @@ impl Lease {
     /// Updates the lease.
     pub fn touch(&self) {
         if let Some(path) = self.files.last() {
-            // It needs no space on a full disk; if it fails, the next one may succeed.
+            // An update needs no space on a full disk; if it fails, the next one may succeed.
             let _ = File::open(path).and_then(|file| file.set_modified(SystemTime::now()));
         }
     }
@@ -246,7 +248,7 @@ impl Lease {
 
 impl Drop for Lease {
     fn drop(&mut self) {
-        // The oldest first: a crash in between leaves a lease of a dead process.
+        // Removes the oldest first: a crash in between leaves a lease of a dead process.
         for path in &self.files {
             let _ = fs::remove_file(path);
         }
@@ -266,8 +268,8 @@ impl Owner {
         }
     }
 
-    /// Whether this process of the same machine as `observer` still runs; `None` if the system does
-    /// not report it.
+    /// Whether this process on the machine of `observer` still runs; `None` if the system does not
+    /// report it.
     fn lives_here(&self, observer: &Self) -> Option<bool> {
         observer.started?;
         Some(self.boot == observer.boot && self.started == start_of(self.process))
@@ -278,10 +280,11 @@ fn read_owner(path: &Path) -> Option<Owner> {
     serde_json::from_slice(&fs::read(path).ok()?).ok()
 }
 
-/// Start of a process in ticks since that of the machine: field 22 of proc(5).
+/// Start time of a process in ticks since the start of the machine: field 22 of proc(5).
 fn start_of(process: u32) -> Option<u64> {
     let stat = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    // Field 2, the program's name in parentheses, may hold blanks; field 3 is the first after it.
+    // Field 2, the program's name in parentheses, may contain blanks; field 3 is the first one
+    // after it.
     let (_, after_name) = stat.rsplit_once(')')?;
     let mut fields = after_name.split_whitespace();
     // A process that has ended but was not waited for (a zombie) no longer works.
@@ -351,7 +354,7 @@ mod tests {
                 process: child.id(),
                 ..Owner::this_process()
             },
-            // The process id is in use again.
+            // Another process has the same process id.
             Owner {
                 started: Some(1),
                 ..Owner::this_process()
@@ -425,7 +428,7 @@ mod tests {
                         barrier.wait();
                         let lease = leased(&leases, "a");
                         taken.fetch_add(usize::from(lease.is_some()), Ordering::Relaxed);
-                        // No lease is released before all have tried.
+                        // No process releases its lease before all have tried.
                         barrier.wait();
                     });
                 }

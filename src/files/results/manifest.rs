@@ -1,4 +1,4 @@
-//! `manifest.json`: what was run, by what, where, when, and how it ended.
+//! `manifest.json`: what was run, with which program, where, when, and how it ended.
 
 use super::atomic::place_whole;
 use super::case_record::{CaseRecord, CaseStatus};
@@ -20,10 +20,10 @@ pub const MAIN_CASE: &str = "main";
 pub struct Manifest {
     /// Version of the program.
     pub version: String,
-    /// Commit of the program: that of the clone that it was built from, or the value of the
+    /// Commit of the program: that of the clone from which it was built, or the value of the
     /// environment variable `RODLAB_COMMIT` at build time.
     pub commit: Option<String>,
-    /// The last command line that wrote here.
+    /// The last command line that wrote to the directory.
     pub command_line: Vec<String>,
     /// Short name of the scenario.
     pub name: String,
@@ -39,20 +39,21 @@ pub struct Manifest {
     pub rods: Vec<RodRecord>,
     /// Name of the machine.
     pub host: Option<String>,
-    /// Threads that the run could use.
+    /// Number of threads that the run could use.
     pub threads: usize,
     /// When the run was first started.
     pub start: jiff::Timestamp,
-    /// When it last ended; `None` while it runs, or where it was killed.
+    /// When the run last ended; `None` while it runs, or if it was killed.
     pub end: Option<jiff::Timestamp>,
-    /// Times the run was continued from a checkpoint.
+    /// Number of times the run was continued from a checkpoint.
     pub continuations: u32,
-    /// Seeds of random choices by name; empty where nothing is random.
+    /// Seeds of random choices by name; empty if nothing is random.
     pub seeds: BTreeMap<String, u64>,
     /// The cases by id; a single run is the case `main`.
     pub cases: BTreeMap<String, CaseRecord>,
-    /// Length and hash of each file as the run left it: those that grew, and those that are written
-    /// at once. Results of earlier versions have no marks of the latter; they are read unchecked.
+    /// Length and hash of each file as the run left it: those that grow during a run, and those
+    /// that are written at once. Results of earlier versions have no marks of the latter, which
+    /// are then read unchecked.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub files: FileMarks,
 }
@@ -75,7 +76,7 @@ impl Manifest {
     /// power at the start of the run.
     ///
     /// # Errors
-    /// [`ResultsError::Damaged`] if it is not a manifest, [`ResultsError::Io`] where it cannot be
+    /// [`ResultsError::Damaged`] if it is not a manifest, [`ResultsError::Io`] if it cannot be
     /// read.
     pub fn read(directory: &Path) -> Result<Option<Self>, ResultsError> {
         let path = directory.join(MANIFEST);
@@ -103,7 +104,7 @@ impl Manifest {
     }
 
     /// Writes the manifest of a starting run, and its scenario, without waiting for the disk. The
-    /// manifest is the first file: it identifies the directory.
+    /// manifest is written first, because it identifies the directory.
     pub fn place(&self, directory: &Path) -> Result<(), ResultsError> {
         place_whole(&directory.join(MANIFEST), &self.to_bytes())?;
         place_whole(&directory.join(SCENARIO), self.scenario.as_bytes())
@@ -135,8 +136,8 @@ impl Manifest {
         Ok(())
     }
 
-    /// [`Manifest::read`] for a reader of the other files: checks the files of finished results
-    /// that are written at once, such as the summary.
+    /// Reads the manifest like [`Manifest::read`], for a reader of the other files. If the results
+    /// are finished, checks the files that are written at once, such as the summary.
     ///
     /// # Errors
     /// As [`Manifest::read`]; [`ResultsError::Altered`] if a file was changed.
@@ -154,7 +155,7 @@ impl Manifest {
         text
     }
 
-    /// Whether every case reached its end.
+    /// Whether every case has a final outcome.
     pub fn is_finished(&self) -> bool {
         self.cases
             .values()
@@ -171,8 +172,8 @@ fn hash(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex().to_string()
 }
 
-/// Hash that identifies a scenario and the files that it reads, given by name and contents; [`scenario_hash`] where it
-/// reads none.
+/// Hash that identifies a scenario and the files that it reads, given by name and contents;
+/// without files it is [`scenario_hash`].
 pub fn scenario_hash_with_inputs<'a>(
     scenario_toml: &str,
     inputs: impl Iterator<Item = (&'a str, &'a [u8])>,
@@ -255,7 +256,7 @@ pub(super) mod tests {
             fs::write(path.join(name), written).unwrap();
         }
         assert!(Manifest::read_checked(path).is_ok());
-        // One of an earlier version, without their marks.
+        // A manifest of an earlier version, without marks of these files.
         manifest.files.clear();
         manifest.write(path).unwrap();
         fs::write(path.join("summary.csv"), "changed").unwrap();

@@ -1,4 +1,4 @@
-//! Marks of files: length and hash of the output of a run, to detect later changes.
+//! Marks of files: length and hash of the output of a run, used to detect later changes.
 
 use super::ResultsError;
 use super::files::{END_STATE, SCENARIO, START, SUMMARY, TIMINGS, VTK_FOLDER, frame_names};
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// Size of a read, bytes.
 const BLOCK: usize = 1 << 16;
 
-/// Length and hash of a file; of a series of frames, those of all its files one after the other.
+/// Length and hash of a file, or of all files of a series of frames, one after the other.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileMark {
     /// Length, bytes.
@@ -20,7 +20,7 @@ pub struct FileMark {
     pub blake3: String,
 }
 
-/// The marks of the files that grow during a run, by their names in the results directory.
+/// The marks of files, by their names in the results directory.
 pub type FileMarks = BTreeMap<String, FileMark>;
 
 /// Computes the mark of the bytes written to it.
@@ -78,8 +78,8 @@ impl MarkedFile {
         })
     }
 
-    /// Reads the first `length` bytes of a file that is open for reading and writing; new bytes are
-    /// appended after them.
+    /// Reads the first `length` bytes of a file that is open for reading and writing; new bytes
+    /// will follow them.
     pub fn after(mut file: File, length: u64) -> io::Result<Self> {
         let mut marker = Marker::default();
         marker.read(&mut file, length)?;
@@ -106,7 +106,7 @@ impl MarkedFile {
         self.marker.bytes()
     }
 
-    /// Whether the name still refers to this complete file.
+    /// Whether the path still refers to this complete file.
     pub fn is_in_place(&self, path: &Path) -> bool {
         let (Ok(named), Ok(open)) = (fs::metadata(path), self.file.metadata()) else {
             return false;
@@ -142,7 +142,7 @@ fn is_same_file(_: &fs::Metadata, _: &fs::Metadata) -> bool {
 /// Checks that files in a results directory match their marks, by length and hash.
 ///
 /// # Errors
-/// [`ResultsError::Altered`] names the first that does not.
+/// [`ResultsError::Altered`] names the first one that does not.
 pub fn check_files(directory: &Path, marks: &FileMarks) -> Result<(), ResultsError> {
     check_lengths(directory, marks)?;
     marks.iter().try_for_each(|(name, mark)| {
@@ -164,7 +164,7 @@ const WRITTEN_ONCE: [&str; 5] = [SCENARIO, START, END_STATE, SUMMARY, TIMINGS];
 /// Marks the existing files of a directory that are written at once.
 ///
 /// # Errors
-/// [`ResultsError::Io`] where one cannot be read.
+/// [`ResultsError::Io`] if one cannot be read.
 pub(super) fn marks_of_whole_files(directory: &Path) -> Result<FileMarks, ResultsError> {
     let mut marks = FileMarks::new();
     for name in WRITTEN_ONCE {
@@ -185,7 +185,7 @@ pub(super) fn marks_of_whole_files(directory: &Path) -> Result<FileMarks, Result
 /// Fast check: files written at once by length and hash, all others by length.
 ///
 /// # Errors
-/// [`ResultsError::Altered`] names the first that differs.
+/// [`ResultsError::Altered`] names the first one that differs.
 pub fn check_quickly(directory: &Path, marks: &FileMarks) -> Result<(), ResultsError> {
     check_lengths(directory, marks)?;
     check_whole_files(directory, marks)
@@ -194,7 +194,7 @@ pub fn check_quickly(directory: &Path, marks: &FileMarks) -> Result<(), ResultsE
 /// Checks only the files that are written at once.
 ///
 /// # Errors
-/// [`ResultsError::Altered`] names the first that differs.
+/// [`ResultsError::Altered`] names the first one that differs.
 pub(super) fn check_whole_files(directory: &Path, marks: &FileMarks) -> Result<(), ResultsError> {
     let whole = marks.iter();
     let whole = whole.filter(|(name, _)| WRITTEN_ONCE.contains(&name.as_str()));
@@ -205,7 +205,7 @@ pub(super) fn check_whole_files(directory: &Path, marks: &FileMarks) -> Result<(
 /// Checks the lengths only, which is fast.
 ///
 /// # Errors
-/// [`ResultsError::Altered`] names the first that differs.
+/// [`ResultsError::Altered`] names the first one that differs.
 pub fn check_lengths(directory: &Path, marks: &FileMarks) -> Result<(), ResultsError> {
     marks.iter().try_for_each(|(name, mark)| {
         let path = directory.join(name);
@@ -226,7 +226,7 @@ fn length_of(path: &Path) -> Result<u64, ResultsError> {
     Ok(found.len())
 }
 
-/// Number of frames in the first `bytes` of them.
+/// Number of frames in the first `bytes` of their series.
 fn length_of_frames(
     directory: &Path,
     bytes: u64,
@@ -240,7 +240,7 @@ fn length_of_frames(
     Ok(length)
 }
 
-/// Reads the marked frames, to continue after them.
+/// Reads the marked frames before the series is continued.
 ///
 /// # Errors
 /// [`ResultsError::Altered`] names a frame that is missing, or the folder.

@@ -7,8 +7,8 @@
 //! The directory of a sweep ([`SweepDirectory`]) has such a directory for each case; [`Leases`]
 //! distribute the cases among processes.
 //!
-//! Files that are written once appear atomically ([`write_whole`]); files that grow are flushed at
-//! each output time and truncated to the length in the checkpoint when a run is continued.
+//! Files that are written once appear atomically ([`write_whole`]). Files that grow are flushed at
+//! each output time; when a run is continued, they are truncated to the length in the checkpoint.
 //! Checkpoint and manifest hold their lengths and hashes ([`FileMark`]), which detect removed or
 //! changed files.
 

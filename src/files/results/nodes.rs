@@ -51,7 +51,7 @@ pub struct NodePositions {
     pub positions: Vec<Vector3<f64>>,
 }
 
-/// The columns that are read back.
+/// The columns to be read back.
 #[derive(Deserialize)]
 struct PositionRow {
     time_s: f64,
@@ -60,12 +60,12 @@ struct PositionRow {
     z_m: f64,
 }
 
-/// Reads `nodes.csv` of a results directory whose rods have `nodes` nodes in all.
+/// Reads `nodes.csv` of a results directory whose rods have `nodes` nodes in total.
 ///
-/// A running process or a crash may leave a partial last output; it is ignored.
+/// Ignores a partial last output, which a running process or a crash may leave.
 ///
 /// # Errors
-/// [`ResultsError::Io`] where there is no such file, [`ResultsError::Damaged`] if it is not such a
+/// [`ResultsError::Io`] if there is no such file, [`ResultsError::Damaged`] if it is not such a
 /// table.
 pub fn read_nodes(directory: &Path, nodes: usize) -> Result<Vec<NodePositions>, ResultsError> {
     let rows: Vec<PositionRow> = read_rows(&directory.join(NODES))?;

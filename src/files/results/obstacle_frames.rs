@@ -1,5 +1,5 @@
-//! Obstacles beside the rods in the frames for ParaView: `vtk/obstacles_000000.vtp`, a single one
-//! if none moves.
+//! Frames of obstacles for ParaView, next to those of the rods: `vtk/obstacles_000000.vtp`; a
+//! single one if no obstacle moves.
 
 use super::files::obstacle_frame_name;
 use super::mark::{FileMark, Marker};
@@ -24,7 +24,7 @@ pub(super) struct ObstacleFrames {
 }
 
 impl ObstacleFrames {
-    /// Frames that continue after the marked ones.
+    /// Continues the series after the marked frames.
     pub fn after(obstacles: ObstacleSurfaces, marker: Marker) -> Self {
         Self { obstacles, marker }
     }

@@ -3,7 +3,7 @@
 use super::NamedValues;
 use serde::{Deserialize, Serialize};
 
-/// Scalar outcomes of a case that depend on the scenario, not on the load of the machine.
+/// Scalar outcomes of a case, which depend on the scenario, not on the load of the machine.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CaseOutcome {
     /// Simulated time reached, s.
@@ -12,26 +12,27 @@ pub struct CaseOutcome {
     pub steps: u64,
     /// Newton iterations of all steps, retries included.
     pub newton_iterations: u64,
-    /// Times a step was halved before it was accepted.
+    /// Number of times a step was halved before it was accepted.
     pub retries: u64,
     /// Krylov iterations of all fluid solves.
     pub fluid_iterations: u64,
-    /// Steps that ended with at least one contact with a force.
+    /// Number of steps that ended with at least one contact with a force.
     pub steps_with_contact: u64,
     /// Newton iterations of those steps.
     pub newton_iterations_with_contact: u64,
     /// End of the first step with contact, s.
     pub first_contact: Option<f64>,
-    /// Smallest distance of the bodies, planes included, m.
+    /// Smallest distance between bodies, including planes, m.
     pub minimum_distance: Option<f64>,
-    /// That distance over the one at which their surfaces touch.
+    /// Ratio of that distance to the one at which the surfaces of these bodies touch.
     pub minimum_distance_ratio: Option<f64>,
-    /// Mean over the outputs with contact of the gap between surfaces that touch, weighted by their normal forces, m.
+    /// Mean gap between surfaces in contact, weighted by their normal forces, over the outputs
+    /// with contact, m.
     #[serde(default)]
     pub mean_gap: Option<f64>,
     /// Energy of stretching, bending and twisting at the last output, J.
     pub elastic_energy: Option<f64>,
-    /// Potential of gravity there, J.
+    /// Gravitational potential at the last output, J.
     pub gravitational_energy: Option<f64>,
     /// Path parameter of the first fold, bifurcation or onset of flutter of a path of equilibria.
     pub critical_parameter: Option<f64>,
@@ -39,7 +40,7 @@ pub struct CaseOutcome {
     /// versions, which observed knots only.
     #[serde(default, alias = "knot")]
     pub observed: NamedValues,
-    /// Remarks on the case, a sentence each: strains beyond the theory of rods and the like.
+    /// Remarks on the case, a sentence each, such as strains beyond rod theory.
     #[serde(default)]
     pub remarks: Vec<String>,
     /// Why the run ended early on purpose; `None` if it did not.
@@ -62,7 +63,7 @@ impl CaseOutcome {
         mean(self.newton_iterations, self.steps)
     }
 
-    /// Newton iterations per step with contact; `None` where there was none.
+    /// Newton iterations per step with contact; `None` without such steps.
     pub fn newton_iterations_mean_with_contact(&self) -> Option<f64> {
         mean(self.newton_iterations_with_contact, self.steps_with_contact)
     }

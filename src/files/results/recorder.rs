@@ -12,7 +12,7 @@ use super::stream::CsvStream;
 use super::{ResultsError, RodRecord, SeriesRow, Value, vtk};
 use std::path::{Path, PathBuf};
 
-/// Files that a run writes beside `series.csv`.
+/// Files that a run writes in addition to `series.csv`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecorderPlan {
     /// Names of the columns that observers add to `series.csv`.
@@ -23,7 +23,7 @@ pub struct RecorderPlan {
     pub forces: bool,
     /// `vtk/` and `rods.pvd`.
     pub vtk: bool,
-    /// Obstacles in `vtk/` beside the rods.
+    /// Writer for the obstacles in `vtk/`.
     pub obstacles: Option<ObstacleSurfaces>,
 }
 
@@ -115,8 +115,8 @@ impl Recorder {
         self.nodes.is_some() || self.needs_forces()
     }
 
-    /// Writes output number `index`; it is visible to readers afterwards. `observed` are the values
-    /// of the columns that observers add to the series.
+    /// Writes output number `index`, which readers can then see. `observed` are the values of the
+    /// columns that observers add to the series.
     pub fn record(
         &mut self,
         index: usize,
@@ -141,15 +141,15 @@ impl Recorder {
         if let Some(obstacles) = &mut self.obstacles {
             obstacles.write(&self.directory, index, frame)?;
         }
-        // Last, so that a time in the series exists in all files.
+        // Written last, so that a time in the series exists in all files.
         self.series.write_with(row, &self.observed, observed)?;
         self.series.flush()
     }
 
-    /// Syncs all files to the disk, `times` being those of all outputs so far, and marks them.
+    /// Syncs all files to the disk and marks them; `times` are those of all outputs so far.
     ///
     /// # Errors
-    /// [`ResultsError::Altered`] where one was removed or replaced meanwhile, [`ResultsError::Io`].
+    /// [`ResultsError::Altered`] if one was removed or replaced meanwhile, [`ResultsError::Io`].
     pub fn sync(&mut self, times: impl Iterator<Item = f64>) -> Result<FileMarks, ResultsError> {
         let mut marks = FileMarks::from([(SERIES.to_owned(), self.series.sync()?)]);
         for (name, stream) in [(NODES, &mut self.nodes), (NODE_FORCES, &mut self.forces)] {
@@ -359,7 +359,7 @@ mod tests {
             );
             assert!(collection.contains(&last), "{collection}");
             if moving {
-                // Frame k has them k metres further along x.
+                // In frame k the obstacles are k metres further along x.
                 let first = |frame: usize| {
                     let name = format!("vtk/obstacles_{frame:06}.vtp");
                     let bytes = fs::read(directory.path().join(name)).unwrap();

@@ -1,4 +1,4 @@
-//! `series.csv`: a row per output time.
+//! `series.csv`: one row per output time.
 
 use super::ResultsError;
 use super::files::SERIES;
@@ -9,14 +9,15 @@ use std::path::Path;
 
 /// A row of `series.csv`; the fields are the columns.
 ///
-/// Means are over the steps since the row before; they are empty in the first row, and where no step was taken.
+/// Means are over the steps since the previous row; they are empty in the first row, and if no
+/// step was taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SeriesRow {
     /// Simulated time.
     pub time_s: f64,
     /// Size of the last step.
     pub step_s: Option<f64>,
-    /// Steps since the row before.
+    /// Number of steps since the previous row.
     pub steps: u64,
     /// Mean number of Newton iterations per step, retries included.
     pub newton_iterations: Option<f64>,
@@ -24,13 +25,14 @@ pub struct SeriesRow {
     pub fluid_iterations: Option<f64>,
     /// Number of contacts with a force at the end of the last step.
     pub contacts: Option<usize>,
-    /// Distance of the bodies, planes included, that are nearest to contact; empty if none is near.
+    /// Distance between the two bodies, including planes, that are nearest to contact; empty if
+    /// none are near.
     pub min_distance_m: Option<f64>,
     /// Kinetic energy.
     pub kinetic_energy_j: f64,
-    /// Elastic energy of stretching, that of springs between nodes included.
+    /// Elastic energy of stretching, including that of springs between nodes.
     pub stretching_energy_j: f64,
-    /// Elastic energy of bending, that of springs about hinges included.
+    /// Elastic energy of bending, including that of springs about hinges.
     pub bending_energy_j: f64,
     /// Elastic energy of twisting.
     pub twisting_energy_j: f64,
@@ -60,20 +62,20 @@ pub fn series_columns() -> Vec<String> {
     header_of(&SeriesRow::default())
 }
 
-/// Reads `series.csv` of a results directory; a partial last row after a crash is ignored.
+/// Reads `series.csv` of a results directory; ignores a partial last row after a crash.
 ///
 /// # Errors
-/// [`ResultsError::Io`] where there is no such file, [`ResultsError::Damaged`] if it is not such a
+/// [`ResultsError::Io`] if there is no such file, [`ResultsError::Damaged`] if it is not such a
 /// table.
 pub fn read_series(directory: &Path) -> Result<Vec<SeriesRow>, ResultsError> {
     read_series_as(directory)
 }
 
-/// Reads `series.csv` as rows of another type, whose fields are found by the names of the columns:
-/// those of an observer, or a selection of columns.
+/// Reads `series.csv` as rows of another type, for columns of an observer or a selection of
+/// columns. Fields are matched with the names of the columns.
 ///
 /// # Errors
-/// As [`read_series`]; [`ResultsError::Damaged`] also where a column is missing.
+/// As [`read_series`]; [`ResultsError::Damaged`] also if a column is missing.
 pub fn read_series_as<Row: DeserializeOwned>(directory: &Path) -> Result<Vec<Row>, ResultsError> {
     read_rows(&directory.join(SERIES))
 }

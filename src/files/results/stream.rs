@@ -27,7 +27,8 @@ impl CsvStream {
     /// Continues a stream from its mark; later rows are dropped.
     ///
     /// # Errors
-    /// [`ResultsError::Altered`] where something else stands there, [`ResultsError::Io`].
+    /// [`ResultsError::Altered`] if the file is missing or does not match the mark,
+    /// [`ResultsError::Io`].
     pub fn continue_at(path: &Path, mark: &FileMark) -> Result<Self, ResultsError> {
         Self::continue_if(path, mark.bytes, |file| {
             mark::compare(path, mark, file.marker())
@@ -38,7 +39,7 @@ impl CsvStream {
     /// dropped.
     ///
     /// # Errors
-    /// [`ResultsError::Altered`] where the file is shorter, [`ResultsError::Io`].
+    /// [`ResultsError::Altered`] if the file is shorter, [`ResultsError::Io`].
     pub fn continue_unmarked(path: &Path, length: u64) -> Result<Self, ResultsError> {
         Self::continue_if(path, length, |_| Ok(()))
     }
@@ -109,7 +110,7 @@ impl CsvStream {
             })
     }
 
-    /// Flushes all rows to the operating system, so that they are visible to readers.
+    /// Flushes all rows to the operating system, so that readers can see them.
     pub fn flush(&mut self) -> Result<(), ResultsError> {
         self.writer
             .flush()
@@ -119,7 +120,8 @@ impl CsvStream {
     /// Flushes, syncs to the disk, and marks the bytes.
     ///
     /// # Errors
-    /// [`ResultsError::Altered`] where the file was removed or replaced meanwhile, [`ResultsError::Io`].
+    /// [`ResultsError::Altered`] if the file was removed or replaced meanwhile,
+    /// [`ResultsError::Io`].
     pub fn sync(&mut self) -> Result<FileMark, ResultsError> {
         self.flush()?;
         let marked = self.writer.get_ref();
@@ -135,7 +137,7 @@ impl CsvStream {
     }
 }
 
-/// Names of the columns of rows such as this one: its fields.
+/// Names of the columns of a row, which are those of its fields.
 pub(super) fn header_of(row: &impl Serialize) -> Vec<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.serialize(row).expect("plain rows go into memory");
@@ -145,7 +147,7 @@ pub(super) fn header_of(row: &impl Serialize) -> Vec<String> {
     header.iter().map(str::to_owned).collect()
 }
 
-/// Reads the whole lines of a file; a partial last line after a crash or during a run is ignored.
+/// Reads the whole lines of a file; ignores a partial last line after a crash or during a run.
 pub(super) fn read_whole_lines(path: &Path) -> Result<Vec<u8>, ResultsError> {
     let mut bytes = fs::read(path).map_err(ResultsError::io("read", path))?;
     let newline = bytes.iter().rposition(|byte| *byte == b'\n');
@@ -155,16 +157,16 @@ pub(super) fn read_whole_lines(path: &Path) -> Result<Vec<u8>, ResultsError> {
 
 /// The usable part of a truncated stream.
 pub struct WholeRows<Row> {
-    /// The rows without a partial last one.
+    /// The rows, without a partial last one.
     pub rows: Vec<Row>,
-    /// Bytes up to there, for [`CsvStream::continue_unmarked`].
+    /// Length of these rows in bytes, for [`CsvStream::continue_unmarked`].
     pub length: u64,
 }
 
 /// Reads a stream to continue it.
 ///
 /// # Errors
-/// [`ResultsError::Io`] where it cannot be read, [`ResultsError::Damaged`] if a row is invalid.
+/// [`ResultsError::Io`] if it cannot be read, [`ResultsError::Damaged`] if a row is invalid.
 pub fn read_whole_rows<Row: DeserializeOwned>(path: &Path) -> Result<WholeRows<Row>, ResultsError> {
     Ok(WholeRows {
         rows: read_rows(path)?,

@@ -1,8 +1,8 @@
-//! `summary.csv` and `timings.csv`: a row per case.
+//! `summary.csv` and `timings.csv`: one row per case.
 //!
 //! The summary holds values that follow from the scenario; values that depend on the machine and
-//! its load are in the timings. The last bits may differ where C libraries compute sines,
-//! exponentials and logarithms differently.
+//! its load are in the timings. The last bits may differ between machines if their C libraries
+//! compute sines, exponentials and logarithms differently.
 
 use super::atomic::write_whole_before;
 use super::files::{SUMMARY, TIMINGS};
@@ -22,35 +22,36 @@ pub struct SummaryRow {
     pub simulated_time_s: f64,
     /// Accepted steps.
     pub steps: u64,
-    /// Times a step was halved before it was accepted.
+    /// Number of times a step was halved before it was accepted.
     pub retries: u64,
     /// Mean number of Newton iterations per step.
     pub newton_iterations_mean: Option<f64>,
-    /// The same over the steps with contact.
+    /// Mean number of Newton iterations per step with contact.
     pub newton_iterations_mean_with_contact: Option<f64>,
     /// Mean number of Krylov iterations of the fluid solves per step.
     pub fluid_iterations_mean: Option<f64>,
-    /// Steps that ended with contact.
+    /// Number of steps that ended with contact.
     pub steps_with_contact: u64,
-    /// End of the first of them; empty where there was none.
+    /// End of the first step with contact; empty if there was none.
     pub first_contact_s: Option<f64>,
-    /// Distance of the bodies, planes included, that were nearest to contact; empty if none was
+    /// Distance of the bodies, including planes, that were nearest to contact; empty if none were
     /// near.
     pub min_distance_m: Option<f64>,
-    /// The same over the distance at which their surfaces touch.
+    /// Ratio of that distance to the one at which the surfaces of these bodies touch.
     pub min_distance_ratio: Option<f64>,
-    /// Mean gap between the surfaces that touch, weighted by their normal forces; empty where none do.
+    /// Mean gap between surfaces in contact, weighted by their normal forces; empty if none touch.
     pub mean_gap_m: Option<f64>,
     /// Elastic energy at the last output.
     pub elastic_energy_j: Option<f64>,
     /// Potential of gravity at the last output.
     pub gravitational_energy_j: Option<f64>,
-    /// Path parameter of the first fold, bifurcation or onset of flutter; empty where there is no path, or none on it.
+    /// Path parameter of the first fold, bifurcation or onset of flutter; empty if there is no
+    /// path, or no such point on it.
     pub critical_parameter: Option<f64>,
     /// Remarks on the case, sentences joined by "; ".
     #[serde(default)]
     pub remarks: String,
-    /// Values of observers: further columns of tables with such a case.
+    /// Values of observers: further columns of tables that contain this case.
     #[serde(skip)]
     pub observed: NamedValues,
 }
@@ -96,7 +97,7 @@ struct TimingRow<'a> {
     peak_memory_bytes: Option<u64>,
 }
 
-/// Writes `summary.csv`, whole; the manifest, written after it, makes it safe.
+/// Writes the whole of `summary.csv`; the manifest, written after it, makes it durable.
 pub fn write_summary(directory: &Path, rows: &[SummaryRow]) -> Result<(), ResultsError> {
     write_whole_before(&directory.join(SUMMARY), &summary_table(rows.iter()))
 }
@@ -113,8 +114,8 @@ pub fn write_timings(directory: &Path, cases: &[(&str, Usage)]) -> Result<(), Re
     write_whole_before(&directory.join(TIMINGS), &table(rows))
 }
 
-/// Writes `summary.csv` of a sweep: `case`, a column for each of `keys`, then the other columns. Each row has
-/// the values of the keys with it. See [`write_summary`].
+/// Writes `summary.csv` of a sweep: `case`, a column for each of `keys`, then the other columns.
+/// Each row is given with its values of the keys. See [`write_summary`].
 pub fn write_sweep_summary(
     directory: &Path,
     keys: &[&str],
@@ -141,8 +142,8 @@ pub fn write_sweep_summary(
     write_whole_before(&directory.join(SUMMARY), &bytes)
 }
 
-/// Column names and rows of a summary, with all columns that observers of any case add, in order of
-/// first occurrence.
+/// Column names and rows of a summary, with all columns that observers of any case add, in order
+/// of first occurrence.
 fn summary_table<'a>(rows: impl Iterator<Item = &'a SummaryRow> + Clone) -> Vec<u8> {
     let mut observed: Vec<&str> = Vec::new();
     for name in rows.clone().flat_map(|row| row.observed.names()) {

@@ -1,4 +1,4 @@
-//! The directory of a sweep: a results directory for each case, and tables of all.
+//! The directory of a sweep: a results directory for each case, and tables of all cases.
 
 use super::directory::{
     Asked, is_own_folder, not_writable, recognise, remove_own, remove_results,
@@ -16,8 +16,8 @@ pub const CASES: &str = "cases";
 /// Folder of the leases.
 const LEASES: &str = "leases";
 
-/// The directory of a sweep. Several processes may have it open; the files of a case are written by the one
-/// that leased it, those of the whole under a lock.
+/// The directory of a sweep. Several processes may have it open: the process that leased a case
+/// writes its files, and files of the whole sweep are written under a lock.
 pub struct SweepDirectory {
     path: PathBuf,
     /// Leases of the cases.
@@ -25,13 +25,13 @@ pub struct SweepDirectory {
 }
 
 impl SweepDirectory {
-    /// Opens the directory of a sweep and writes `manifest` if there is none; its hash identifies
-    /// the sweep of an old directory. With `force` old results are removed, including the listed
-    /// files of its kind of experiment.
+    /// Opens the directory of a sweep and writes `manifest` if there is none; the hash in the
+    /// manifest identifies the sweep of an old directory. With `force`, old results are removed,
+    /// including the listed files of its kind of experiment.
     ///
     /// # Errors
-    /// Those of [`ResultsDirectory::open`](super::ResultsDirectory::open); with `force`
-    /// [`ResultsError::Locked`], too, while other processes work on its cases.
+    /// Those of [`ResultsDirectory::open`](super::ResultsDirectory::open); with `force` also
+    /// [`ResultsError::Locked`] while other processes work on its cases.
     pub fn open(
         path: &Path,
         manifest: &Manifest,
@@ -62,7 +62,7 @@ impl SweepDirectory {
                 old.remove_all()?;
             }
             remove_results(path, own_files)?;
-            // Written first: it identifies the directory.
+            // The manifest is written first, because it identifies the directory.
             manifest.write(path)?;
         }
         write_whole(&path.join(SCENARIO), manifest.scenario.as_bytes())?;
@@ -80,8 +80,8 @@ impl SweepDirectory {
         })
     }
 
-    /// Keeps copies of files, given by name (steps joined by `/`) and contents, in a folder of the directory. Links are
-    /// not followed.
+    /// Stores copies of files in a folder of the directory. Files are given by name (path
+    /// components joined by `/`) and contents. Links are not followed.
     ///
     /// # Errors
     /// [`ResultsError::Link`], [`ResultsError::NotWritable`].
@@ -102,7 +102,7 @@ impl SweepDirectory {
                 }
             }
             fs::create_dir_all(&on_the_way).map_err(not_writable(&on_the_way))?;
-            // Existing files are kept: other processes may be reading them.
+            // Existing files are kept, because other processes may be reading them.
             if fs::read(&file).is_ok_and(|found| found == contents) {
                 continue;
             }
@@ -111,7 +111,7 @@ impl SweepDirectory {
         Ok(())
     }
 
-    /// Renames the directories of cases of earlier versions; the pairs are earlier and present
+    /// Renames the directories of cases of earlier versions; the pairs hold earlier and present
     /// names.
     ///
     /// # Errors
@@ -166,8 +166,8 @@ fn lock(path: &Path) -> Result<File, ResultsError> {
         .open(path.join(LOCK))
         .map_err(not_writable(path))?;
     match file.lock() {
-        // Without locks, two processes may write a table at the same time; each is complete, and
-        // the last one is kept.
+        // Without locks, two processes may write a table at the same time; each one is complete,
+        // and the last one is kept.
         Err(error) if error.kind() != ErrorKind::Unsupported => Err(not_writable(path)(error)),
         _ => Ok(file),
     }
@@ -182,14 +182,14 @@ fn remove_cases(folder: &Path, own_files: &[&str]) -> Result<(), ResultsError> {
         sweep_temporary_files(&case).map_err(not_writable(&case))?;
         remove_results(&case, own_files)?;
         remove_own(&case.join(LOCK))?;
-        // Kept if it has foreign files.
+        // Kept if it contains foreign files.
         let _ = fs::remove_dir(&case);
     }
     let _ = fs::remove_dir(folder);
     Ok(())
 }
 
-/// The content of a folder; nothing if it does not exist or is a link.
+/// The contents of a folder; empty if it does not exist or is a link.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, ResultsError> {
     if !is_own_folder(folder) {
         return Ok(Vec::new());

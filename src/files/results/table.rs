@@ -13,10 +13,11 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads a file; a partial last row after a crash is ignored.
+    /// Reads a file; ignores a partial last row after a crash.
     ///
     /// # Errors
-    /// [`ResultsError::Io`] where it cannot be read, [`ResultsError::Damaged`] where rows differ in length.
+    /// [`ResultsError::Io`] if it cannot be read, [`ResultsError::Damaged`] if rows differ in
+    /// length.
     pub fn read(path: &Path) -> Result<Self, ResultsError> {
         let bytes = read_whole_lines(path)?;
         let damaged = |error: csv::Error| ResultsError::Damaged {
@@ -44,7 +45,7 @@ impl Table {
         self.rows.len()
     }
 
-    /// Whether there are no rows.
+    /// Whether the table has no rows.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
@@ -54,14 +55,14 @@ impl Table {
         &self.rows[row]
     }
 
-    /// The cells of a column; `None` where there is no such column.
+    /// The cells of a column; `None` if there is no such column.
     pub fn column(&self, name: &str) -> Option<impl Iterator<Item = &str>> {
         let index = self.columns.iter().position(|column| column == name)?;
         Some(self.rows.iter().map(move |row| row[index].as_str()))
     }
 
-    /// The numbers of a column, `None` for cells that are not numbers; `None` where there is no
-    /// such column.
+    /// The numbers of a column; `None` if there is no such column. A cell that is not a number is
+    /// `None`.
     pub fn numbers(&self, name: &str) -> Option<Vec<Option<f64>>> {
         Some(self.column(name)?.map(finite::number).collect())
     }

@@ -9,9 +9,10 @@ use std::time::{Duration, Instant};
 pub struct Usage {
     /// Time on the clock.
     pub wall_time: Duration,
-    /// The part of it that went into steps with contact.
+    /// Part of the wall time spent in steps with contact.
     pub wall_time_with_contact: Duration,
-    /// Processor time of all threads that worked on it; `None` if the system does not report it.
+    /// Processor time of all threads that worked on the run; `None` if the system does not report
+    /// it.
     pub cpu_time: Option<Duration>,
     /// Largest resident memory of the process, bytes; `None` if the system does not report it.
     pub peak_memory: Option<u64>,
@@ -29,7 +30,7 @@ impl Default for Usage {
     }
 }
 
-/// The cost of two stretches of work, one after the other.
+/// The total cost of two consecutive periods of work.
 impl Add for Usage {
     type Output = Self;
 
@@ -43,7 +44,7 @@ impl Add for Usage {
     }
 }
 
-/// A duration in seconds; zero for an invalid number, as in a damaged file.
+/// A duration from seconds; zero for an invalid number, as in a damaged file.
 pub fn duration(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds).unwrap_or_default()
 }
@@ -65,17 +66,17 @@ impl UsageMeter {
         }
     }
 
-    /// Counts the time of a step with contact.
+    /// Adds the time of a step with contact.
     pub fn add_step_with_contact(&mut self, wall_time: Duration) {
         self.with_contact += wall_time;
     }
 
-    /// Time on the clock since the start.
+    /// Wall time since the start.
     pub fn wall_time(&self) -> Duration {
         self.start.elapsed()
     }
 
-    /// Cost since the start; the peak of memory is that of the whole life of the process.
+    /// Cost since the start; the peak memory is that of the whole life of the process.
     pub fn usage(&self) -> Usage {
         let cpu_time = cpu_time().zip(self.cpu_time_before);
         Usage {
@@ -87,7 +88,7 @@ impl UsageMeter {
     }
 }
 
-/// Processor time so far of the current work: of the threads of its pool, or of the whole process.
+/// Processor time used so far: by the threads of the current pool, or by the whole process.
 fn cpu_time() -> Option<Duration> {
     match rayon::current_thread_index() {
         Some(_) => rayon::broadcast(|_| thread_cpu_time()).into_iter().sum(),
@@ -104,10 +105,11 @@ pub fn thread_cpu_time() -> Option<Duration> {
 
 /// User and system time of the process, from `/proc/self/stat` (fields 14 and 15 of proc(5)).
 fn process_cpu_time() -> Option<Duration> {
-    // Linux counts in units of 10 ms in this file, regardless of the clock of the kernel.
+    // In this file Linux counts in units of 10 ms, regardless of the kernel's clock.
     const TICK: Duration = Duration::from_millis(10);
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // Field 2, the program's name in parentheses, may hold blanks; field 3 is the first after it.
+    // Field 2, the program's name in parentheses, may contain blanks; field 3 is the first one
+    // after it.
     let (_, after_name) = stat.rsplit_once(')')?;
     let mut times = after_name.split_whitespace().skip(14 - 3);
     let mut ticks = || times.next()?.parse::<u32>().ok();
@@ -133,7 +135,7 @@ mod tests {
     fn work_costs_processor_time_and_memory() {
         let meter = UsageMeter::start();
         let block = std::hint::black_box(vec![1u8; 64 << 20]);
-        // Ends only if processor time is counted.
+        // This loop ends only if processor time is counted.
         while meter.usage().cpu_time.unwrap() < Duration::from_millis(50) {
             std::hint::black_box(block.iter().map(|byte| u64::from(*byte)).sum::<u64>());
         }

@@ -1,4 +1,4 @@
-//! Values under named columns, which observers of a run add to `series.csv` and to `summary.csv`.
+//! Values with column names, which observers of a run add to `series.csv` and to `summary.csv`.
 
 use serde::de::{self, Deserialize, Deserializer, MapAccess, Visitor};
 use serde::ser::{Serialize, Serializer};
@@ -81,7 +81,7 @@ impl<T: Into<Self>> From<Option<T>> for Value {
     }
 }
 
-/// Tables and JSON hold the bare value; formats that are not self-describing also store its kind.
+/// Tables and JSON store the bare value; formats that are not self-describing also store its kind.
 impl Serialize for Value {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if !serializer.is_human_readable() {
@@ -140,18 +140,18 @@ impl Visitor<'_> for ValueVisitor {
     }
 }
 
-/// Values by the names of their columns, in order. In JSON a map.
+/// Values by the names of their columns, in order; a map in JSON.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NamedValues(pub Vec<(String, Value)>);
 
 impl NamedValues {
-    /// The value of a column; `None` where there is no such column.
+    /// The value in a column; `None` if there is no such column.
     pub fn get(&self, name: &str) -> Option<&Value> {
         let found = self.0.iter().find(|(column, _)| column == name);
         found.map(|(_, value)| value)
     }
 
-    /// The number in a column; `None` where there is none.
+    /// The number in a column; `None` if there is none.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.get(name)?.number()
     }

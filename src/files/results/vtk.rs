@@ -1,8 +1,9 @@
-//! VTK PolyData: a frame per output time (`vtk/rods_000000.vtp`, ...) and `rods.pvd`, which ParaView opens. Obstacles are its
-//! second part, triangles with their number as the cell data `obstacle`.
+//! VTK PolyData: one frame per output time (`vtk/rods_000000.vtp`, ...) and `rods.pvd`, which
+//! ParaView opens. Obstacles are its second part, as triangles with the index of the obstacle in
+//! the cell data `obstacle`.
 //!
 //! Each rod is a polyline. Point data: `radius`, `velocity`, and the available forces; cell data:
-//! `rod`, the number of the rod. Numbers are stored in binary, 64 bits each, after the XML
+//! `rod`, the index of the rod. Numbers are stored in binary, 64 bits each, after the XML
 //! ("appended raw"). In ParaView, the filter "Tube" with "Vary Radius: By Absolute Scalar" draws
 //! the rods with their radii.
 //!
@@ -28,7 +29,7 @@ pub(super) fn write_frame(
     Ok(bytes)
 }
 
-/// Writes a file of the folder of frames.
+/// Writes a file in the folder of frames.
 fn write_part(directory: &Path, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
     let folder = directory.join(VTK_FOLDER);
     if folder.is_symlink() {
@@ -38,7 +39,7 @@ fn write_part(directory: &Path, name: &str, bytes: &[u8]) -> Result<(), ResultsE
     write_whole(&directory.join(name), bytes)
 }
 
-/// Writes the obstacles at the time of a frame; returns the bytes.
+/// Writes the obstacles of a frame; returns the bytes.
 pub(super) fn write_obstacles(
     directory: &Path,
     name: &str,
@@ -67,8 +68,8 @@ pub(super) fn write_obstacles(
     Ok(bytes)
 }
 
-/// Writes the collection that gives each frame its time, with the obstacles of a frame if they have
-/// a file.
+/// Writes the collection that assigns each frame its time, with the obstacles of a frame if they
+/// have a file.
 pub(super) fn write_collection(
     directory: &Path,
     times: impl Iterator<Item = f64>,
@@ -159,7 +160,8 @@ pub fn write_surface(
     write_whole(path, &file.finish())
 }
 
-/// Point numbers of every polyline, and where each polyline ends among them; closed rods return to their start.
+/// Point indices of all polylines, and the end of each polyline among them; closed rods return to
+/// their start.
 fn polylines(rods: &[RodRecord]) -> (Vec<usize>, Vec<usize>) {
     let (mut connectivity, mut offsets) = (Vec::new(), Vec::new());
     let mut first = 0;
@@ -181,7 +183,8 @@ fn components(vectors: &[Vector3<f64>]) -> impl Iterator<Item = f64> {
 /// A PolyData file under construction: the XML, and the numbers that follow it.
 struct PolyData {
     xml: String,
-    /// Each array: its length in bytes as a 64-bit integer, then its numbers, all little-endian.
+    /// Arrays, each as its length in bytes as a 64-bit integer, then its numbers, all
+    /// little-endian.
     appended: Vec<u8>,
 }
 
@@ -206,7 +209,7 @@ impl PolyData {
         self.xml += &format!("</{name}>\n");
     }
 
-    /// The corners of triangles, and their numbers for each triangle.
+    /// Writes the corners of triangles, and the indices of the corners of each triangle.
     fn surface(&mut self, points: &[Vector3<f64>], triangles: &[[usize; 3]]) {
         self.section("Points", |file| {
             file.floats("points", 3, components(points));
@@ -222,7 +225,8 @@ impl PolyData {
         self.array("Float64", name, components, values.map(f64::to_le_bytes));
     }
 
-    /// Point numbers, offsets and numbers of rods: lists without components, as required by VTK.
+    /// Writes integers without components, as VTK requires for point indices, offsets and indices
+    /// of rods.
     fn integers(&mut self, name: &str, values: impl Iterator<Item = usize>) {
         let bytes = values.map(|value| (value as u64).to_le_bytes());
         self.array("Int64", name, 1, bytes);
@@ -259,7 +263,7 @@ impl PolyData {
 mod tests {
     use super::*;
 
-    /// Tags of the XML in front of the numbers, and the numbers, 8 bytes each.
+    /// The XML in front of the numbers, and the numbers, 8 bytes each.
     fn read(file: &[u8]) -> (Vec<String>, &[u8]) {
         let mark: &[u8] = b"<AppendedData encoding=\"raw\">\n_";
         let at = file.windows(mark.len()).position(|bytes| bytes == mark);

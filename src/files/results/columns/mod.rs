@@ -1,8 +1,8 @@
 //! Descriptions of the files of a results directory, column by column, for `rodlab explain series`.
 //!
-//! Here are the files of every run; a kind of experiment describes those that it adds, and its
-//! columns in the common ones, in its own folder. `tests/explained.rs` runs scenarios of every kind
-//! and fails if a written file or column is not described.
+//! This module describes the files of every run. A kind of experiment describes its own files, and
+//! its columns in the common ones, in its own folder. `tests/explained.rs` runs scenarios of every
+//! kind and fails if a written file or column is not described.
 
 /// A list of columns, each as `name: meaning`.
 #[macro_export]
@@ -36,14 +36,14 @@ pub struct ColumnGroup {
     pub columns: &'static [Column],
 }
 
-/// A file, a folder, or several of one kind.
+/// A file, a folder, or several files of one kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FileDescription {
-    /// Names; the first represents all.
+    /// Names; the first one represents all.
     pub names: &'static [&'static str],
-    /// Its content, and when it is written.
+    /// Content, and when it is written.
     pub meaning: &'static str,
-    /// Its columns or keys; empty if it is not a table.
+    /// Columns or keys; empty if the file is not a table.
     pub groups: &'static [ColumnGroup],
 }
 
@@ -53,7 +53,8 @@ impl FileDescription {
         self.groups.iter().flat_map(|group| group.columns)
     }
 
-    /// Its names in keys: tables and JSON files also without their ending.
+    /// Whether a name given as a key refers to this file; tables and JSON files may omit their
+    /// extension.
     pub fn is_called(&self, word: &str) -> bool {
         self.names.iter().any(|&name| {
             let stem = name.strip_suffix(".csv").or(name.strip_suffix(".json"));
@@ -62,7 +63,7 @@ impl FileDescription {
     }
 }
 
-/// A file whose columns are always present.
+/// A table whose columns are always present.
 pub const fn table(
     names: &'static [&'static str],
     meaning: &'static str,
