@@ -14,13 +14,13 @@ pub struct NotFinite {
     pub what: String,
 }
 
-/// The finite number of a text; `None` for anything else, such as `nan`, `inf` or `1e999`.
+/// Parses a finite number; `None` for anything else, such as `nan`, `inf` or `1e999`.
 pub fn number(text: &str) -> Option<f64> {
     let number = text.trim().parse().ok();
     number.filter(|number: &f64| number.is_finite())
 }
 
-/// Whether all of some numbers are finite.
+/// Checks that all numbers are finite.
 ///
 /// # Errors
 /// The first one that is not; `what` names it by its index.

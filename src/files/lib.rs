@@ -1,5 +1,5 @@
-//! Files in and out: results directories with their marks, triangle meshes, figures of curves and
-//! rows, and checks of input files.
+//! Input and output of files: results directories with their marks, triangle meshes, figures of
+//! curves and rows, and checks of input files.
 //!
 //! | module | content |
 //! |---|---|
@@ -10,7 +10,7 @@
 //! | [`input`] | checks of files: their size, the depth of XML |
 //! | [`origin`] | version and commit of the program |
 
-// Tests compare with a tolerance, and may use any mathematical library.
+// Tests compare with a tolerance, so they may use any mathematical library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 pub mod figure;

@@ -1,4 +1,4 @@
-//! Version of the program, and the commit that it was built from.
+//! Version of the program, and the commit from which it was built.
 
 use std::sync::OnceLock;
 
@@ -7,12 +7,12 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 static COMMIT: OnceLock<&'static str> = OnceLock::new();
 
-/// Sets the commit that the program was built from; only the first call has an effect.
+/// Sets the commit from which the program was built; only the first call has an effect.
 pub fn state_commit(commit: &'static str) {
     COMMIT.get_or_init(|| commit);
 }
 
-/// The commit that the program was built from, if known.
+/// The commit from which the program was built, if known.
 pub fn commit() -> Option<&'static str> {
     COMMIT.get().copied()
 }

@@ -1,8 +1,8 @@
 //! Decoding of XML files.
 
-/// The text of an XML file: UTF-8, UTF-16 with a byte order mark, or otherwise Latin-1, in which
-/// every byte is a letter. Names and comments in other encodings are decoded wrongly; markup and
-/// numbers are the same in all.
+/// Decodes an XML file: UTF-8, UTF-16 with a byte order mark, or otherwise Latin-1, in which every
+/// byte is a letter. Names and comments in other encodings are decoded wrongly; markup and numbers
+/// are the same in all of them.
 pub fn xml_text(bytes: &[u8]) -> String {
     let units = |of: fn([u8; 2]) -> u16| {
         let pairs = bytes[2..].chunks_exact(2);

@@ -1,4 +1,4 @@
-//! Checked reading of files: regular files of a bounded size and a bounded depth.
+//! Checked reading of files: only regular files of bounded size, and XML of bounded depth.
 
 mod encoding;
 mod numbers;
@@ -18,7 +18,7 @@ use std::path::Path;
 /// devices are rejected before they are opened.
 ///
 /// # Errors
-/// The reason, to follow the name of the file.
+/// The reason, as a message after the name of the file.
 pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>, String> {
     let failed = |error: std::io::Error| error.to_string();
     let about = fs::metadata(path).map_err(failed)?;
@@ -48,7 +48,7 @@ pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>, String> {
 /// Reads a text in UTF-8 of at most `largest` bytes, see [`read`].
 ///
 /// # Errors
-/// The reason, to follow the name of the file.
+/// The reason, as a message after the name of the file.
 pub fn read_text(path: &Path, largest: u64) -> Result<String, String> {
     String::from_utf8(read(path, largest)?).map_err(|_| "it is not text in UTF-8".into())
 }

@@ -1,6 +1,6 @@
 //! Numbers of arguments.
 
-/// A parser of allowed numbers; others are refused with the message `needed`.
+/// A parser of allowed numbers; rejects others with the message `needed`.
 pub fn number(
     is_allowed: fn(f64) -> bool,
     needed: &'static str,
@@ -12,7 +12,7 @@ pub fn number(
     }
 }
 
-/// Numbers with commas between them; `None` if one of them is not a number.
+/// Numbers separated by commas; `None` if any of them is not a number.
 pub fn numbers(text: &str) -> Option<Vec<f64>> {
     let numbers = text.split(',').map(|part| part.trim().parse().ok());
     numbers.collect()

@@ -1,11 +1,11 @@
 //! Columns of numbers in CSV files of programs and users.
 //!
-//! Fields are separated by commas, semicolons, tabs or blanks, as in the first line. A header names
-//! the columns, with their unit in any of the usual forms (`x`, `x_m`, `X [mm]`, `x (cm)`); if the
-//! first line has numbers only, there is no header. If fields are not separated by commas, a comma
-//! is a decimal comma. Empty lines and lines that begin with `#` are skipped.
+//! Fields are separated by commas, semicolons, tabs or blanks, as in the first line. A header
+//! names the columns, with their units in any of the usual forms (`x`, `x_m`, `X [mm]`, `x (cm)`).
+//! If the first line has numbers only, there is no header. If fields are not separated by commas,
+//! a comma is a decimal comma. Empty lines and lines that begin with `#` are skipped.
 
-/// Units of columns, with their value in SI units.
+/// Units of columns, with their values in SI units.
 const UNITS: [(&str, f64); 10] = [
     ("m", 1.0),
     ("mm", 1e-3),
@@ -27,7 +27,7 @@ pub struct Table<'a> {
     has_decimal_commas: bool,
     /// Names of the columns as written; empty without a header.
     header: Option<Vec<String>>,
-    /// Lines before the first row.
+    /// Number of lines before the first row.
     skipped: usize,
     /// Fields of the first line.
     columns: usize,
@@ -36,7 +36,7 @@ pub struct Table<'a> {
 /// A column of numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column {
-    /// Its place in a row, from 0.
+    /// Its index in a row, from 0.
     pub index: usize,
     /// The value of its unit in SI units.
     pub unit: f64,
@@ -70,7 +70,8 @@ impl<'a> Table<'a> {
         Ok(table)
     }
 
-    /// The column of a name, with or without its unit; without a header the `place`-th one.
+    /// The column with a name, given with or without its unit; without a header, the column at
+    /// index `place`.
     pub fn column(&self, name: &str, place: usize) -> Option<Column> {
         let Some(header) = &self.header else {
             let there = place < self.columns;
@@ -101,7 +102,7 @@ impl<'a> Table<'a> {
     /// Checks that a row has as many fields as the first line.
     ///
     /// # Errors
-    /// A message, to follow the number of the line.
+    /// A message, to be placed after the line number.
     pub fn check_length(&self, fields: &[String]) -> Result<(), String> {
         match fields.len() == self.columns {
             true => Ok(()),
@@ -191,7 +192,7 @@ fn separator_of(line: &str) -> char {
     }
 }
 
-/// The name of a heading in lower case without its unit, and that unit; an unknown unit is part of
+/// The name of a heading in lower case without its unit, and the unit; an unknown unit is part of
 /// the name.
 fn split_unit(heading: &str) -> (String, f64) {
     let heading = heading.to_lowercase();

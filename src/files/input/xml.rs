@@ -1,5 +1,5 @@
-//! Check of the nesting of XML before parsing: XML parsers and trees recurse, and a deep document
-//! overflows their stack.
+//! Check of the nesting of XML before parsing: XML parsers and trees recurse, so a deep document
+//! overflows the stack.
 
 /// Maximum nesting of elements.
 pub const DEEPEST: usize = 100;
@@ -10,7 +10,7 @@ pub const DEEPEST: usize = 100;
 /// Syntax errors are left to the parser.
 ///
 /// # Errors
-/// The reason, to follow the name of the document.
+/// The reason, as a message after the name of the document.
 pub fn check_nesting(text: &str) -> Result<(), String> {
     let mut depth = 0_usize;
     let mut rest = text;

@@ -19,11 +19,11 @@ pub struct Mesh {
     pub triangles: Vec<[usize; 3]>,
 }
 
-/// Reads the bytes of a file whose name ends in `stl` or `obj`. Corners of an STL file at the same
+/// Reads the bytes of a file with the extension `stl` or `obj`. Corners of an STL file at the same
 /// position become one vertex.
 ///
 /// # Errors
-/// A message about the file, to follow its name.
+/// A message about the file, to be placed after its name.
 pub fn parse(bytes: &[u8], ending: &str) -> Result<Mesh, String> {
     match ending.to_ascii_lowercase().as_str() {
         "stl" => Ok(weld(stl::corners(bytes)?)),

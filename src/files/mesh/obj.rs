@@ -43,7 +43,8 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, String> {
     Ok(mesh)
 }
 
-/// The vertex of `7`, `7/1`, `7//2` or `7/1/2`, counted from 1, or back from the last one where negative.
+/// The vertex of `7`, `7/1`, `7//2` or `7/1/2`, counted from 1, or backwards from the last vertex
+/// if negative.
 fn corner(word: &str, vertices: usize) -> Option<usize> {
     let number: i64 = word.split('/').next()?.parse().ok()?;
     let index = if number < 0 {

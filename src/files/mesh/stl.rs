@@ -3,7 +3,7 @@
 use super::MOST_TRIANGLES;
 use crate::finite;
 
-/// Bytes of a binary file before its triangles, and of each of them.
+/// Bytes of a binary file before its triangles, and bytes per triangle.
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
 
@@ -95,7 +95,7 @@ mod tests {
         for (a, b) in from_text.iter().flatten().zip(from_binary.iter().flatten()) {
             assert!((a - b).abs() < 1e-8);
         }
-        // Binary files of some programs begin with the word.
+        // Binary files of some programs begin with the word `solid`.
         let mut named = binary();
         named[..5].copy_from_slice(b"solid");
         assert_eq!(corners(&named).unwrap(), from_binary);
