@@ -13,7 +13,7 @@ pub(super) struct EliminationTree {
     pub(super) order: Vec<usize>,
     /// Place of each node in the order.
     pub(super) position: Vec<u32>,
-    /// First row below the diagonal of each column, [`ROOT`] where there is none.
+    /// First row below the diagonal of each column, or [`ROOT`] if there is none.
     pub(super) parent: Vec<u32>,
     /// Rows below the diagonal in each column of the matrix: those of column k are `rows[starts[k]..starts[k + 1]]`.
     starts: Vec<u32>,

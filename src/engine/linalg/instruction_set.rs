@@ -113,7 +113,7 @@ macro_rules! kernel {
             }
             match set.kind() {
                 Kind::Portable => portable($($argument),*),
-                // SAFETY: an `InstructionSet` of this kind exists only where it was detected.
+                // SAFETY: an `InstructionSet` of this kind exists only if it was detected.
                 #[cfg(target_arch = "x86_64")]
                 Kind::Avx2 => unsafe { avx2($($argument),*) },
                 // SAFETY: as above.

@@ -29,7 +29,7 @@ pub struct Gain {
 pub struct SmallSteps {
     /// Time and reason of the first series.
     pub message: String,
-    /// Advice; empty where there is none.
+    /// Advice; empty if there is none.
     pub advice: String,
     /// Number of rows.
     pub rows: usize,

@@ -29,8 +29,8 @@ pub struct CriticalDistance {
 /// Columns of the propagator that start with moment and force: solutions with θ(0) = ρ(0) = 0.
 type Solutions = SMatrix<f64, 12, 6>;
 
-/// Distance at which the helical rod of unit length along the direction of `helix` loses stability;
-/// `None` where it stays stable up to a distance of 100.
+/// Distance at which the helical rod of unit length along the direction of `helix` loses
+/// stability; `None` if it stays stable up to a distance of 100.
 ///
 /// A helix with clamped ends is stable if and only if no conjugate point lies in (0, L]: no arc
 /// length s at which a solution of the linearised equations, not identically zero, has θ = ρ = 0
