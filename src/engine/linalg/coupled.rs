@@ -105,7 +105,7 @@ impl CoupledSystem {
         self.matrix.assemble(band);
     }
 
-    /// Adds the matrix of the element with the given index in the list that [`Self::new`] was given.
+    /// Adds the matrix of the element with the given index in the list passed to [`Self::new`].
     #[inline]
     pub fn add_element(&mut self, index: usize, matrix: &ElementMatrix) {
         self.matrix.add_element(index, matrix);

@@ -94,7 +94,8 @@ impl SymbolicFactor {
 }
 
 impl Update {
-    /// Number of block products. Each column of the update takes the rows from itself on.
+    /// Number of block products: each column of the update is multiplied with the rows from its
+    /// own row on.
     fn products(&self, source: &Supernode) -> usize {
         let (columns, below) = (self.rows.len(), source.rows.len() - self.rows.start);
         source.width() * columns * (2 * below - columns + 1) / 2

@@ -176,11 +176,12 @@ impl RodDescription {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Inertia {
-    /// Half of the edge at either node. Vibrations are of second order in the edge length.
+    /// Half of the mass of an edge at either node. Vibrations are of second order in the edge
+    /// length.
     #[default]
     Lumped,
-    /// Consistent with edges that move linearly from node to node, with Gregory's weights next to
-    /// clamps. Vibrations of straight rods are of fourth order.
+    /// Mass that is consistent with edges moving linearly from node to node, with Gregory's
+    /// weights next to clamps. Vibrations of straight rods are of fourth order.
     Consistent,
 }
 

@@ -68,8 +68,8 @@ impl CheckpointFiles {
     /// An unusable checkpoint causes a warning; then the older one is tried.
     ///
     /// # Errors
-    /// [`ResultsError::Altered`] of `accept` if it rejected a complete checkpoint, whose files do
-    /// not match, and no other was accepted.
+    /// [`ResultsError::Altered`], as returned by `accept`, if it rejected a complete checkpoint
+    /// because files do not match it, and no other checkpoint was accepted.
     pub fn read<P: DeserializeOwned, T>(
         &mut self,
         mut accept: impl FnMut(P) -> Result<T, ResultsError>,

@@ -102,7 +102,7 @@ fn barrier_and_penalty_agree_on_pressed_rods() {
         let difference = (of_barrier - of_penalty).norm() / of_penalty.norm();
         println!("friction {friction}: {apart:.2e} m, forces {difference:.1e} of {of_penalty:?}");
         assert!(apart < TOLERANCE);
-        // The gaps may differ by the tolerance; the rods are bent by 3 mm.
+        // The gaps may differ by the tolerance, while the rods are bent by 3 mm.
         assert!(difference < TOLERANCE / 3e-3);
     }
 }

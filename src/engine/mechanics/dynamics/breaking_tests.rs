@@ -237,8 +237,8 @@ fn welds_and_hinges_break_at_the_moment_that_bends_the_rod() {
         let remarks = simulation.remarks();
         let is_told = |remark: &String| remark.contains("`weld` broke") && remark.ends_with("N m");
         assert!(remarks.iter().any(is_told), "{remarks:?}");
-        // The free end flies off with the impulse of the force: the mean acceleration of the arm
-        // is F/m.
+        // The free end flies off with the impulse of the force; the centre of the arm accelerates
+        // by F/m.
         let free = simulation.time() - time;
         let velocities = &simulation.velocities()[5..10];
         let mean = 0.25

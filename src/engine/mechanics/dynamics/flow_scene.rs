@@ -158,8 +158,8 @@ fn connections(assembly: &Assembly) -> Connections {
 }
 
 /// Whether two nodes at one place may move apart freely, as those of two rods inside each other
-/// may. They may not if they are held there, or if a joint or spring ties them or other nodes of
-/// their rods nearby.
+/// may. They may not if clamps hold both there, or if joints, springs or clamps tie their rods
+/// nearby.
 fn may_part(scene: &Scene, assembly: &Assembly, positions: &[Vector3], pair: [usize; 2]) -> bool {
     if pair.iter().all(|node| assembly.held[STRIDE * node]) {
         return false;

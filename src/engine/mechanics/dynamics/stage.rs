@@ -232,11 +232,11 @@ impl Workspace {
         }
     }
 
-    /// Solves by Newton's method from the prediction. With complementarity, it starts from the
-    /// start of the step if rods near each other move far, since the prediction may have moved
-    /// them past each other and contact would separate them on the wrong sides. If this fails with
-    /// carried contact forces, it solves again with line searches, from a prediction that crosses
-    /// no contact; if no contact forces are found, from the other of the two starts.
+    /// Solves by Newton's method from the prediction. With complementarity, if rods near each
+    /// other move far, it begins at the start of the step instead: the prediction may have moved
+    /// the rods past each other, and contact would then separate them on the wrong sides. If this
+    /// fails with carried contact forces, it solves again with line searches, from a prediction
+    /// that crosses no contact; if no contact forces are found, from the other of the two starts.
     fn solve_by_either_way(
         &mut self,
         system: &mut System,

@@ -172,9 +172,9 @@ impl StepControl {
         Decision::Accept
     }
 
-    /// Restarts with a small step after an event: the first step of a simulation whose largest is
-    /// `maximum`, or a larger one if that is `harmless` or if the next event, after `spacing`,
-    /// allows it; all in s.
+    /// Restarts with a small step after an event. The step is at least the first step of a
+    /// simulation whose largest step is `maximum`; it may be larger if that is `harmless`, or if
+    /// the next event is closer than `maximum`: `spacing` is the time to it. All in s.
     pub(crate) fn begin_again(&mut self, maximum: f64, harmless: f64, spacing: f64) {
         let first = FIRST_STEP * maximum;
         let dense = if spacing < maximum {

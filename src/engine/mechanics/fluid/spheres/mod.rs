@@ -47,7 +47,7 @@ pub(super) struct Spheres {
     spheres: Vec<Sphere>,
     /// Whether each station is inside a sphere and thus part of it.
     inside: Vec<bool>,
-    /// The same of each point.
+    /// Points inside spheres, in ascending order.
     points_inside: Vec<usize>,
     /// Action of each sphere on each point, sphere by sphere.
     on_points: Vec<Influence>,
