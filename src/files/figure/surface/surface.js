@@ -1,4 +1,4 @@
-// A surface of triangles in colours of a number at its corners, with the three axes.
+// A surface of triangles, coloured by a number at each corner, with the three axes.
 
 const SURFACE_VERTEX = `#version 300 es
 precision highp float;
@@ -47,7 +47,7 @@ function program(gl) {
   return made;
 }
 
-/** Points with their numbers as a vertex array: x, y, z, value each. */
+/** Points with their numbers as a vertex array: x, y, z, value for each. */
 function vertices(gl, numbers, indices) {
   const array = gl.createVertexArray();
   gl.bindVertexArray(array);

@@ -1,4 +1,4 @@
-// The camera turns about a target with z up, as a turntable does. Vectors are arrays of three numbers.
+// The camera rotates about a target, with z up, like a turntable. Vectors are arrays of three numbers.
 
 const add = (a, b, factor = 1) => a.map((x, k) => x + factor * b[k]);
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -6,12 +6,12 @@ const norm = (a) => Math.sqrt(dot(a, a));
 const unit = (a) => a.map((x) => x / norm(a));
 
 class Camera {
-  /** Half of the angle of view, rad. */
+  /** Half of the field of view, rad. */
   static HALF_ANGLE = 0.24;
 
   constructor() {
     this.target = [0, 0, 0];
-    /** Half of the height seen at the target, m. */
+    /** Half of the visible height at the target, m. */
     this.scale = 1;
     this.yaw = 0;
     this.pitch = 0;
@@ -21,7 +21,7 @@ class Camera {
 
   lookFrom(eye) {
     this.pitch = Math.asin(Math.max(-1, Math.min(1, eye[2])));
-    // From above or below x runs to the right.
+    // In a view from above or below, x runs to the right.
     this.yaw = Math.hypot(eye[0], eye[1]) > 1e-6 ? Math.atan2(eye[0], -eye[1]) : 0;
   }
 
@@ -52,12 +52,12 @@ class Camera {
     this.scale = scale;
   }
 
-  /** Shows the box whole in the free part of a canvas: all but `above`, `below` and `right`, pixels. */
+  /** Fits the box into the free part of a canvas, which excludes `above`, `below` and `right`, pixels. */
   fit(lower, size, { width, height, above, below, right: beside = 0 }) {
     this.reach = 0.5 * norm(size);
     const { right, up, eye } = this.basis();
     const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => size.map((extent, k) => (corner >> k & 1 ? 0.5 : -0.5) * extent));
-    // A corner before the target by d is seen larger: |r| / (distance − d) ≤ tan, with r to the side.
+    // A corner nearer than the target by d appears larger: |r| / (distance − d) ≤ tan, with the lateral offset r.
     const tangent = Math.tan(Camera.HALF_ANGLE) / 1.12;
     const distance = Math.max(...corners.map((corner) => {
       const aside = Math.max(Math.abs(dot(up, corner)) * height / (height - above - below), Math.abs(dot(right, corner)) * height / (width - beside));
@@ -66,7 +66,7 @@ class Camera {
     this.scale = distance * Math.tan(Camera.HALF_ANGLE);
     const metresPerPixel = 2 * this.scale / height;
     const centre = lower.map((x, k) => x + 0.5 * size[k]);
-    // The middle of the free part is beside that of the canvas by half of what is taken more on the other side.
+    // The centre of the free part is offset from that of the canvas by half of the difference of the excluded margins.
     this.target = add(add(centre, up, -0.5 * (below - above) * metresPerPixel), right, 0.5 * beside * metresPerPixel);
   }
 
@@ -79,7 +79,7 @@ class Camera {
     return add(this.target, this.basis().eye, this.parallel ? 1e3 * this.reach : this.distance());
   }
 
-  /** Columns of the matrix from the scene to the canvas. `reach`: radius about the target to be seen, m. */
+  /** Columns of the matrix from the scene to the canvas. `reach`: visible radius around the target, m. */
   matrix(aspect, reach) {
     const { right, up, eye } = this.basis();
     const distance = this.distance();

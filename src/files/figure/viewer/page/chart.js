@@ -1,4 +1,4 @@
-// A series beside the motion: a curve with a mark at the output that is shown; a click or a drag goes to another one.
+// A series beside the motion: a curve with a mark at the output that is shown. Click or drag to select another output.
 
 /** Size of the drawing in its own units. */
 const [CHART_WIDTH, CHART_HEIGHT] = [360, 110];
@@ -17,7 +17,7 @@ class Chart {
     for (const kind of ["pointerdown", "pointermove"]) this.svg.addEventListener(kind, point);
   }
 
-  /** Takes on a series of a case; null for none. */
+  /** Sets the series of a case; null for none. */
   show(shown, name) {
     const number = shown.series.findIndex((one) => one.name === name);
     this.name = number >= 0 ? name : null;
@@ -43,7 +43,7 @@ class Chart {
     this.curve.setAttribute("d", this.path());
   }
 
-  /** The curve, broken where there is no value and where one branch ends and another begins. */
+  /** The curve, interrupted at missing values and between branches. */
   path() {
     let path = "", isBroken = true;
     this.places.forEach(([x, y], k) => {
@@ -68,12 +68,12 @@ class Chart {
     document.getElementById("chart-value").textContent = Number.isFinite(value) ? quantity(value, this.unit) : "–";
   }
 
-  /** The output nearest to where the user points. */
+  /** The output nearest to the pointer. */
   nearest(event) {
     const box = this.svg.getBoundingClientRect();
     const x = ((event.clientX - box.left) / box.width) * CHART_WIDTH;
     const y = ((event.clientY - box.top) / box.height) * CHART_HEIGHT;
-    // On a path of equilibria several outputs stand above each other.
+    // On a path of equilibria, several outputs may have the same horizontal position.
     const away = ([a, b]) => Math.abs(a - x) + (this.shown.branches && b !== null ? Math.abs(b - y) : 0);
     return this.places.reduce((best, place, k) => (away(place) < away(this.places[best]) ? k : best), 0);
   }

@@ -1,11 +1,11 @@
-// Colour bars that colour-blind readers can follow.
+// Colour bars that colour-blind readers can distinguish.
 
-// Viridis (Smith and van der Walt 2015) for sizes, without its darkest end, which would vanish at night.
+// Viridis (Smith and van der Walt 2015) for unsigned values, without its darkest end, which would be invisible in the dark theme.
 const SEQUENTIAL = ["#5a4aa5", "#365c8d", "#277f8e", "#1fa187", "#4ac16d", "#a0da39", "#fde725"];
-// Blue over grey to orange for what has a sign.
+// Blue through grey to orange for signed values.
 const DIVERGING = ["#0b4f9c", "#2f86c9", "#86bfe0", "#d4d8dc", "#eeb07a", "#d9762b", "#9c3f06"];
 
-/** Number of a rod's colour in the palette; obstacles have the last one, a grey. */
+/** Index of a rod's colour in the palette; obstacles have the last one, a grey. */
 function colourOfRod(rod, index) {
   return rod.held ? movie.palette.length - 1 : index % movie.palette.length;
 }

@@ -2,7 +2,7 @@
 // A contact: a ring that faces the eye.
 precision highp float;
 
-in vec3 contact;           // in levels of the box
+in vec3 contact;           // in levels of the bounding box
 
 uniform mat4 projection;
 uniform vec3 lower;

@@ -1,19 +1,19 @@
-// What is seen as a file: a picture, or a video of the motion.
+// Exports the view: a picture, or a video of the motion.
 
 /** Frames of a video per second. */
 const RATE = 30;
-/** Formats of videos, the better ones first. */
+/** Formats of videos, in order of preference. */
 const VIDEOS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm", "video/mp4"];
 
 class Exporter {
-  /** `draw` draws the scene on its canvas at once and returns what stands below it: clock, ruler. */
+  /** `draw` draws the scene on its canvas immediately and returns the texts below it: clock, ruler. */
   constructor(scene, draw) {
     this.scene = scene;
     this.draw = draw;
     this.recorder = null;
   }
 
-  /** The scene on its background with scale and time, on a canvas of its own. */
+  /** The scene on its background with scale and time, on a separate canvas. */
   compose(canvas) {
     const { clock, ruler } = this.draw();
     const [width, height] = [this.scene.width, this.scene.height];
@@ -51,7 +51,7 @@ class Exporter {
     this.compose(document.createElement("canvas")).toBlob((blob) => save(blob, `${name}.png`), "image/png");
   }
 
-  /** Begins a video; `ended` is called when it is saved. Each `frame()` adds what is seen then. */
+  /** Begins a video; `ended` is called when it is saved. Each `frame()` adds the current view. */
   begin(name, ended) {
     const canvas = this.compose(document.createElement("canvas"));
     const stream = canvas.captureStream(RATE);
@@ -73,7 +73,7 @@ class Exporter {
     if (this.recorder) this.compose(this.canvas);
   }
 
-  /** Ends the video after the last frame has been seen. */
+  /** Ends the video after the last frame has been drawn. */
   end() {
     if (this.recorder?.state === "recording") setTimeout(() => this.recorder?.stop(), 2000 / RATE);
   }

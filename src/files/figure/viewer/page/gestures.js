@@ -1,4 +1,4 @@
-// Mouse, pen and fingers on the canvas turn, move and zoom the camera.
+// Mouse, pen and finger gestures on the canvas rotate, move and zoom the camera.
 
 function watchGestures(canvas, camera, changed) {
   const pointers = new Map();
@@ -23,7 +23,7 @@ function watchGestures(canvas, camera, changed) {
     }
     changed();
   });
-  // Without its capture a pointer that is released elsewhere would drag for ever.
+  // Without capture, a pointer released outside the canvas would keep dragging.
   for (const ending of ["pointerup", "pointercancel", "lostpointercapture"]) {
     canvas.addEventListener(ending, (event) => {
       pointers.delete(event.pointerId);
@@ -38,7 +38,7 @@ function watchGestures(canvas, camera, changed) {
     changed();
   }, { passive: false });
 
-  /** One of two fingers has moved: the middle moves, the distance zooms. */
+  /** One of two fingers has moved: their midpoint moves the camera, their distance zooms. */
   function pinch(id, before, now) {
     const other = [...pointers].find(([key]) => key !== id)[1];
     const apart = (place) => Math.hypot(place[0] - other[0], place[1] - other[1]);

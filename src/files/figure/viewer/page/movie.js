@@ -1,10 +1,10 @@
-// The movie: its description is JSON, its numbers are packed bytes in base64, unpacked case by case when shown.
+// The movie: its description is JSON, its numbers are packed bytes in base64; a case is unpacked when it is shown.
 
 const movie = JSON.parse(document.getElementById("movie").textContent);
 
 const MAXIMUM_LEVEL = 65535;
 
-/** A case with its numbers as typed arrays, which are views of one buffer; the order is that of the packing. */
+/** A case with its numbers as typed arrays, which are views of one buffer in the packed order. */
 function unpackCase(index) {
   const element = document.getElementById(`case-${index}`);
   const text = atob(element.textContent);
@@ -30,7 +30,7 @@ function unpackCase(index) {
            level: description.size.map((size) => size / MAXIMUM_LEVEL) };
 }
 
-/** The range of a field over all cases, so that a colour means the same in each. */
+/** The range of a field over all cases, so that a colour has the same meaning in each. */
 function rangeOverCases(name) {
   const fields = movie.cases.flatMap((one) => one.fields.filter((field) => field.name === name));
   return {
@@ -40,11 +40,11 @@ function rangeOverCases(name) {
   };
 }
 
-/** What a case shows: rods at rest, a path of equilibria, or motion. */
+/** Kind of content of a case: rods at rest, a path of equilibria, or motion. */
 const isAtRest = (shown) => shown.frames < 2;
 const isPath = (shown) => shown.branches !== null;
 
-/** A number with its unit, to three digits, with a prefix where the unit takes one. */
+/** A number with its unit, to three digits, with a prefix if the unit allows one. */
 function quantity(value, unit) {
   if (value === 0) return `0 ${unit}`;
   const prefixes = { "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 6: "M" };

@@ -1,5 +1,5 @@
 #version 300 es
-// Flat faces, pale, and half clear where rods behind them are to show.
+// Flat, pale faces; translucent if rods behind them should be visible.
 precision highp float;
 
 in vec3 place;

@@ -1,4 +1,4 @@
-// Joins the page: what is shown, and what buttons and keys do.
+// Combines the parts of the page: the content shown, and the actions of buttons and keys.
 
 const element = (id) => document.getElementById(id);
 
@@ -33,7 +33,7 @@ class Page {
 
   showCase(index) {
     this.index = (index + movie.cases.length) % movie.cases.length;
-    // A few cases stay unpacked, so that going back and forth is quick.
+    // A few cases stay unpacked, so that switching between them is fast.
     if (!this.cases.has(this.index)) {
       if (this.cases.size > 3) this.cases.delete(this.cases.keys().next().value);
       this.cases.set(this.index, unpackCase(this.index));
@@ -63,7 +63,7 @@ class Page {
     this.setColour(this.shown.fields.some(({ name }) => name === this.colour) ? this.colour : null);
   }
 
-  /** Plots a series beside the motion; none without a name. */
+  /** Plots a series beside the motion; no plot without a name. */
   setPlot(name) {
     this.chart.show(this.shown, isAtRest(this.shown) ? null : name || null);
     element("plot").value = this.chart.name ?? "";
@@ -106,7 +106,7 @@ class Page {
     this.changed();
   }
 
-  /** Shows the whole motion; `fromStart`: from where the run is looked at first. */
+  /** Fits the whole motion into the view; `fromStart`: from the initial direction of view. */
   fit(fromStart = false) {
     const { room, eye } = this.shown;
     this.camera.moved = !fromStart;
@@ -120,11 +120,11 @@ class Page {
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     const boxes = (ids) => ids.map((id) => element(id).getBoundingClientRect()).filter((box) => box.height > 0);
     const below = height - Math.min(height, ...boxes(["transport", "chart-card", "ruler"]).map((box) => box.top));
-    // In low windows the tools lie in a row at the top, in others in a column on the right.
+    // In low windows the tools are in a row at the top, otherwise in a column on the right.
     const [tools] = boxes(["tools"]);
     const isRow = tools && tools.width > tools.height;
     const row = isRow ? tools.bottom : 0, right = tools && !isRow ? width - tools.left : 0;
-    // Beside narrow cards there is room; where they span a small screen there is none.
+    // There is room beside narrow cards, but not if they span a small screen.
     const cards = width < 640 ? boxes(["about", "legend"]).map((box) => box.bottom) : [];
     const above = Math.max(row, ...cards);
     const least = 0.4 * height, asked = height - above - below;
@@ -154,7 +154,7 @@ class Page {
     element("speed").value = speed;
   }
 
-  /** Draws at the next occasion. */
+  /** Draws in the next animation frame. */
   changed() {
     this.pending ??= requestAnimationFrame((now) => this.draw(now));
   }
@@ -174,7 +174,7 @@ class Page {
     }
   }
 
-  /** Draws what is to be seen; returns what the clock and the ruler say. */
+  /** Draws the scene; returns the texts of the clock and the ruler. */
   drawNow() {
     const place = this.player.place();
     const field = this.shown.fields.findIndex((one) => one.name === this.colour);
@@ -183,7 +183,7 @@ class Page {
     return this.label(place.frame);
   }
 
-  /** Records the motion from its beginning to its end, or ends a recording. */
+  /** Records the motion from start to end, or ends a recording. */
   record() {
     if (this.exporter.recorder) return this.exporter.end();
     this.player.seek(0);
@@ -195,12 +195,12 @@ class Page {
     this.changed();
   }
 
-  /** The title as the name of a file. */
+  /** The title as a file name. */
   fileName() {
     return movie.title.replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-|-$/g, "").toLowerCase() || "rods";
   }
 
-  /** Brings clock, slider, ruler and axes up to date. */
+  /** Updates clock, slider, ruler and axes. */
   label(frame) {
     const { firstContact } = this.shown;
     element("time").value = frame;
@@ -221,7 +221,7 @@ class Page {
     return { clock, ruler };
   }
 
-  /** What the clock says: the time, or the place on a path of equilibria. */
+  /** Text of the clock: the time, or the position on a path of equilibria. */
   clock(frame, time) {
     const { times, frames, branches } = this.shown;
     if (isAtRest(this.shown)) return "";
@@ -259,16 +259,16 @@ class Page {
     on("theme", "click", () => this.setTheme(!document.documentElement.classList.contains("dark")));
     on("help", "click", () => element("keys").showModal());
     watchGestures(this.canvas, this.camera, () => { this.camera.moved = true; this.changed(); });
-    // A camera that was not moved keeps fitting the window.
+    // If the user has not moved the camera, fit the scene to the window again.
     new ResizeObserver(() => (this.camera.moved ? this.changed() : this.fit(true))).observe(this.canvas);
-    // All that the graphics card held is gone: begin again.
+    // The graphics card has lost its contents: start again.
     this.canvas.addEventListener("webglcontextlost", () => location.reload());
     document.addEventListener("keydown", (event) => this.key(event));
   }
 
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || element("keys").open) return;
-    // Choices and the slider use the keys themselves.
+    // Selections and the slider handle these keys themselves.
     if (event.target.tagName === "SELECT") return;
     const step = event.shiftKey ? 10 : 1;
     const move = (frames) => { this.player.playing = false; this.player.seek(this.player.frame() + frames); };
@@ -303,7 +303,7 @@ class Page {
     const action = choice >= 1
       ? () => { if (choice <= element("colour").length) this.setColour(element("colour").options[choice - 1].value); }
       : actions[event.key.toLowerCase()];
-    // A button in focus takes the space bar as a click.
+    // A focused button interprets the space bar as a click.
     if (!action || (event.key === " " && event.target.tagName === "BUTTON")) return;
     event.preventDefault();
     action();
@@ -311,7 +311,7 @@ class Page {
   }
 }
 
-/** Shows pairs of key and value in a description list. */
+/** Shows pairs of keys and values in a description list. */
 function fillList(list, pairs) {
   list.replaceChildren(...pairs.flatMap(([key, value]) => {
     const [term, description] = [document.createElement("dt"), document.createElement("dd")];

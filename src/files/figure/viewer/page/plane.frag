@@ -1,5 +1,5 @@
 #version 300 es
-// Grid lines of even width on the screen, every fifth a little stronger.
+// Grid lines of constant width on the screen, every fifth a little stronger.
 precision highp float;
 
 in vec2 place;
@@ -8,7 +8,7 @@ uniform float size;
 uniform float spacing;     // of the lines, m
 uniform vec2 offset;       // of the patch's centre on the grid, m
 uniform vec3 ink;
-uniform float fill;        // opacity between the lines: that of a real plane, none for a grid that only guides
+uniform float fill;        // opacity between the lines; 0 for a grid without a plane
 
 out vec4 fragment;
 
@@ -16,7 +16,7 @@ float lines(float apart) {
   vec2 at = (place + offset) / apart;
   vec2 width = fwidth(at);
   vec2 from = abs(fract(at - 0.5) - 0.5) / width;
-  // Lines nearer than a few pixels melt into a tone.
+  // Lines closer than a few pixels are replaced by a uniform tone.
   vec2 clear = 1.0 - smoothstep(0.2, 0.5, width);
   vec2 line = (1.0 - smoothstep(0.4, 1.1, from)) * clear;
   return max(line.x, line.y);

@@ -1,8 +1,8 @@
-// Which output is shown: play, pause, speed.
+// Selects the output shown: play, pause, speed.
 
 /** Speeds, simulated seconds per second. */
 const SPEEDS = [1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
-/** Seconds that a whole run takes at the speed it begins with, at most. */
+/** Longest duration of a whole run at the initial speed, s. */
 const WHOLE_RUN = 16;
 
 class Player {
@@ -12,12 +12,12 @@ class Player {
     this.times = [0];
     this.time = 0;
     this.speed = 1;
-    /** Outputs are equilibria along a path: they have an order, but no time and no speed. */
+    /** Whether outputs are equilibria along a path, which have an order, but no time and no speed. */
     this.isPath = false;
     this.at = 0;
   }
 
-  /** Takes on the times of another case, and stays at its time. */
+  /** Sets the times of another case, and keeps the present time. */
   show(times) {
     const isFirst = this.times.length === 1;
     this.times = times;
@@ -46,7 +46,7 @@ class Player {
     return low;
   }
 
-  /** The outputs to draw: frame, next, and how far between them. */
+  /** The outputs to draw: frame, next frame, and the fraction between them. */
   place() {
     const frame = this.frame();
     if (this.isPath || !this.smooth || frame + 1 === this.times.length) return { frame, next: frame, blend: 0 };
@@ -70,7 +70,7 @@ class Player {
     this.speed = SPEEDS[Math.min(Math.max(at, 0), SPEEDS.length - 1)];
   }
 
-  /** Lets real seconds pass; at the end it begins again. */
+  /** Advances by real seconds; starts again at the end. */
   advance(seconds) {
     if (this.time >= this.last()) this.time = this.times[0];
     else this.time = Math.min(this.time + seconds * this.speed, this.last());

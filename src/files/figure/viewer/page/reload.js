@@ -1,7 +1,7 @@
-// A page of a run at work loads itself again and again. What the user has chosen is kept in the address after the #, which works for
-// files, too.
+// The page of an active run reloads itself repeatedly. The choices of the user are stored in the address after the #, which also
+// works for files.
 
-/** What is kept: camera, colour, plot, case, and the output shown, or that it is the last one. */
+/** Stores camera, colour, plot, case, and the output shown; null stands for the last output. */
 function keepState(page) {
   const { target, scale, yaw, pitch, parallel } = page.camera;
   const isLast = page.player.frame() === page.shown.frames - 1;
@@ -21,20 +21,20 @@ function keepState(page) {
   location.hash = encodeURIComponent(JSON.stringify(state));
 }
 
-/** Takes up what was kept before the page was loaded again; without it a run at work is shown at its last output. */
+/** Restores the state stored before the reload; without one, an active run is shown at its last output. */
 function takeUpState(page) {
   let state = null;
   try {
     state = JSON.parse(decodeURIComponent(location.hash.slice(1)));
   } catch {
-    // An address without a state, or with one that is damaged.
+    // The address has no state, or a damaged one.
   }
   if (!state?.camera) {
     if (movie.reload) page.player.seek(page.shown.frames - 1);
     return;
   }
   if (state.index > 0 && state.index < movie.cases.length) page.showCase(state.index);
-  // A camera that was not moved keeps fitting the motion, which grows.
+  // If the user has not moved the camera, it keeps fitting the growing motion.
   if (state.moved) {
     Object.assign(page.camera, state.camera, { moved: true });
     page.setProjection(state.camera.parallel);
@@ -49,7 +49,7 @@ function takeUpState(page) {
   page.changed();
 }
 
-/** Loads the page again later, but not while something is dragged. */
+/** Reloads the page later, but not while the user is dragging. */
 function reloadLater(page) {
   if (!movie.reload) return;
   element("subtitle").textContent += " · running";

@@ -1,14 +1,14 @@
-// Draws a case with WebGL 2. Only the nodes of two outputs go to the graphics card at a time; it makes the tubes.
+// Draws a case with WebGL 2. Only the nodes of two outputs are on the graphics card at a time; it generates the tubes.
 
-/** Nodes in a row of a texture; the shaders know it. */
+/** Nodes in a row of a texture; the shaders use the same number. */
 const ROW = 1024;
-/** Bytes of an instance: four node numbers; radius, colour; half width and thickness of a strip; how it lay at both ends as placed. */
+/** Bytes of an instance: four node numbers; radius, colour; half width and half thickness of a strip; its placed axes at both ends. */
 const INSTANCE_BYTES = 80;
-/** Components of its attributes after the node numbers. */
+/** Components of the attributes after the node numbers. */
 const ROD_PARTS = [2, 2, 3, 3, 3, 3];
 /** Triangles that a modest graphics card draws smoothly. */
 const TRIANGLES = 400000;
-/** Contacts up to which rings have their full size. */
+/** Number of contacts up to which rings have their full size. */
 const FEW_CONTACTS = 20;
 
 class Renderer {
@@ -31,7 +31,7 @@ class Renderer {
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
 
-  /** Compiles the shaders of a name; attributes get the locations of their order. */
+  /** Compiles the shaders with a name; the location of an attribute is its index. */
   program(name, attributes) {
     const gl = this.gl, program = gl.createProgram();
     for (const [kind, ending] of [[gl.VERTEX_SHADER, "vert"], [gl.FRAGMENT_SHADER, "frag"]]) {
@@ -69,7 +69,7 @@ class Renderer {
     return texture;
   }
 
-  /** Takes on a case. */
+  /** Prepares to draw a case. */
   show(shown) {
     const gl = this.gl;
     this.shown = shown;
@@ -82,7 +82,7 @@ class Renderer {
     this.makeRings();
   }
 
-  /** A segment of a rod an instance: four node numbers, radius, colour. */
+  /** Makes an instance for each segment of a rod: four node numbers, radius, colour. */
   makeInstances(shown) {
     const segments = [];
     let first = 0;
@@ -98,7 +98,7 @@ class Renderer {
       first += rod.nodes;
     });
     this.segments = segments.length;
-    // Segments at the ends of rods once more, for their round ends.
+    // Segments at the ends of rods occur again, for their round ends.
     const ends = segments.filter(({ nodes }) => nodes[0] === nodes[1] || nodes[2] === nodes[3]);
     this.ends = ends.length;
     const view = new DataView(new ArrayBuffer(INSTANCE_BYTES * (this.segments + this.ends)));
@@ -112,14 +112,14 @@ class Renderer {
     gl.bufferData(gl.ARRAY_BUFFER, view.buffer, gl.STATIC_DRAW);
   }
 
-  /** The meshes of a segment and of its round ends: rings as many and as fine as the number of segments allows. */
+  /** Makes the meshes of a segment and of its round ends, with as many and as fine rings as the number of segments allows. */
   makeRings() {
     const budget = TRIANGLES / Math.max(this.segments, 1);
-    // Multiples of eight, so that strips have their corners.
+    // Multiples of eight, so that strips have corners.
     const around = budget > 4000 ? 48 : budget > 400 ? 24 : budget > 160 ? 16 : 8;
     const along = Math.max(1, Math.min(6, Math.floor(budget / (2 * around))));
     const rings = [], triangles = [];
-    // Rings at places (along, onto the round end), joined each to the one before.
+    // Rings at places (along the segment, on the round end), each joined to the previous one.
     const sleeve = (places) => places.forEach(([s, cap], row) => {
       for (let k = 0; k <= around; k++) {
         rings.push(s, cap, (2 * Math.PI * k) / around);
@@ -152,7 +152,7 @@ class Renderer {
     if (rest) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, rows, rest, 1, format, type, array.subarray(start + full, start + components * nodes));
   }
 
-  /** Brings two frames and a field to the graphics card, unless they are there. */
+  /** Uploads two frames and a field to the graphics card, unless they are there already. */
   load(frames, field) {
     const gl = this.gl;
     frames.forEach((frame, side) => {
@@ -165,8 +165,8 @@ class Renderer {
   }
 
   /**
-   * Draws. `look`: frame, next, blend between them, field (−1: colour of the rod), range of its colour bar,
-   * ink and haze of the theme as RGB, whether contacts and grid are shown.
+   * Draws the scene. `look`: frame, next frame, blend between them, field (−1: colour of the rod), range of its
+   * colour bar, ink and haze of the theme as RGB, whether contacts and grid are shown.
    */
   draw(camera, look) {
     const gl = this.gl, canvas = gl.canvas;
@@ -176,7 +176,7 @@ class Renderer {
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    // The scene may have been moved aside, and zoomed far in.
+    // The scene may be moved to the side, or zoomed in far.
     const centre = this.shown.lower.map((x, k) => x + 0.5 * this.shown.size[k]);
     const reach = 5 * camera.reach + norm(add(centre, camera.target, -1));
     const projection = camera.matrix(width / height, reach);
@@ -277,7 +277,7 @@ class Renderer {
     }
   }
 
-  /** Rigid bodies: those that rods carry, and others half clear. */
+  /** Draws rigid bodies: those that belong to rods opaque, others translucent. */
   drawObstacles(camera, projection, look) {
     const gl = this.gl, { program, uniforms } = this.obstacle;
     if (!this.shown.obstacles.length) return;
@@ -295,7 +295,7 @@ class Renderer {
       const [from, to] = [poses[look.frame] || still, poses[look.next] || still];
       gl.uniformMatrix4fv(uniforms.pose, false, from.map((x, k) => x + look.blend * (to[k] - x)));
       gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(corners), gl.STREAM_DRAW);
-      // Depths first, so that of each body its nearest face alone shows.
+      // Draw depths first, so that only the nearest face of each body is visible.
       gl.depthMask(true);
       gl.colorMask(false, false, false, false);
       gl.drawArrays(gl.TRIANGLES, 0, corners.length / 3);
@@ -308,7 +308,7 @@ class Renderer {
     gl.disableVertexAttribArray(0);
   }
 
-  /** Rings at the contacts: clear where they are in sight, pale where rods are before them; small and pale where they are many. */
+  /** Draws rings at the contacts: clear if visible, pale if behind rods; smaller and paler if there are many. */
   drawContacts(projection, look, density) {
     const gl = this.gl, { program, uniforms } = this.contact, shown = this.shown;
     const [from, to] = [shown.firstContact[look.frame], shown.firstContact[look.frame + 1]];

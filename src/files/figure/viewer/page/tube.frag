@@ -1,5 +1,5 @@
 #version 300 es
-// Light from above the left shoulder, sky and ground, a soft highlight; the rims are darker, what is far fades.
+// Light from above the left shoulder, sky and ground, a soft highlight; rims are darker, distant parts fade.
 precision highp float;
 
 in vec3 normal;
@@ -7,7 +7,7 @@ in vec3 place;
 in float value;
 flat in int colour;
 
-uniform vec3 eye;          // position, or far away along the direction of a parallel view
+uniform vec3 eye;          // position; in a parallel view, far away along its direction
 uniform vec3 light;        // unit vector towards the light
 uniform vec2 depths;       // distances from the eye where fading begins and ends, m
 uniform vec3 haze;

@@ -1,15 +1,15 @@
 #version 300 es
-// A tube of true radius, or a strip of true width, around the Catmull–Rom spline through the nodes of a rod, one segment an instance.
-// Positions come from textures of the two outputs between which the shown time lies.
+// A tube of true radius, or a strip of true width, around the Catmull–Rom spline through the nodes of a rod; an instance is a segment.
+// Positions come from textures of the two outputs around the time shown.
 precision highp float;
 precision highp int;
 precision highp usampler2D;
 
-in vec3 ring;       // along the segment 0…1, onto the round ends −1…1, angle around
-in ivec4 nodes;     // before, start, end, after; the same as its neighbour where a rod ends
+in vec3 ring;       // along the segment 0…1, on the round ends −1…1, angle around the axis
+in ivec4 nodes;     // before, start, end, after; repeats the neighbour at the end of a rod
 in vec2 rod;        // radius in m, colour index
-in vec2 strip;      // half of its width and of its thickness in m; zero for a tube
-in vec3 tangentAtStart, acrossAtStart, tangentAtEnd, acrossAtEnd;   // of the segment as a strip was placed
+in vec2 strip;      // half width and half thickness in m; zero for a tube
+in vec3 tangentAtStart, acrossAtStart, tangentAtEnd, acrossAtEnd;   // of the segment of a strip as placed
 
 uniform usampler2D positions[2];
 uniform sampler2D values[2];
@@ -39,7 +39,7 @@ float valueAt(int node) {
   return mix(texelFetch(values[0], where, 0).r, texelFetch(values[1], where, 0).r, blend);
 }
 
-// A vector square to a tangent, turned with it the shortest way.
+// A vector normal to a tangent, after the smallest rotation to another tangent.
 vec3 turned(vec3 vector, vec3 from, vec3 to) {
   float along = dot(from, to);
   vec3 axis = cross(from, to);
@@ -63,12 +63,12 @@ void main() {
   if (strip.x > 0.0) {
     vec3 across = turned(normalize(mix(acrossAtStart, acrossAtEnd, s)), normalize(mix(tangentAtStart, tangentAtEnd, s)), tangent);
     vec3 second = cross(tangent, across);
-    // From a circle to a square, whose corners are at an eighth of a turn; ends are flat.
+    // Convert a circle to a square, whose corners are at an eighth of a turn; ends are flat.
     vec2 square = around / max(abs(around.x), abs(around.y));
     place = centre + cos(cap) * (strip.x * square.x * across + strip.y * square.y * second);
     normal = cap != 0.0 ? sign(cap) * tangent : abs(square.y) > 0.999 ? sign(square.y) * second : sign(square.x) * across;
   } else {
-    // Directions around: fixed on the segment, made normal to the tangent of the ring.
+    // Directions around the axis: fixed for the segment, made normal to the tangent of the ring.
     vec3 along = normalize(chord);
     vec3 aside = abs(along.z) < 0.8 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
     vec3 first = normalize(aside - tangent * dot(tangent, aside));
