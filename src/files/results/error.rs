@@ -60,7 +60,7 @@ pub enum ResultsError {
         path: PathBuf,
     },
     /// The file at a path chosen by the user must not be replaced.
-    #[error("`{}` is {what}, which is not replaced; choose another place or remove it", path.display())]
+    #[error("`{}` is {what} and is not replaced; choose another path or remove it", path.display())]
     NotOwn {
         /// The place.
         path: PathBuf,

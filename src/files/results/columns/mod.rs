@@ -90,7 +90,7 @@ pub const fn always(columns: &'static [Column]) -> ColumnGroup {
 pub const FILES: &[FileDescription] = &[
     table(
         &["series.csv"],
-        "A row per output time. Means are over the steps since the row before; they are empty in the first row.",
+        "One row per output time. Means are over the steps since the previous row; they are empty in the first row.",
         &[always(SERIES)],
     ),
     table(
@@ -105,48 +105,48 @@ pub const FILES: &[FileDescription] = &[
     ),
     table(
         &["end_state.csv", "start_state.csv"],
-        "The state in which a finished run ended, and the one from which it started ([start] from), a row per node: what \
-         another run needs to start there.",
+        "The final state of a finished run, and its initial state ([start] from), one row per node. Another run can start \
+         from it.",
         &[always(END_STATE)],
     ),
     table(
         &["summary.csv"],
-        "A row per case with its scalar outcomes, the same bytes for any number of threads and on every machine. Of a \
+        "One row per case with its scalar outcomes, the same bytes for any number of threads and on every machine. In a \
          sweep, the columns after `case` are the varied keys, in SI units.",
         &[always(SUMMARY)],
     ),
     table(
         &["timings.csv"],
-        "A row per case with its cost, which differs from machine to machine and from run to run.",
+        "One row per case with its cost, which differs from machine to machine and from run to run.",
         &[always(TIMINGS)],
     ),
     table(
         &["branch.csv"],
-        "A row per point of a path of equilibria (time.mode = \"continuation\"), branch after branch.",
+        "One row per point of a path of equilibria (time.mode = \"continuation\"), branch after branch.",
         &[always(BRANCH)],
     ),
     table(
         &["search.csv"],
-        "Results of searches ([sweep.search]), a row per search. The columns before `from` are the varied keys and, \
-         last, the searched one, with the value found; it is empty if there is none.",
+        "Results of searches ([sweep.search]), one row per search. The columns before `from` are the varied keys and, \
+         last, the searched key with the value found; empty if there is none.",
         &[always(SEARCH)],
     ),
     table(
         &["manifest.json"],
-        "The scenario, program, machine and times of the run, and the end of each case.",
+        "The scenario, program, machine and times of the run, and the outcome of each case.",
         &[always(MANIFEST)],
     ),
     file(
         &["scenario.toml"],
-        "The resolved scenario: every key with its value in SI units, defaults included. It can be run as it is.",
+        "The resolved scenario: every key with its value in SI units, defaults included. It can be run unchanged.",
     ),
     file(
         &["cases"],
-        "Of a sweep: a folder for each case, named by its id, with the files of a single run.",
+        "In a sweep: a folder for each case, named by its id, with the files of a single run.",
     ),
     file(
         &["leases"],
-        "Of a sweep: the process that works on each case. These files are temporary.",
+        "In a sweep: the process that works on each case. These files are temporary.",
     ),
     file(
         &["checkpoint.0", "checkpoint.1"],
@@ -155,7 +155,7 @@ pub const FILES: &[FileDescription] = &[
     ),
     file(
         &[".lock"],
-        "Locked by the process that writes to the directory. Empty, and harmless if left behind.",
+        "Lock file of the process that writes to the directory. Empty, and harmless if left behind.",
     ),
     file(
         &["rods.pvd"],
@@ -163,8 +163,8 @@ pub const FILES: &[FileDescription] = &[
     ),
     file(
         &["vtk"],
-        "A frame per output time as VTK PolyData: polylines with radius, velocity, fluid and contact force at the \
-         nodes; beside them the obstacles, triangles with their number, one file if none moves. ParaView's filter \
+        "One frame per output time as VTK PolyData: polylines with radius, velocity, fluid and contact force at the \
+         nodes. Obstacles are in files of their own, as numbered triangles; one file if none moves. ParaView's filter \
          \"Tube\" with \"Vary Radius: By Absolute Scalar\" draws the rods with their radii.",
     ),
     file(
@@ -194,10 +194,10 @@ pub const FILES: &[FileDescription] = &[
     ),
     table(
         &["slurm.json"],
-        "The jobs that `rodlab submit` handed to Slurm.",
+        "The jobs that `rodlab submit` passed to Slurm.",
         &[always(SLURM)],
     ),
-    file(&["slurm"], "Output of the Slurm tasks, a file each."),
+    file(&["slurm"], "Output of the Slurm tasks, one file per task."),
 ];
 
 #[cfg(test)]
