@@ -156,9 +156,9 @@ fn inertia_counts_the_eigenvalues() {
     }
 }
 
-/// Second differences have stiff and soft directions that rotate from node to node. The second
-/// differences of each node leave out the fourth unknown of the second next node, which keeps them
-/// in the band.
+/// Second differences have stiff and soft directions that rotate from node to node. They involve
+/// three consecutive nodes, but not the fourth unknown of the last one, which keeps them in the
+/// band.
 #[test]
 fn a_stiff_ring_on_weak_springs_is_positive() {
     let (nodes, spring) = (120, 1e-3);

@@ -176,7 +176,7 @@ impl FluidDrag {
     }
 
     /// Whether the drag that the local resistance omits must be found within the step, because the
-    /// scheme rings, or might if inertia were smaller compared with the drag.
+    /// scheme would ring, or might if inertia were smaller compared with the drag.
     pub(crate) fn must_be_coupled(&self, stage: &Stage, scheme: &dyn TimeScheme) -> bool {
         let Some(coupling) = self.fluid.as_ref().and_then(Fluid::coupling) else {
             return false;

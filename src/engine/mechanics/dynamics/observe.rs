@@ -171,8 +171,8 @@ impl Simulation {
         nalgebra::DMatrix::from_fn(free.len(), free.len(), |i, j| dense[(free[i], free[j])])
     }
 
-    /// Hessian of the elastic energy, less the derivative of loads and contact forces, over the free
-    /// unknowns at the present configuration, N/m.
+    /// Hessian of the elastic energy minus the derivative of loads and contact forces, over the
+    /// free unknowns at the present configuration, N/m.
     pub fn stiffness_matrix(&mut self) -> nalgebra::DMatrix<f64> {
         self.system.linearize(&self.state.unknowns, None);
         let dense = self.system.dense_matrix();

@@ -78,11 +78,11 @@ pub struct CaughtSlide {
 pub struct ValidityMemory {
     /// Steps so far.
     pub steps: usize,
-    /// Work of clamps and obstacles less the losses since the start, J.
+    /// Work of clamps and obstacles minus the losses since the start, J.
     pub taken_in: f64,
     /// Sum of the absolute values of work and losses, J.
     pub exchanged: f64,
-    /// Least value so far of the energy minus what was taken in until then, J.
+    /// Least value so far of the energy minus the energy taken in until then, J.
     pub lowest: Option<f64>,
     /// Largest kinetic and elastic energy so far that is not spurious, J.
     pub explained: f64,

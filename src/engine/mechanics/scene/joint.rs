@@ -114,8 +114,9 @@ pub enum JointKind {
         /// A spring that resists the rotation.
         spring: Option<HingeSpring>,
     },
-    /// All rotations, and sliding along the rod of the second node, between stops at its ends. A
-    /// node on its own rod slides on the side of it where the second one is.
+    /// All rotations, and sliding along the rod of the second node, between stops at its ends. If
+    /// both nodes are on the same rod, the first slides along the part of the rod on the side of
+    /// the second.
     Slide,
 }
 

@@ -286,7 +286,8 @@ impl Descent {
                     self.correction.copy_from_slice(&system.residual);
                     let solved = system.solve(&mut self.correction).is_ok();
                     // Fraction of the unlimited solution that this step covers. With a shift, that
-                    // solution does not solve the equations, and the remainder may be as long.
+                    // solution does not solve the equations, and the remainder may be as long as
+                    // the solution.
                     let part = if positive { length * factor } else { 0.0 };
                     solved && factor * scale.norm(&self.correction) <= (1.0 - 0.25 * part) * whole
                 };

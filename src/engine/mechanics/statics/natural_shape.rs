@@ -437,7 +437,7 @@ impl<'a> Design<'a> {
         self.stretching * (self.lengths[edge] / self.natural_lengths[edge] - 1.0)
     }
 
-    /// Values of the columns, the first of which is 1, that leave no imbalance and minimise the
+    /// Values of the columns, the first of which is 1. They leave no imbalance and minimise the
     /// energy: with `is_total` that of the rod, otherwise that of the change.
     fn least_energy(
         &self,

@@ -46,8 +46,8 @@ use crate::mechanics::system::{Stage, copy_positions};
 use crate::mechanics::{Matrix3, Vector3};
 
 /// Largest growth of automatic steps from one to the next. It is smaller than for the other
-/// schemes, since differences over several steps err more when steps grow: two flagella turned
-/// from rest deviate a fifth as much from small steps after 2.5 s as with 1.5.
+/// schemes, since differences over several steps err more when steps grow. For two flagella turned
+/// from rest, the deviation from small steps after 2.5 s is a fifth of that with a growth of 1.5.
 const LARGEST_GROWTH: f64 = 1.1;
 
 /// Largest distance of an iteration from the predictor, in radii. Where predicted contacts press
