@@ -1,4 +1,5 @@
-// The camera rotates about a target, with z up, like a turntable. Vectors are arrays of three numbers.
+// The camera rotates about a target, with z up, like a turntable. Vectors are arrays of three
+// numbers.
 
 const add = (a, b, factor = 1) => a.map((x, k) => x + factor * b[k]);
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -57,7 +58,8 @@ class Camera {
     this.reach = 0.5 * norm(size);
     const { right, up, eye } = this.basis();
     const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => size.map((extent, k) => (corner >> k & 1 ? 0.5 : -0.5) * extent));
-    // A corner nearer than the target by d appears larger: |r| / (distance − d) ≤ tan, with the lateral offset r.
+    // A corner nearer than the target by d appears larger: |r| / (distance − d) ≤ tan, with the
+    // lateral offset r.
     const tangent = Math.tan(Camera.HALF_ANGLE) / 1.12;
     const distance = Math.max(...corners.map((corner) => {
       const aside = Math.max(Math.abs(dot(up, corner)) * height / (height - above - below), Math.abs(dot(right, corner)) * height / (width - beside));
@@ -66,7 +68,8 @@ class Camera {
     this.scale = distance * Math.tan(Camera.HALF_ANGLE);
     const metresPerPixel = 2 * this.scale / height;
     const centre = lower.map((x, k) => x + 0.5 * size[k]);
-    // The centre of the free part is offset from that of the canvas by half of the difference of the excluded margins.
+    // The centre of the free part is offset from that of the canvas by half of the difference of
+    // the excluded margins.
     this.target = add(add(centre, up, -0.5 * (below - above) * metresPerPixel), right, 0.5 * beside * metresPerPixel);
   }
 

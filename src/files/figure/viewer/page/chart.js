@@ -1,4 +1,5 @@
-// A series beside the motion: a curve with a mark at the output that is shown. Click or drag to select another output.
+// A series beside the motion: a curve with a mark at the output that is shown. Click or drag to
+// select another output.
 
 /** Size of the drawing in its own units. */
 const [CHART_WIDTH, CHART_HEIGHT] = [360, 110];

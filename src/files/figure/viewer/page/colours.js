@@ -1,6 +1,7 @@
 // Colour bars that colour-blind readers can distinguish.
 
-// Viridis (Smith and van der Walt 2015) for unsigned values, without its darkest end, which would be invisible in the dark theme.
+// Viridis (Smith and van der Walt 2015) for unsigned values, without its darkest end, which would
+// be invisible in the dark theme.
 const SEQUENTIAL = ["#5a4aa5", "#365c8d", "#277f8e", "#1fa187", "#4ac16d", "#a0da39", "#fde725"];
 // Blue through grey to orange for signed values.
 const DIVERGING = ["#0b4f9c", "#2f86c9", "#86bfe0", "#d4d8dc", "#eeb07a", "#d9762b", "#9c3f06"];

@@ -1,4 +1,5 @@
-// The movie: its description is JSON, its numbers are packed bytes in base64; a case is unpacked when it is shown.
+// The movie: its description is JSON, its numbers are packed bytes in base64; a case is unpacked
+// when it is shown.
 
 const movie = JSON.parse(document.getElementById("movie").textContent);
 

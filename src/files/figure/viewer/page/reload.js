@@ -1,5 +1,5 @@
-// The page of an active run reloads itself repeatedly. The choices of the user are stored in the address after the #, which also
-// works for files.
+// The page of an active run reloads itself repeatedly. The choices of the user are stored in the
+// address after the #, which also works for files.
 
 /** Stores camera, colour, plot, case, and the output shown; null stands for the last output. */
 function keepState(page) {

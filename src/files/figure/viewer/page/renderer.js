@@ -1,4 +1,5 @@
-// Draws a case with WebGL 2. Only the nodes of two outputs are on the graphics card at a time; it generates the tubes.
+// Draws a case with WebGL 2. Only the nodes of two outputs are on the graphics card at a time; it
+// generates the tubes.
 
 /** Nodes in a row of a texture; the shaders use the same number. */
 const ROW = 1024;

@@ -1,5 +1,6 @@
 #version 300 es
-// Light from above the left shoulder, sky and ground, a soft highlight; rims are darker, distant parts fade.
+// Light from above the left shoulder, sky and ground, a soft highlight; rims are darker, distant
+// parts fade.
 precision highp float;
 
 in vec3 normal;

@@ -1,6 +1,7 @@
 #version 300 es
-// A tube of true radius, or a strip of true width, around the Catmull–Rom spline through the nodes of a rod; an instance is a segment.
-// Positions come from textures of the two outputs around the time shown.
+// A tube of true radius, or a strip of true width, around the Catmull–Rom spline through the nodes
+// of a rod; an instance is a segment. Positions come from textures of the two outputs around the
+// time shown.
 precision highp float;
 precision highp int;
 precision highp usampler2D;
