@@ -146,7 +146,8 @@ pub enum JointError {
     SlidesTwice,
     /// A sliding node on a rod along which others slide.
     #[error(
-        "its first node is one of those of rod `{rod}`, along which another node slides: a node of such a rod cannot itself slide"
+        "its first node belongs to rod `{rod}`, along which another node slides: a node of such a \
+         rod cannot itself slide"
     )]
     SlidingRail {
         /// Name of that rod.

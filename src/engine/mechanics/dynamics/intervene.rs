@@ -77,7 +77,7 @@ impl Simulation {
         };
         if !(until >= now) {
             return Err(refused(format!(
-                "clamp {clamp} cannot move until {until} s: it is {now} s already"
+                "clamp {clamp} cannot move until {until} s: the time is already {now} s"
             )));
         }
         let start = self.published.positions[drive.node];

@@ -82,8 +82,8 @@ impl Kind {
         match self {
             Self::Stretch if size > 0.0 => "stretched",
             Self::Stretch => "compressed",
-            Self::Bending => "bent to a strain of its outer fibres",
-            Self::Twist => "twisted to a shear of its surface",
+            Self::Bending => "bent, with outer fibres strained",
+            Self::Twist => "twisted, with its surface sheared",
         }
     }
 
@@ -470,8 +470,9 @@ fn wave_speed(rod: &RodDescription) -> f64 {
     (rod.stiffness.stretching / rod.mass_per_length).sqrt()
 }
 
-const RINGING: &str = "drag exceeds inertia within a step, and the midpoint rule does not damp what its steps do not resolve: velocities \
-     alternate from step to step about their mean; positions are right. Use scheme = \"backward-differences\"";
+const RINGING: &str = "drag exceeds inertia within a step, and the midpoint rule does not damp \
+    motions that its steps do not resolve: velocities alternate from step to step about their \
+    mean, while positions are correct. Use scheme = \"backward-differences\"";
 
 #[cfg(test)]
 mod tests {

@@ -25,7 +25,7 @@ pub struct HangingStrip {
 pub enum StripError {
     /// The drop is not below the length, or is too near to either limit.
     #[error(
-        "the drop is {drop} of the length: measure one between {} and {} of it",
+        "the drop is {drop} of the length; allowed: between {} and {} of the length",
         HangingStrip::DROPS[0],
         HangingStrip::DROPS[1]
     )]

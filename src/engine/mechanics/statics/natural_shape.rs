@@ -76,9 +76,7 @@ pub enum DesignError {
         strain: f64,
     },
     /// The corrections leave a residual.
-    #[error(
-        "the natural shape was not found: {residual:.3e} N of {force:.3e} N are left without balance"
-    )]
+    #[error("the natural shape was not found: {residual:.3e} N of {force:.3e} N are not balanced")]
     NotFound {
         /// Largest residual, N.
         residual: f64,

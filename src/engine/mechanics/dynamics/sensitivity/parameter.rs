@@ -14,7 +14,7 @@ use crate::mechanics::rod::topology::position;
 use crate::mechanics::system::{Stage, WholeMatrix, copy_positions};
 
 const OTHER_SHAPE: SensitivityError = SensitivityError::Unsuitable(
-    "a parameter of derivatives must leave the numbers of rods, nodes and clamps as they are",
+    "a parameter of derivatives must not change the numbers of rods, nodes and clamps",
 );
 
 /// A parameter.

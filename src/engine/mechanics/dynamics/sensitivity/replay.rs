@@ -99,7 +99,8 @@ impl Replayed {
         {
             return Err(SensitivityError::NotRepeated {
                 time: goal,
-                reason: "the drag of the flow is found within the step, since inertia is small against it",
+                reason: "its drag is found by iteration, because inertia is small compared with \
+                    the drag",
             });
         }
         // Written so that a number that is none does not pass.
@@ -107,7 +108,7 @@ impl Replayed {
         if !is_same {
             return Err(SensitivityError::NotRepeated {
                 time: goal,
-                reason: "it depends on how it was found",
+                reason: "its result depends on the iterations that led to it",
             });
         }
         let factored = system.factor();
@@ -143,7 +144,7 @@ impl Replayed {
         if (stiffness - self.stiffness).abs() > SWITCH * self.stiffness {
             return Err(SensitivityError::NotRepeated {
                 time: self.goal,
-                reason: "the contact stiffness switches there",
+                reason: "the contact stiffness changes in it",
             });
         }
         system.restore_contact_stiffness(stiffness);
