@@ -116,7 +116,7 @@ impl CaseStatus {
             Self::TimeLimit => "stopped by a time limit",
             Self::NoConvergence => "no convergence",
             Self::Unphysical => "a physics check failed",
-            Self::Invalid => "an impossible scenario",
+            Self::Invalid => "an invalid scenario",
             Self::Failed => "results could not be written",
         }
     }
