@@ -111,8 +111,9 @@ pub enum TyingError {
     },
     /// A laid rod cannot go under.
     #[error(
-        "crossing {number} is at {second_m:.4} m of the pattern, which the rod of {rod_m} m \
-         covers when it is laid, so it passes over there; to pass under, it must end {least_m:.4} m before"
+        "crossing {number} is at {second_m:.4} m of the pattern, which the rod of {rod_m} m covers \
+         when it is laid, so the rod passes over there; to pass under, the rod must end \
+         {least_m:.4} m before the crossing"
     )]
     LaidOver {
         /// Number of the crossing, from 1.
