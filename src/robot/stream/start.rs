@@ -34,7 +34,8 @@ pub(super) fn prepare(
             let age = state.map(|state| timer.now().saturating_duration_since(state.received));
             if age.is_none_or(|age| age > bounds.watchdog) {
                 missing.get_or_insert(format!(
-                    "{}: no report of all of its joints ({}) in {} s; compare the names in the cell file with the robot's, and its topic of joint states",
+                    "{}: no report of all of its joints ({}) in {} s; compare the names and the \
+                     topic of joint states in the cell file with the robot's",
                     part.name,
                     part.trajectory.joints.join(", "),
                     FIRST_STATE.as_secs()
