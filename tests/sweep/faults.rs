@@ -108,7 +108,7 @@ fn a_case_that_shows_itself_impossible_late_is_recorded() {
         &["run", "swings.toml", "--set", "time.end=2 ms"],
     );
     assert_eq!(code, 2, "{stderr}");
-    assert!(stdout.contains("with an impossible scenario"), "{stdout}");
+    assert!(stdout.contains("with an invalid scenario"), "{stdout}");
     assert!(
         stderr.contains("across") && stderr.contains("rope"),
         "{stderr}"

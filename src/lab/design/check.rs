@@ -87,7 +87,8 @@ impl Check {
         let mut remarks = Vec::new();
         if self.unstable_directions.is_some_and(|count| count > 0) {
             remarks.push(
-                "the shape is an unstable equilibrium: the rod leaves it at the least disturbance"
+                "the shape is an unstable equilibrium: the rod leaves it after the slightest \
+                 disturbance"
                     .to_owned(),
             );
         }

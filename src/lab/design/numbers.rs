@@ -90,7 +90,7 @@ pub fn numbers(
     let before = prepared(scenario, &[])?;
     if before.mode != Mode::Static {
         return Err(DesignError::Input(format!(
-            "--vary {}: the shape is one of an equilibrium; allowed: time.mode = \"static\"",
+            "--vary {}: the design needs an equilibrium; allowed: time.mode = \"static\"",
             keys[0]
         )));
     }
@@ -162,7 +162,7 @@ pub fn numbers(
     };
     if !designed.met {
         designed.remarks.push(format!(
-            "these keys do not meet the curve: the rod remains {:.3e} m from it, {:.3e} m in the mean",
+            "with these keys the rod does not meet the curve: its distance is at most {:.3e} m, on average {:.3e} m",
             designed.distance_m, designed.mean_distance_m
         ));
     }

@@ -253,6 +253,6 @@ fn a_curve_that_cannot_be_met_is_reported_with_its_distance() {
         found
             .remarks
             .iter()
-            .any(|one| one.contains("do not meet the curve"))
+            .any(|one| one.contains("does not meet the curve"))
     );
 }

@@ -20,7 +20,7 @@ pub fn add(prepared: &mut PreparedRun, scenario: &Scenario) -> Result<(), Issues
         return Ok(());
     }
     if prepared.table.is_some() {
-        let message = "this experiment fills a table and runs no scene that could be measured";
+        let message = "this experiment fills a table and has no simulation to probe";
         issues.push(Issue::new(KeyPath::from("probes"), message));
         return Err(issues);
     }

@@ -303,7 +303,9 @@ fn remarks(parameters: &[IdentifiedKey], noise: &[Noise], has_converged: bool) -
         .filter(|group| group.correlation > NOTABLE_CORRELATION && group.widened_by > 1.0)
     {
         remarks.push(format!(
-            "the residuals of {} are not independent noise (correlation of neighbours {:.2}): the scenario leaves out something that was measured; error bars are widened by {:.1}",
+            "the residuals of {} are not independent noise (correlation of neighbours {:.2}): the \
+             scenario lacks an effect that was measured; error bars are widened by a factor of \
+             {:.1}",
             group.group, group.correlation, group.widened_by
         ));
     }

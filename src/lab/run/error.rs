@@ -21,7 +21,7 @@ pub enum RunError {
     },
     /// The time limit was reached; a checkpoint was written.
     #[error(
-        "time limit reached at {reached}; the same command continues from there, in `{}`",
+        "time limit reached at {reached}; run the same command again to resume, in `{}`",
         directory.display()
     )]
     TimeLimit {
@@ -32,7 +32,7 @@ pub enum RunError {
     },
     /// Ctrl-C or SIGTERM; a checkpoint was written.
     #[error(
-        "interrupted at {reached}; the same command continues from there, in `{}`",
+        "interrupted at {reached}; run the same command again to resume, in `{}`",
         directory.display()
     )]
     Interrupted {

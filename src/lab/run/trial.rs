@@ -183,7 +183,11 @@ impl fmt::Display for Forecast {
         }
         match self.processor_time {
             Some(time) if self.part >= 1.0 => {
-                write!(formatter, "{}, as a trial took to the end", in_words(time))
+                write!(
+                    formatter,
+                    "{}, measured by a trial that reached the end",
+                    in_words(time)
+                )
             }
             Some(time) => write!(
                 formatter,

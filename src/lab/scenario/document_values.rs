@@ -34,7 +34,7 @@ impl Numbering {
     fn node(&mut self, value: toml::Value, path: &KeyPath) -> Result<Node, Issue> {
         if path.steps().len() > MOST_LEVELS {
             let message = format!(
-                "more than {MOST_LEVELS} arrays and tables within each other; allowed: no more"
+                "arrays and tables are nested more than {MOST_LEVELS} deep; allowed: at most that"
             );
             return Err(Issue::new(path.clone(), message));
         }

@@ -96,7 +96,7 @@ pub(super) fn finish(
             labels_key: true,
             ..Issue::new(
                 KeyPath::from("sweep"),
-                "one case was asked for, and this is a sweep",
+                "expected a single case, found a sweep",
             )
         };
         return Err(located(&sources, &document, issue.into()));

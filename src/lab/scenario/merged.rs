@@ -198,7 +198,7 @@ fn read_beside(
     if ancestors.len() >= MOST_ANCESTORS {
         return Err(refuse(
             sources,
-            format!("{MOST_ANCESTORS} files {verb} each other in a row; allowed: no more"),
+            format!("too many files {verb} each other in a row; allowed: at most {MOST_ANCESTORS}"),
         ));
     }
     read(sources, ancestors, path)

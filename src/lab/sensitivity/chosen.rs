@@ -105,7 +105,7 @@ fn probes_of(run: &PreparedRun) -> Result<&Probes, SensitivityError> {
     let probes = run.observer::<Probes>();
     let probes = probes.filter(|probes| probes.names().next().is_some());
     probes.ok_or(SensitivityError::Unsuitable(
-        "the scenario has no [[probes]], whose derivatives these would be; add one, as in `rodlab guide probes`",
+        "the scenario has no [[probes]] to differentiate; add one, as in `rodlab guide probes`",
     ))
 }
 

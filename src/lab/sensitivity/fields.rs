@@ -150,7 +150,7 @@ pub fn field_derivatives(
     let settles = is_static || matches!(run.mode, Mode::Dynamic { settles: true, .. });
     if is_static && parts > 1 || settles && fields.contains(&Field::InitialVelocity) {
         return Err(SensitivityError::Unsuitable(
-            "what begins in an equilibrium has no initial velocity, and an equilibrium no parts; set time.mode = \"dynamic\" and time.begin = \"placed\"",
+            "a run that begins in equilibrium has no initial velocity, and an equilibrium has no parts; set time.mode = \"dynamic\" and time.begin = \"placed\"",
         ));
     }
     let mut recording = Recording::new(&run.scene, &problem.integration())?;

@@ -155,8 +155,10 @@ impl<'a> Problem<'a> {
         {
             return Err(SensitivityError::Key {
                 key: key.to_owned(),
-                reason: "it changes the steps, the tolerances or the outputs of the run, over which there are no derivatives"
-                    .to_owned(),
+                reason:
+                    "it changes the steps, the tolerances or the outputs of the run, for which \
+                    there are no derivatives"
+                        .to_owned(),
             });
         }
         let inertia = |run: &PreparedRun| -> Vec<_> {
@@ -298,7 +300,7 @@ fn no_number(source: Source<'_>, key: &str) -> SensitivityError {
         Err(error) => error.into(),
         Ok(_) => SensitivityError::Key {
             key: key.to_owned(),
-            reason: "it is not set to a number, and none is its default; set it by --set"
+            reason: "it has no value that is a number, and no such default; set it by --set"
                 .to_owned(),
         },
     }

@@ -96,7 +96,7 @@ impl fmt::Display for CaseCounts {
             (self.unfinished, "unfinished"),
             (self.no_convergence, "without convergence"),
             (self.unphysical, "failed a physics check"),
-            (self.invalid, "with an impossible scenario"),
+            (self.invalid, "with an invalid scenario"),
             (self.failed, "whose results could not be written"),
         ] {
             if count > 0 {

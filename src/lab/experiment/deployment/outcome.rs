@@ -180,7 +180,7 @@ impl DeploymentOutcome {
         let friction_alone = self.pegs.is_none() && self.knot.is_none();
         (friction_alone && self.share_above_friction > 0.0).then(|| {
             format!(
-                "{:.0} % of the pattern asks for more friction than the table has, {:.2} at most against {friction}: there \
+                "{:.0} % of the pattern demands more friction than the {friction} of the table, up to {:.2}: there \
                  the rod slides out of its bends (thesis Eq. 5.2)",
                 (1e2 * self.share_above_friction).max(1.0),
                 self.largest_friction_demand
@@ -200,10 +200,10 @@ impl DeploymentOutcome {
         if self.share_above_friction > 0.0 && (self.pegs.is_some() || self.knot.is_some()) {
             let (share, most) = (self.share_above_friction, self.largest_friction_demand);
             let text = format!(
-                "{most:.2} at most, above the table's on {:.0} %",
+                "up to {most:.2}, above that of the table for {:.0} % of the pattern",
                 1e2 * share
             );
-            lines.push(("friction it asks for".to_owned(), text));
+            lines.push(("friction demand".to_owned(), text));
         }
         if let Some(pegs) = self.pegs {
             let verdict = if pegs.are_all() {
@@ -212,7 +212,7 @@ impl DeploymentOutcome {
                 "not placed"
             };
             let text = format!(
-                "{} of {} passed as the pattern does: {verdict}",
+                "{} of {} passed on the side of the pattern: {verdict}",
                 pegs.passed, pegs.count
             );
             lines.push(("pegs".to_owned(), text));

@@ -58,12 +58,14 @@ impl Placement {
             .deployment;
         if deployment.pegs.is_empty() {
             return Err(PlacementError::Unfit(
-                "it has neither [deployment.clips] nor [[deployment.pegs]]; `rodlab deploy` lays a rod without",
+                "it has neither [deployment.clips] nor [[deployment.pegs]]; `rodlab deploy` lays a \
+                 rod without pegs",
             ));
         }
         if deployment.knot.is_some() || deployment.second.is_some() {
             return Err(PlacementError::Unfit(
-                "one rod is placed, without a knot: leave out [deployment.knot] and [deployment.second]",
+                "only a single rod without a knot can be placed: leave out [deployment.knot] and \
+                 [deployment.second]",
             ));
         }
         Ok(Self {

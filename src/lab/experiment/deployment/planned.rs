@@ -21,7 +21,7 @@ pub enum PathError {
     Tying(#[from] TyingError),
     /// There is no time left.
     #[error(
-        "tying takes {tying_s:.1} s when the rod is laid, and there are {end_s:?} s for all: `time.end` must be later"
+        "tying takes {tying_s:.1} s after the rod is laid, and the whole run takes {end_s:?} s: `time.end` must be later"
     )]
     NoTime {
         /// Time of tying, s.
@@ -31,7 +31,7 @@ pub enum PathError {
     },
     /// There is no time to bring the second rod.
     #[error(
-        "the second rod is brought within {brought_s} s when the first one lies, and there are {end_s:.1} s for laying both: `time.end` must \
+        "bringing the second rod takes {brought_s} s after the first one is laid, and laying both must take {end_s:.1} s in all: `time.end` must \
          be later"
     )]
     NoTimeForSecond {

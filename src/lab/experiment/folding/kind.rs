@@ -118,7 +118,7 @@ impl Kind for FoldingKind {
             watched.target
         );
         let speed = format!("{:.1} cm/s", 1e2 * watched.largest_speed);
-        let lines = [("sheet", sheet), ("  gripper, at most", speed)];
+        let lines = [("sheet", sheet), ("  gripper speed, up to", speed)];
         Some(OwnNumbers::new("folding", &numbers, lines))
     }
 
@@ -299,7 +299,7 @@ mod tests {
         fold.toml:4:1: `folding.paper`: missing key `density` (a density, greater than 0)
         "#);
         insta::assert_snapshot!(fault("", &format!("{A4}youngs_modulus = 1e9")), @"fold.toml:8:18: `folding.paper.youngs_modulus`: give `gravito_bending_length` or `youngs_modulus`, not both");
-        insta::assert_snapshot!(scenario("", A4, "[material]\ndensity = 1").unwrap_err(), @"fold.toml:13:1: `material`: the sheet of a fold and its material are [folding.paper]");
+        insta::assert_snapshot!(scenario("", A4, "[material]\ndensity = 1").unwrap_err(), @"fold.toml:13:1: `material`: [folding.paper] defines the sheet of a fold and its material");
     }
 
     #[test]

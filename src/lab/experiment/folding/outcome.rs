@@ -53,11 +53,11 @@ impl FoldingOutcome {
     pub fn highlights(&self) -> Vec<(String, String)> {
         let fold = match (self.fold_length_m, self.fold_length_error_m) {
             (Some(length), Some(error)) => format!(
-                "{:.2} mm long, {:+.2} mm from the length asked for",
+                "{:.2} mm long, {:+.2} mm from the requested length",
                 1e3 * length,
                 1e3 * error
             ),
-            _ => "none: the edge is not down, or on no sheet".to_owned(),
+            _ => "none: the edge is not down, or not on the sheet".to_owned(),
         };
         let slid = format!(
             "{:.2} mm at most, {:+.2} mm at the end",

@@ -90,7 +90,7 @@ impl KnotOutcome {
         let mut lines = Vec::new();
         let mut line = |name: &str, text: String| lines.push((name.to_owned(), text));
         if let (Some(length), Some(traction)) = (self.length_normalized, self.traction_n) {
-            let pulled = format!("l̄_k = {length:.2} radii shorter, traction {traction:.4} N");
+            let pulled = format!("l̄_k = {length:.2}, traction {traction:.4} N");
             line("pulled to", pulled);
         }
         if self.may_invert {

@@ -118,7 +118,8 @@ fn refuse_other_units(
         return Ok(());
     };
     let message = format!(
-        "the mesh is {mesh:.3e} m wide, over {UNLIKELY} times {than}, {size:.3e} m: its file is probably of another unit"
+        "the mesh is {mesh:.3e} m wide, over {UNLIKELY} times {than}, {size:.3e} m: its file is \
+         probably in another unit"
     );
     let help = "give the unit of the file, for example `unit = \"1 mm\"`".to_owned();
     Err(Issue::new(path.key("shape"), message).with_help(Some(help)))

@@ -109,7 +109,7 @@ pub fn resolve(
     if !obstacles.is_empty() && contact == Contact::None {
         top.fault(
             "obstacles",
-            "rods pass through everything without a [contact] table; give one",
+            "without a [contact] table rods pass through everything; add one",
         );
     }
     continuation::refuse_friction(&top, &time, contact.friction(), &planes, &obstacles);

@@ -68,7 +68,7 @@ fn check(lengths: &[f64]) -> Result<(), (usize, String)> {
         _ => match lengths.windows(2).position(|pair| pair[1] <= pair[0]) {
             Some(row) => Err((
                 row + 1,
-                format!("{} m does not exceed that before it", lengths[row + 1]),
+                format!("{} m does not exceed the previous one", lengths[row + 1]),
             )),
             None => Ok(()),
         },

@@ -75,7 +75,7 @@ fn catenary(section: &Section<'_>, typed: &typed::Catenary) -> Shape {
         section.fault(
             "end",
             format!(
-                "the ends hang above each other, {span:?} m apart across; allowed: at least a thousandth of the length"
+                "the horizontal distance of the ends is {span:?} m; allowed: at least a thousandth of the length"
             ),
         );
     }
@@ -101,7 +101,7 @@ fn slack(section: &Section<'_>, typed: &typed::Slack) -> Shape {
         section.fault(
             "end",
             format!(
-                "the ends lie {distance:?} m apart; allowed: at least a thousandth of the length"
+                "the ends are {distance:?} m apart; allowed: at least a thousandth of the length"
             ),
         );
     }

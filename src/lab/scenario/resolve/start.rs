@@ -36,8 +36,7 @@ pub fn start(
     let file = file_of(&place);
     if place.is_dir() && !file.exists() {
         let message = format!(
-            "{} holds no end state ({END_STATE}): the run there is not finished, is no single run in time or at rest, or was \
-             made by an earlier version",
+            "{} holds no end state ({END_STATE}): the run there is not finished, is not a single dynamic or static run, or was made by an earlier version",
             place.display()
         );
         section.fault("from", message);
@@ -88,7 +87,7 @@ fn check_mark(file: &Path, hash: &str) -> Result<(), String> {
     match mark.as_str() {
         Some(mark) if mark == hash => Ok(()),
         Some(_) => Err(format!(
-            "{} is not the state that the run wrote there; restore the file, or run again",
+            "{} is not the state that the run wrote; restore the file, or run again",
             file.display()
         )),
         None => {

@@ -230,13 +230,14 @@ fn check(section: &Section<'_>, kind: &ProbeKind) {
             if from_rod.is_some() && from_plane.is_some() {
                 section.fault(
                     "from_plane",
-                    "either a rod or a plane presses; leave one of the keys out",
+                    "the force is either from a rod or from a plane; leave one of the keys out",
                 );
             }
             if from_obstacle.is_some() && (from_rod.is_some() || from_plane.is_some()) {
                 section.fault(
                     "from_obstacle",
-                    "either a rod, a plane or an obstacle presses; leave the other keys out",
+                    "the force is either from a rod, from a plane or from an obstacle; leave the \
+                     other keys out",
                 );
             }
         }

@@ -159,7 +159,7 @@ beam.toml:28:22: `contact.distance_tolerance`: 0.006 m is out of range; allowed:
 beam.toml:29:12: `contact.friction`: -0.1 is out of range; allowed: at least 0
 beam.toml:30:18: `contact.slip_tolerance`: 0.0 is out of range; allowed: greater than 0
 "#);
-    insta::assert_snapshot!(faults("[output]", "[sweep]\nrods = 1\n[output]"), @"beam.toml:26:2: `sweep`: one case was asked for, and this is a sweep");
+    insta::assert_snapshot!(faults("[output]", "[sweep]\nrods = 1\n[output]"), @"beam.toml:26:2: `sweep`: expected a single case, found a sweep");
     insta::assert_snapshot!(faults("[output]", "[fluid]\nmodel = \"resistive\"\n[output]"), @"beam.toml:26:1: `fluid`: missing key `viscosity` (a viscosity, greater than 0)");
     insta::assert_snapshot!(faults("[output]", "[fluid]\nviscosity = 1\nfar_field_error = 1e-9\n[output]"), @"beam.toml:28:19: `fluid.far_field_error`: 1e-9 is out of range; allowed: 0, or from 1e-6 to 1e-2");
     insta::assert_snapshot!(faults("nodes = true", "nodes = 1979-05-27"), @"beam.toml:27:9: `output.nodes`: expected `true` or `false`, found a date");
@@ -350,7 +350,7 @@ fn chains_that_cannot_hang_are_refused() {
         faults(straight, &format!("kind = \"catenary\", {shape}"))
     };
     insta::assert_snapshot!(fault("start = [0, 0, 0], end = [3, 0, 4], length = 5"), @r##"beam.toml:13:75: `rods.0.shape.length`: 5.0 m is out of range; allowed: greater than the distance of the ends, 5.0 m"##);
-    insta::assert_snapshot!(fault("start = [0, 0, 0], end = [0, 0, 4], length = 5"), @r##"beam.toml:13:55: `rods.0.shape.end`: the ends hang above each other, 0.0 m apart across; allowed: at least a thousandth of the length"##);
+    insta::assert_snapshot!(fault("start = [0, 0, 0], end = [0, 0, 4], length = 5"), @r##"beam.toml:13:55: `rods.0.shape.end`: the horizontal distance of the ends is 0.0 m; allowed: at least a thousandth of the length"##);
     insta::assert_snapshot!(fault("start = [0, 0, 0], end = [0, 0, 4]"), @r##"beam.toml:13:9: `rods.0.shape`: missing key `length` (a length, greater than 0)"##);
 }
 

@@ -34,7 +34,7 @@ fn faults_name_table_key_and_range() {
     let list = (0..100).fold(Value::from(1), |list, _| Value::Array(vec![list]));
     assert!(
         fault(list)
-            .ends_with(": more than 80 arrays and tables within each other; allowed: no more")
+            .ends_with(": arrays and tables are nested more than 80 deep; allowed: at most that")
     );
     insta::assert_snapshot!(read(Table::new(), &[]).unwrap_err().to_string(), @r#"
 beam: `time`: missing key `end` (a time, greater than 0)

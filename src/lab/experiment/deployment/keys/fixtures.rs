@@ -55,8 +55,7 @@ fn own_pegs(
             section.fault(
                 "position",
                 format!(
-                    "the pattern runs through this peg, {distance:.4} m from its axis; allowed: {clear:.4} m, the radii of peg and \
-                     rod, and more"
+                    "the pattern runs through this peg, {distance:.4} m from its axis; allowed: at least {clear:.4} m, the radii of peg and rod"
                 ),
             );
             return None;
@@ -89,7 +88,7 @@ fn clips(
     let thick = 2.0 * rod.radius;
     if width < thick {
         let message = format!(
-            "{width:?} m is too narrow; allowed: at least {thick:?} m, as thick as the rod is"
+            "{width:?} m is too narrow; allowed: at least {thick:?} m, the thickness of the rod"
         );
         section.fault("width", message);
     }

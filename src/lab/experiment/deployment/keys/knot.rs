@@ -18,7 +18,7 @@ pub fn resolve(
         return Some(None);
     };
     if typed.correction.is_some() {
-        let message = "a path that is corrected while the rod is laid does not lead its end: leave `correction` out";
+        let message = "no knot can be tied along a path that is corrected while the rod is laid: leave `correction` out";
         section.fault("knot", message);
         return None;
     }

@@ -38,9 +38,9 @@ pub static TABLES: [OwnTable; 1] = [OwnTable::new::<typed::Deployment>(
 pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     request.refuse(
         &["material", "rod"],
-        "the rod of a deployment and its material are [deployment.rod]",
+        "[deployment.rod] defines the rod of a deployment and its material",
     );
-    on_table::need_time(request, "a rod is laid in time");
+    on_table::need_time(request, "laying a rod takes time");
     let typed: &typed::Deployment = request.table("deployment")?;
     let section = request.top.below("deployment");
     let help = "a table [deployment.rod], or extends = \"rods/green_vps.toml\"";
@@ -149,8 +149,7 @@ fn resolve_correction(
         section.fault(
             "return_length",
             format!(
-                "{return_length:?} m is too short: the rod would swing about its pattern; allowed: {SHORTEST_RETURN} times `every` and \
-                 the gravito-bending length, {shortest:.4} m, and more"
+                "{return_length:?} m is too short: the rod would swing about its pattern; allowed: at least {SHORTEST_RETURN} times `every` and the gravito-bending length, {shortest:.4} m"
             ),
         );
         return None;

@@ -32,9 +32,9 @@ pub static TABLES: [OwnTable; 1] = [OwnTable::new::<typed::Folding>(
 pub fn resolve(request: &Request<'_>) -> Option<Folding> {
     request.refuse(
         &["material", "rod"],
-        "the sheet of a fold and its material are [folding.paper]",
+        "[folding.paper] defines the sheet of a fold and its material",
     );
-    on_table::need_time(request, "a sheet is folded in time");
+    on_table::need_time(request, "folding a sheet takes time");
     let typed: &typed::Folding = request.table("folding")?;
     let section = request.top.below("folding");
     let help = "a table [folding.paper], or extends = \"papers/a4.toml\"";

@@ -101,7 +101,7 @@ pub fn resolve(request: &Request<'_>) -> Option<KnotTables> {
         }
     } else {
         top.below("time")
-            .fault("mode", "knots are pulled tight in time: use \"dynamic\"");
+            .fault("mode", "pulling a knot tight takes time: use \"dynamic\"");
     }
     let knot = Knot {
         start: start?,
