@@ -245,7 +245,8 @@ impl Resolver<'_> {
         ) {
             self.fault(
                 path,
-                "a gripper is moved as its arm is: the driver of that must be of kind \"rosbridge\", \"ros1\" or \"ros2\"",
+                "a gripper uses the driver of its arm, which must be of kind \"rosbridge\", \
+                 \"ros1\" or \"ros2\"",
             );
         }
         let opening = |key: &str, given: &Option<Quantity<Length>>, otherwise: f64| {

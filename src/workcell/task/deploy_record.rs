@@ -64,7 +64,7 @@ impl TaskRecord for DeployRecord {
         if let Some(pegs) = &self.pegs {
             let word = if pegs.are_all() { "" } else { "not " };
             let count = format!("{} of {}: {word}placed", pegs.passed, pegs.count);
-            report.row("pegs passed as the pattern does", count);
+            report.row("pegs passed on the side of the pattern", count);
         }
         let pictures = [
             ("score.svg", "The rod and its pattern"),

@@ -237,7 +237,7 @@ impl SimulatedArm {
         let (behind, joint) = off(&target)?;
         let (left, last_joint) = off(&trajectory.points[trajectory.points.len() - 1])?;
         let ended = if behind > PATH_TOLERANCE {
-            let words = format!("{joint} is {behind:.3} from where it should be");
+            let words = format!("{joint} is {behind:.3} from its path");
             Ended::Broken(Refusal { code: -4, words })
         } else if late >= 0.0 && left <= GOAL_TOLERANCE {
             Ended::There

@@ -204,7 +204,10 @@ impl VirtualCell {
         let gone: Vec<u64> = gone.map(|client| client.id).collect();
         for (arm, leader) in self.leaders.iter_mut().enumerate() {
             if leader.take_if(|leader| gone.contains(leader)).is_some() {
-                tracing::info!("the client that led {} is gone", self.topics.arms[arm].name);
+                tracing::info!(
+                    "the client that controlled {} has disconnected",
+                    self.topics.arms[arm].name
+                );
                 let action = &mut self.actions[arm][MOTION];
                 if let Some(goal) = action.goal.take() {
                     action.ended.note(&goal.name.id, &Verdict::Cancelled);
@@ -284,7 +287,7 @@ impl VirtualCell {
             _ => moving.map(|goal| goal.client),
         };
         if leader.is_some_and(|leader| leader != client) {
-            return Err(format!("{} is led by another client", known.name));
+            return Err(format!("{} is controlled by another client", known.name));
         }
         let name = GoalName {
             version: known.version,

@@ -43,15 +43,18 @@ pub fn read_directions(path: &Path) -> Result<Vec<[f64; 3]>, TableError> {
         let direction = columns.map(|column| row[column]);
         let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
         if !(length > 1e-9 && length.is_finite()) {
-            return Err(fault(Some(*line), "a direction needs a length above 0".into()));
+            return Err(fault(
+                Some(*line),
+                "a direction needs a length above 0".into(),
+            ));
         }
         let direction = direction.map(|part| part / length);
         if direction[0] < LEAST_CURVATURE {
             return Err(fault(
                 Some(*line),
                 format!(
-                    "`kappa` is {} of the direction's length, but must be {LEAST_CURVATURE} or more: the clamps of a straight rod \
-                     do not set its tension",
+                    "`kappa` is {} of the direction's length, but must be {LEAST_CURVATURE} or \
+                     more: the clamps of a straight rod do not determine its tension",
                     direction[0]
                 ),
             ));

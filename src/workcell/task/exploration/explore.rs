@@ -69,7 +69,7 @@ impl Exploration {
         let rod = &self.rod;
         let input = |words: &str| ExploreError::Input(words.into());
         let chuck = cell.chuck.ok_or_else(|| {
-            input("the cell has no [chuck]: the end of a rod that does not move is held there")
+            input("the cell has no [chuck], which holds the fixed end of the rod")
         })?;
         if cell.camera.is_none() {
             return Err(input("the cell has no [camera] to see the rod"));

@@ -230,7 +230,7 @@ impl ExplorationTask {
             self.exploration.directions.len(),
             match row.found {
                 Some(found) => format!("stability lost at {found:.3}"),
-                None => format!("the helix up to {:.2}", row.reach),
+                None => format!("stable up to {:.2}", row.reach),
             }
         );
         let table = at.directory.join(TABLE);

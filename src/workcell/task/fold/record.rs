@@ -62,7 +62,7 @@ impl TaskRecord for FoldRecord {
             let fold = score.fold_length_m.zip(score.fold_length_error_m);
             let fold = fold.map(|(length, error)| {
                 let (length, error) = (mm(length), 1e3 * error);
-                format!("{length} long, {error:+.2} mm of what was asked for")
+                format!("{length} long, {error:+.2} mm from the requested length")
             });
             report.row("the fold", or_not_seen(fold));
         }

@@ -29,12 +29,12 @@ const CLEARLY_AWAY: f64 = 0.04;
 /// Distance at which the absence of paper is checked, m: the bulge of a loop in the picture.
 const BULGE: f64 = 0.015;
 
-const LOOK: Stage = Stage::new("look", "looking where the sheet lies", UNTOUCHED);
+const LOOK: Stage = Stage::new("look", "locating the sheet", UNTOUCHED);
 const APPROACH: Stage = Stage::new("approach", "going to its edge", UNTOUCHED);
 const TAKE: Stage = Stage::new("take", "taking the edge", HELD);
 const FOLD: Stage = Stage::new("fold", "folding", HELD);
 const SCORE: Stage = Stage::new("score", "scoring", HELD);
-const LET_GO: Stage = Stage::new("let-go", "letting the edge go", HELD);
+const LET_GO: Stage = Stage::new("let-go", "releasing the edge", HELD);
 const RETREAT: Stage = Stage::new("retreat", "going out of the picture", LET_LIE);
 const LOOK_AGAIN: Stage = Stage::new("look-again", "looking again", LET_LIE);
 /// Advice after stages before the sheet is taken, while it is held, and after it was released.
@@ -295,7 +295,8 @@ impl FoldTask {
             let place = 0.5 * (edge.x + before) - BULGE;
             let sight = &folding.sight;
             if sight.is_paper_at(&picture, &folding.frame, place)? {
-                let slipped = "the sheet has slipped out of the gripper, or slid far: paper lies where a held one does not reach";
+                let slipped = "the sheet has slipped out of the gripper, or slid far: paper is \
+                    where a held sheet does not reach";
                 return Err(WorkError::failed(slipped));
             }
         }

@@ -70,8 +70,8 @@ fn in_room(request: &TieMotionRequest<'_>, frame: &Pose, knot: &KnotPlan) -> Res
     let outside = points.find(|point| !is_in_room(request.cell, frame, *point));
     outside.map_or(Ok(()), |point| {
         Err(PlanError::Input(format!(
-            "at {:.3},{:.3} the pattern leaves the table, or the picture of the camera, in which its knot is to be seen: \
-             --place puts it elsewhere, --size makes it smaller",
+            "at {:.3},{:.3} the pattern leaves the table, or the picture of the camera, which must \
+             show its knot: --place moves it, --size makes it smaller",
             point.x, point.y
         )))
     })

@@ -64,8 +64,8 @@ impl TaskRecord for TieRecord {
             let lengths = lengths.map(|length| format!("{:.1} mm", 1e3 * length));
             report.row("length as seen", lengths.collect::<Vec<_>>().join(", "));
             if !score.crossings.is_empty() {
-                report.text +=
-                    "\n| crossing | of | and | which lies | sure |\n|---|---|---|---|---|\n";
+                report.text += "\n| crossing | first place | second place | second is | confidence \
+                     |\n|---|---|---|---|---|\n";
             }
             for (number, crossing) in score.crossings.iter().enumerate() {
                 let [one, other] = crossing.places.map(|place| match self.patterns.len() {
