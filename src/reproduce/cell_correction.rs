@@ -37,13 +37,14 @@ impl Row {
 /// Writes the table; means are over patterns that were laid with and without correction.
 fn write(page: &mut Page, _: &[Case<Laying>], rows: &[Row]) -> Result<()> {
     page.text(
-        "The green rod of thesis Tab. 5.1 on a table of friction 0.4, laid by the gantry of the virtual cell: mean \
-         distance from the pattern in cm at equal arc lengths, in the picture of the camera, along the initially \
-         planned path (open), and by `rodlab deploy --correct`: every 0.8 gravito-bending lengths the arm stops, the \
-         camera takes a picture, and the rest is replanned. The hand has jitter that the joint encoders do not see \
-         (root mean square in each direction, periods from 1 to 5 s), or the path is planned for a gravito-bending \
-         length that is a tenth too large or too small. Beside it is the same in plain simulation, where the positions \
-         of the lying rod are seen exactly.",
+        "The green rod of thesis Tab. 5.1 on a table of friction 0.4, laid by the gantry of the \
+         virtual cell: mean distance from the pattern in cm at equal arc lengths, in the picture \
+         of the camera, along the initially planned path (open), and by `rodlab deploy --correct`: \
+         every 0.8 gravito-bending lengths the arm stops, the camera takes a picture, and the rest \
+         is replanned. The hand has jitter that the joint encoders do not see (root mean square in \
+         each direction, periods from 1 to 5 s), or the path is planned for a gravito-bending \
+         length that is a tenth too large or too small. Beside these values are those of plain \
+         simulation, where the positions of the lying rod are known exactly.",
     );
     page.table(columns! { row in rows;
         "pattern" => row.pattern.clone(),

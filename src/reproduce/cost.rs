@@ -162,10 +162,12 @@ struct Row {
 /// Writes the table and the figure.
 fn write(page: &mut Page, _: &[Case<Costly>], rows: &[Row]) -> Result<()> {
     page.text(
-        "Steps of 1 ms. Flagella turn in a fluid from rest, with the search for contacts but before they meet. Rods of 20 \
-         edges fall on a floor and on each other, with friction 0.3 (the first steps of `scenarios/pile.toml`). One rod \
-         swings from a clamp. The table says how many steps had contacts. Times are those of a whole run over its steps: \
-         processor time of all threads, the set-up and the first preconditioner of the fluid included.",
+        "Steps of 1 ms. Flagella turn in a fluid from rest, with the search for contacts but \
+         before they meet. Rods of 20 edges fall on a floor and on each other, with friction 0.3 \
+         (the first steps of `scenarios/pile.toml`). One rod swings from a clamp. The table gives \
+         the number of steps with contacts. Times are those of a whole run divided by its steps: \
+         processor time of all threads, including the set-up and the first preconditioner of the \
+         fluid.",
     );
     page.table(columns! { row in rows;
         "Number" => row.count.to_string(),

@@ -40,10 +40,11 @@ fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<()> {
         }
     }
     page.text(
-        "ē is the mean distance of the nodes from the solution of the first row, in radii (thesis Eq. 2.28), at the \
-         output times. The drag is linearised in each node's own velocity, which is taken at the end of the step; the \
-         effect of the other nodes' motion is, for implicit Euler, that of the start of the step and, for backward \
-         differences, that of the motion predicted for its end.",
+        "ē is the mean distance of the nodes from the solution of the first row, in radii (thesis \
+         Eq. 2.28), at the output times. The drag is linearised in each node's own velocity, which \
+         is taken at the end of the step; the effect of the other nodes is that of their motion at \
+         the start of the step for implicit Euler, and that of their predicted motion at its end \
+         for backward differences.",
     );
     page.table(columns! { row in &rows;
         "Scheme" => row.scheme.to_owned(),

@@ -23,10 +23,11 @@ fn write(page: &mut Page, cases: &[Case<Bundling>], rows: &[Difference]) -> Resu
         largest(until.map(|row| row.mean_difference_radii))
     };
     page.text(&format!(
-        "ē is the mean distance of the nodes between IMC and IPC in radii (thesis Eq. 2.28). Largest over the \
-         whole time: {:.4}; the axis of the thesis' figure, 250 s long, ends at 0.1. The distance tolerance is \
-         {DISTANCE_TOLERANCE_OF_DIFFERENCE:e} m in both models, a fifth of the thesis' 1e-5 m: the rest distances of the two force laws \
-         differ by a part of it.",
+        "ē is the mean distance of the nodes between IMC and IPC in radii (thesis Eq. 2.28). \
+         Largest value over the whole time: {:.4}; the axis of the thesis' figure, 250 s long, \
+         ends at 0.1. The distance tolerance is {DISTANCE_TOLERANCE_OF_DIFFERENCE:e} m in both \
+         models, a fifth of the thesis' 1e-5 m: the rest distances of the two force laws differ by \
+         a fraction of this tolerance.",
         largest_until(f64::INFINITY)
     ));
     let contacts = [&cases[0], &cases[1]].map(|case| case.record.outcome.first_contact);

@@ -146,9 +146,10 @@ fn interpolated(points: &[(f64, f64)], at: f64) -> f64 {
 
 fn limit(page: &mut Page, loose: &[Loose]) {
     page.text(
-        "Friction does the work μ P per length by which the ends move apart, P being the sum of all contact forces: \
-         the strands slip on each other by just that length. So F̄ = F̄(μ → 0) + μ P h²/EI, and σ of Eq. 2.29 is \
-         P h²/(EI ε³). Means over runs of ever thinner rods, R ≈ 0.11 m:",
+        "When the ends move apart by a length, the strands slip on each other by the same length, \
+         so that friction does the work μ P per length, where P is the sum of all contact forces. \
+         Therefore F̄ = F̄(μ → 0) + μ P h²/EI, and σ of Eq. 2.29 is P h²/(EI ε³). Means over runs \
+         of thinner and thinner rods, R ≈ 0.11 m:",
     );
     page.table(columns! { knot in loose;
         "ε" => number(knot.epsilon, 4),
@@ -162,17 +163,19 @@ fn limit(page: &mut Page, loose: &[Loose]) {
             format!("{parabola:.3} ± {:.3}", (parabola - line).abs())
         };
         page.text(&format!(
-            "Extrapolated to ε = 0 by the parabola through the three thinnest, and its distance from the line through \
-             the two thinnest: frictionless part {} of ε⁴/2, σ = {}; Eq. 2.29 has 1 and {TREFOIL_FRICTION}.",
+            "Extrapolation to ε = 0 by the parabola through the three thinnest rods, ± its \
+             distance from the line through the two thinnest: frictionless part {} of ε⁴/2, σ = \
+             {}; Eq. 2.29 has 1 and {TREFOIL_FRICTION}.",
             limit(|knot| knot.frictionless),
             limit(|knot| knot.sigma)
         ));
     }
     page.text(
-        "Both corrections are of first order in ε with large factors, because the braid is about 15 ε R long: σ has \
-         doubled near ε = 0.18. That is why Eq. 2.29 lies below simulations and experiments of usual thickness. Eq. \
-         2.30 has σ = 0.975 at n = 1 and ε → 0, twice too much, because its braid is a uniform double helix; the \
-         agreement with knots of usual thickness is a coincidence.",
+        "Both corrections are of first order in ε with large factors, because the braid is about \
+         15 ε R long: σ has doubled near ε = 0.18. Therefore Eq. 2.29 is below simulations and \
+         experiments with rods of usual thickness. Eq. 2.30 has σ = 0.975 at n = 1 and ε → 0, \
+         twice the right value, because its braid is a uniform double helix; the agreement with \
+         knots of usual thickness is a coincidence.",
     );
 }
 

@@ -41,13 +41,15 @@ fn write(page: &mut Page, cases: &[Case<Tightening>], _: &[Row]) -> Result<()> {
     );
     page.lines(&[["n"].as_slice(), &HEADER].concat(), &lines);
     page.text(
-        "Why the trefoil is the farthest from the law: Eq. 2.30 has too much friction and omits everything else. Its \
-         braid is a uniform double helix of n turns, whose strands press on each other from end to end; here two \
-         thirds to nine tenths of a turn carry almost no pressure (last column), because the strands separate at the \
-         ends of the braid. So friction is a third of that of the law at n = 1 and approaches it as n grows. The rest \
-         of the traction, by which the loop gains energy (ε⁴/2 of a loose trefoil), is small against friction only \
-         where ε ≪ 2 μ σ, or n is large; at n = 1 it is the larger part. That both errors have opposite signs keeps \
-         the trefoil near the law at this friction; with more friction it is farther from it (figure 2.7).",
+        "The trefoil is the farthest from the law because Eq. 2.30 has too much friction and omits \
+         everything else. Its braid is a uniform double helix of n turns, whose strands press on \
+         each other from end to end; here two thirds to nine tenths of a turn carry almost no \
+         pressure (last column), because the strands separate at the ends of the braid. So \
+         friction is a third of that of the law at n = 1 and approaches it as n grows. The rest of \
+         the traction, by which the loop gains energy (ε⁴/2 for a loose trefoil), is small against \
+         friction only where ε ≪ 2 μ σ, or n is large; at n = 1 it is the larger part. Because the \
+         two errors have opposite signs, the trefoil is near the law at this friction; with more \
+         friction it is farther away (figure 2.7).",
     );
     Ok(())
 }

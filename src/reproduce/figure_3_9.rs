@@ -74,9 +74,10 @@ fn rows(_: &[Case<Inversion>]) -> Result<Vec<Row>> {
 /// on the fold.
 fn write(page: &mut Page, cases: &[Case<Inversion>], _: &[Row]) -> Result<()> {
     page.text(
-        "Braid of two helices (Eq. 3.8) and a loop between its ends, solved as a Kirchhoff rod by shooting; φ = π/3, \
-         ε = 0.7, n = 3. The ends of the loop lie on the axis of the braid and are either clamped, GJ/EI = 2/3, or free \
-         to spin about their tangents; then the loop snaps over by itself near θ = π/2, where its curve ends.",
+        "Braid of two helices (Eq. 3.8) and a loop between its ends, solved as a Kirchhoff rod by \
+         shooting; φ = π/3, ε = 0.7, n = 3. The ends of the loop lie on the axis of the braid and \
+         are either clamped, GJ/EI = 2/3, or free to spin about their tangents. In the latter case \
+         the loop snaps over by itself near θ = π/2, where its curve ends.",
     );
     page.figures()?;
     let simulated = cases

@@ -14,11 +14,11 @@ pub(super) const ARTIFACT: Artifact = Artifact {
 /// Writes table and figure.
 fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<()> {
     page.text(
-        "The edge of a sheet of US letter paper (L_gb = 6.0 cm) goes to C = 0.27 m on a table of friction 0.12, \
-         without jitter, by each of the methods of fig4.11. A gripper on half a circle holds the sheet too low at \
-         first and too high later; step by step the whole sheet is lifted before it comes down; the two planned paths \
-         leave the lift low, and cross the ridge of the force manifold where it is narrow (without a moment) or high \
-         (with one).",
+        "The edge of a sheet of US letter paper (L_gb = 6.0 cm) is moved to C = 0.27 m on a table \
+         of friction 0.12, without jitter, by each of the methods of fig4.11. A gripper on half a \
+         circle holds the sheet too low at first and too high later; step by step the whole sheet \
+         is lifted before it comes down; the two planned paths leave the lift low, and cross the \
+         ridge of the force manifold where it is narrow (without a moment) or high (with one).",
     );
     let rows: Vec<_> = cases.iter().map(row).collect();
     let lines = cases.iter().zip(&rows).map(|(case, row)| {

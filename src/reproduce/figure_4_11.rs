@@ -30,11 +30,12 @@ const OURS: [&str; 3] = ["open", "closed", "held"];
 /// Writes table and figures.
 fn write(page: &mut Page, _: &[Case<Folded>], rows: &[Row]) -> Result<()> {
     page.text(&format!(
-        "The seven scenarios of thesis sec. 4.6.3, folded in simulation on a table of friction 0.12: a planar strip of \
-         the sheet, which sticks and slips on the table and on itself, and a gripper that holds its edge at the \
-         planned angle. The gripper deviates from its path at random, by 1 mm root mean square in each direction and \
-         0.5°; {TRIALS} seeds make {TRIALS} trials. The crease is pressed half a crease target back from where the \
-         edge is; its error is that of the fold length."
+        "The seven scenarios of thesis sec. 4.6.3, folded in simulation on a table of friction \
+         0.12: a planar strip of the sheet, which sticks and slips on the table and on itself, and \
+         a gripper that holds its edge at the planned angle. The gripper deviates from its path at \
+         random, by 1 mm root mean square in each direction and 0.5°; {TRIALS} seeds make {TRIALS} \
+         trials. The crease is pressed half a crease target behind the edge; its error is that of \
+         the fold length."
     ));
     page.text(
         "The methods: half a circle (Eq. 4.17); step by step, after the thesis' description of the method of Petrík et \
@@ -52,14 +53,16 @@ fn write(page: &mut Page, _: &[Case<Folded>], rows: &[Row]) -> Result<()> {
     });
     page.lines(&HEADER, &lines.collect::<Vec<_>>());
     page.text(
-        "Without a moment at the gripper a sheet of paper cannot pass over the ridge of the force manifold without \
-         sliding by 7 to 9 mm at this friction, even without jitter (guide, page `folding`); the thesis reports \
-         near-perfect folds. In closed loop the crease is where it should be, although the sheet slides as far. A \
-         moment of less than EI/L_gb compensates for the ridge: then A4, US letter in half and origami slide by at \
-         most about twice the jitter of the gripper, and by a tenth of a millimetre without jitter (fig4.10). The \
-         three tightest folds (US letter to 0.20 m and cardboard) need a friction of 0.24 and 0.41 to 0.43 even with \
-         the best moments, because a tight fold springs open: none of the methods closes them here, with an elastic \
-         sheet. Real paper and cardboard that have been bent so sharply stay bent; the simulated sheet does not.",
+        "Without a moment at the gripper a sheet of paper cannot pass over the ridge of the force \
+         manifold without sliding by 7 to 9 mm at this friction, even without jitter (guide, page \
+         `folding`); the thesis reports near-perfect folds. In closed loop the crease is where it \
+         should be, although the sheet slides just as far. A moment of less than EI/L_gb \
+         compensates for the ridge: then A4, US letter in half and origami slide by at most about \
+         twice the jitter of the gripper, and by a tenth of a millimetre without jitter (fig4.10). \
+         The three tightest folds (US letter to 0.20 m and cardboard) need a friction of 0.24 and \
+         0.41 to 0.43 even with the best moments, because a tight fold springs open: none of the \
+         methods closes them here, with an elastic sheet. Real paper and cardboard that have been \
+         bent so sharply stay bent; the simulated sheet does not.",
     );
     Ok(())
 }

@@ -47,12 +47,14 @@ fn write(page: &mut Page, _: &[Case<Folded>], rows: &[Row]) -> Result<()> {
          this page."
     ));
     page.text(
-        "Where possible, the edge is held by the smallest moment that keeps the friction demand below 0.85 of the \
-         friction. Three folds are too tight for any moment (fig4.11): they are tried without one, by the least sum of \
-         λ. Sliding and errors are those of the simulated sheet until the gripper releases it; beside them are the \
-         final values by camera and joints, and those of the plain simulation, without arm and camera. Where the edge \
-         finally covers the free end, the camera cannot measure how far this has slid, nor how long the fold is: such \
-         entries are `not seen`, and the last column states the last sighting.",
+        "Where possible, the edge is held by the smallest moment that keeps the friction demand \
+         below 0.85 of the friction. Three folds are too tight for any moment (fig4.11): they are \
+         tried without a moment, by the least sum of λ. Sliding and errors are those of the \
+         simulated sheet until the gripper releases it; beside them are the final values by camera \
+         and joints, and those of the plain simulation, without arm and camera. Where the edge \
+         finally covers the free end, the camera cannot measure how far this has slid, nor how \
+         long the fold is: such entries are `not seen`, and the last column states the last \
+         sighting.",
     );
     let scenario = |row: &Row| SCENARIOS.iter().find(|known| known.id == row.scenario);
     let way = |row: &Row| METHODS.iter().find(|known| known.id == row.way);

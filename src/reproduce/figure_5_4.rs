@@ -78,15 +78,16 @@ fn write(page: &mut Page, cases: &[Case<SidewaysPush>], rows: &[Row]) -> Result<
         stretch_stiffness()
     ));
     page.text(
-        "Assumptions that the thesis does not state: Algorithm 6 gives its solver a position and no direction, and Eq. \
-         5.3 requires zero bending at the gripper. Here the contact node is clamped level on the table, and the rod \
-         turns freely in the gripper at its position; α follows. Then there is a region with the two bounds of Fig. \
-         5.4b: outside, F_z < 0; inside, the rod touches the table. Such a clamp bears a moment M(0) where a \
-         lying rod of κ̄ = 0 bears none. F = 0 (Eq. 5.8) is found once, on the outer boundary, with the moment of the \
-         last row: a rod cannot lie straight there. Grasps with M(0) = 0 form a curve, which is the inner boundary of \
-         the region up to rays of about 108° and continues from there among rods that lean back over the contact node; \
-         on it the axial force F_x, which friction must hold, vanishes twice: the local minima 1 and 2, the optimal \
-         grasps.",
+        "Assumptions that the thesis does not state: Algorithm 6 gives its solver a position and \
+         no direction, and Eq. 5.3 requires zero bending at the gripper. Here the contact node is \
+         clamped level on the table, and the rod turns freely in the gripper at its position; α \
+         follows. Then there is a region with the two bounds of Fig. 5.4b: outside, F_z < 0; \
+         inside, the rod touches the table. Such a clamp carries a moment M(0), which a lying rod \
+         of κ̄ = 0 cannot carry. F = 0 (Eq. 5.8) is found once, on the outer boundary, with the \
+         moment of the last row: a rod cannot lie straight there. Grasps with M(0) = 0 form a \
+         curve, which is the inner boundary of the region up to rays of about 108° and continues \
+         from there among rods that lean back over the contact node; on it the axial force F_x, \
+         which friction must hold, vanishes twice: the local minima 1 and 2, the optimal grasps.",
     );
     let minima = minima();
     let simulated = |minimum: usize| {
@@ -221,10 +222,11 @@ fn verdict(rows: &[Row]) -> String {
         .filter(|row| row.of == "free" && row.unstable_modes == 0);
     let last = largest(stable.map(|row| row.force_z));
     format!(
-        "Of the grasps without a contact moment those with F_z up to {last:.2} are stable, so that local minimum 1 is \
-         and local minimum 2 is not: by linear theory a rod there gives way without a push. The sideways response to a \
-         small push of the gripper (Fig. 5.4d) is the largest displacement over the push, by the second variation of \
-         its energy; near the boundary of the unstable grasps it grows without bound."
+        "Of the grasps without a contact moment those with F_z up to {last:.2} are stable, so that \
+         local minimum 1 is stable and local minimum 2 is not: by linear theory, a rod at local \
+         minimum 2 gives way without a push. The sideways response to a small push of the gripper \
+         (Fig. 5.4d) is the largest displacement over the push, by the second variation of its \
+         energy; near the boundary of the unstable grasps it grows without bound."
     )
 }
 

@@ -33,13 +33,15 @@ struct Row {
 fn write(page: &mut Page, _: &[Case<LoopOfRod>], rows: &[Row]) -> Result<()> {
     let theory = HeavyLoop::new();
     page.text(&format!(
-        "A rod that lies on a table and is folded over onto itself leaves an open loop, whose height h_f gives its \
-         gravito-bending length (thesis 5.5.1). The loop leaves the table flat and without moment, and meets the lying \
-         part flat and without moment: its height is {:.6} L_gb. The thesis gives h_f = {THESIS} L_gb; that factor \
-         belongs to the length (EI/ρgA)^(1/3) = 2^(1/3) L_gb, by which it is {:.6}. With L_gb of Eq. 5.10, as printed, \
-         it would make every measured L_gb 26 % too large. The simulated loops are static equilibria of the discrete \
-         rod, held at both ends. They are ribbons of the same L_gb: the upright loop of a round rod that is held at \
-         its ends alone falls to the side. `rodlab solve loop-height` gives the height for any L_gb.",
+        "A rod that lies on a table and is folded over onto itself leaves an open loop, whose \
+         height h_f gives its gravito-bending length (thesis 5.5.1). The loop leaves the table \
+         flat and without moment, and meets the lying part flat and without moment: its height is \
+         {:.6} L_gb. The thesis gives h_f = {THESIS} L_gb; that factor belongs to the length \
+         (EI/ρgA)^(1/3) = 2^(1/3) L_gb: over that length the height is {:.6}. With L_gb of Eq. \
+         5.10, as printed, the factor of the thesis would make every measured L_gb 26 % too large. \
+         The simulated loops are static equilibria of the discrete rod, held at both ends. They \
+         are ribbons with the same L_gb, because the upright loop of a round rod that is held only \
+         at its ends falls to the side. `rodlab solve loop-height` gives the height for any L_gb.",
         theory.height,
         theory.height / libm::cbrt(2.0)
     ));

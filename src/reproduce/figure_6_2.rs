@@ -36,9 +36,10 @@ fn write(page: &mut Page, cases: &[Case<Helices>], rows: &[BoundaryRow]) -> Resu
         page.copy(&cases[0].directory.join(file), file)?;
     }
     page.text(
-        "Distances ‖(κ, τ, ω)‖ at which a rod of length 1 and bending stiffness 1, its ends clamped to those of a \
-         helix, loses stability: of a chain of edges by the first negative pivot of its Hessian, extrapolated \
-         from 100 and 200 edges, and of the smooth rod by conjugate points (Borum and Bretl 2020).",
+        "Distances ‖(κ, τ, ω)‖ at which a rod of length 1 and bending stiffness 1, its ends \
+         clamped to those of a helix, loses stability: for a chain of edges by the first negative \
+         pivot of its Hessian, extrapolated from 100 and 200 edges, and for the smooth rod by \
+         conjugate points (Borum and Bretl 2020).",
     );
     page.text(&format!(
         "`{PAGE}` shows the surface in the browser; `{SURFACE}` is for ParaView. Every row is in the CSV file, with \

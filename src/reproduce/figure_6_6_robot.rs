@@ -26,13 +26,14 @@ const NEAR: f64 = 0.15;
 /// Writes the results beside theory and the measurements of the thesis.
 fn write(page: &mut Page, _: &[Case<Explored>], rows: &[ExplorationRow]) -> Result<()> {
     page.text(&format!(
-        "A nitinol wire of 50 cm (E = 67.5 GPa, ν = 0.33, 6,450 kg/m³, diameter 1.5875 mm, that of the thesis) is \
-         clamped between the chuck of a stepper and the hand of a gantry, both simulated, behind the drivers of real \
-         ones, with the wire's weight and inertia, the arm's latency and lag, and a camera with noise. `rodlab \
-         explore` moves the clamps along each direction of (κ, τ, ω), locates 15 markers every {} of ‖(κ, τ, ω)‖, \
-         considers the helix lost where they are {} % of the wire's length from their places in the mean, returns to \
-         the straight wire, which the hand grasps again, and locates the boundary by steps of {}. Theory is that of \
-         the smooth wire without weight (conjugate points).",
+        "A nitinol wire of 50 cm (E = 67.5 GPa, ν = 0.33, 6,450 kg/m³, diameter 1.5875 mm, that of \
+         the thesis) is clamped between the chuck of a stepper and the hand of a gantry, both \
+         simulated, behind the drivers of real ones, with the wire's weight and inertia, the arm's \
+         latency and lag, and a camera with noise. `rodlab explore` moves the clamps along each \
+         direction of (κ, τ, ω), locates 15 markers every {} of ‖(κ, τ, ω)‖, considers the helix \
+         lost where their mean distance from their places is {} % of the wire's length, returns to \
+         the straight wire, which the hand grasps again, and locates the boundary by steps of {}. \
+         Theory is that of the smooth wire without weight (conjugate points).",
         SEARCH.step,
         1e2 * SEARCH.deviation,
         SEARCH.precision

@@ -16,7 +16,7 @@ pub(super) const FIGURE_3_5: Artifact = Artifact {
         name: "fig3.5",
         head: "h",
         value: |run| format!("h = {} mm", (1e6 * run.radius).round() / 1e3),
-        statement: "The thesis: the inversion point in l̄_k does not depend on the radius.",
+        statement: "In the thesis, the inversion point in l̄_k does not depend on the radius.",
     },
 };
 
@@ -28,7 +28,8 @@ pub(super) const FIGURE_3_6: Artifact = Artifact {
         name: "fig3.6",
         head: "n",
         value: |run| format!("n = {}", run.unknotting_number),
-        statement: "The thesis: l̄_k grows with the unknotting number, and a trefoil (n = 1) does not invert.",
+        statement: "In the thesis, l̄_k grows with the unknotting number, and a trefoil (n = 1) \
+            does not invert.",
     },
 };
 
@@ -40,9 +41,9 @@ pub(super) const FIGURE_3_7: Artifact = Artifact {
         name: "fig3.7",
         head: "μ",
         value: |run| format!("μ = {}", run.friction),
-        statement: "The thesis: the larger the friction, the earlier, at larger l̄_k, the knot inverts. Its rod is 3.4 \
-                    mm thick; here it has 1.6 mm, so that knots can be pulled from l̄_k = 312.5: with strong friction, \
-                    the result depends on a start nearby.",
+        statement: "In the thesis, larger friction makes the knot invert earlier, at larger l̄_k. \
+                    Its rod is 3.4 mm thick; here it has 1.6 mm, so that knots can be pulled from \
+                    l̄_k = 312.5: with strong friction, the result depends on a start nearby.",
     },
 };
 

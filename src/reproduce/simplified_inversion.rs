@@ -70,9 +70,10 @@ impl Factor {
     /// Writes the inversion points.
     fn write(&self, page: &mut Page, rows: &[Row]) -> Result<()> {
         page.text(
-            "The simplified knot (φ = π/3, ε = 0.7, ends of the loop on the axis, no friction, see fig3.9) has no other \
-             length than l_k, so that its l̄_k is the same for every radius. φ and ε are those of knots of n = 3 near their \
-             inversion, taken for every n. A trefoil has no fold, and does not invert.",
+            "The simplified knot (φ = π/3, ε = 0.7, ends of the loop on the axis, no friction, see \
+             fig3.9) has no other length than l_k, so that its l̄_k is the same for every radius. \
+             φ and ε are those of knots of n = 3 near their inversion, and are used for every n. A \
+             trefoil has no fold, and does not invert.",
         );
         let ratio = |model: Option<f64>, row: &Row| Some(model? / row.simulated?);
         page.table(columns! { row in rows;

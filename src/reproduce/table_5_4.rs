@@ -45,29 +45,33 @@ fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<()> {
          ten trials. When the pattern is laid, the gripper releases the cable, which then moves freely for 3 s.",
     );
     page.text(
-        "A trial succeeds when the cable passes every peg as its pattern does: seen from above, no peg stands between \
-         the cable and the pattern (the closed curve of both does not go around it), and beside the peg the cable lies \
-         below its top.",
+        "A trial succeeds when the cable passes every peg as its pattern does: seen from above, no \
+         peg is between the cable and the pattern (the closed curve of both does not go around a \
+         peg), and beside each peg the cable is below its top.",
     );
     page.text(
-        "The trefoil is tied with the thick pink rod (#4: L_gb = 2.86 cm, 6.4 mm thick) on a table of friction 0.4. It \
-         is laid along a pattern that is longer than the rod by 23 cm; where it returns to the first crossing it lies \
-         over itself. Then a second gripper grasps the strand at the planned place of the next crossing, if the rod is \
-         within 1.5 cm of it, and lifts it by 2.6 cm; the first one moves the end along the rest of the pattern, under \
-         that strand and over the next one, and both release the rod. A trial succeeds when the rod then has the \
-         determinant and the signature of the knot that was drawn, 3 and −2, whether its ends are joined above or \
-         below the table. The second gripper has a jitter of its own. Rods do not slip out of these grippers; the \
-         thesis names slipping as the cause of its failures.",
+        "The trefoil is tied with the thick pink rod (#4: L_gb = 2.86 cm, 6.4 mm thick) on a table \
+         of friction 0.4. It is laid along a pattern that is longer than the rod by 23 cm; where \
+         the rod returns to the first crossing it lies over itself. Then a second gripper grasps \
+         the strand at the planned place of the next crossing, if the rod is within 1.5 cm of it, \
+         and lifts it by 2.6 cm; the first one moves the end along the rest of the pattern, under \
+         that strand and over the next one, and both release the rod. A trial succeeds when the \
+         rod then has the determinant and the signature of the knot that was drawn, 3 and −2, \
+         whether its ends are joined above or below the table. The second gripper has a jitter of \
+         its own. Rods do not slip out of these grippers; the thesis names slipping as the cause \
+         of its failures.",
     );
     page.text(
-        "The reef knot is tied with the thick pink rod and the green one (#2: L_gb = 3.2 cm, 3.2 mm thick), as in the \
-         thesis, which shows its patterns and moves in photographs only; those here were chosen. One gripper lays the \
-         thick rod along a bight and releases it, and the other one lays the green rod along a bight over it. Then the \
-         first gripper lifts the thick rod by 2.6 cm, the second moves the end of the green one under it and, 9 cm \
-         farther on, over it, and releases it; the first grasps the end of the thick rod at its planned place, again \
-         within 1.5 cm, and moves it over the green rod and under it, while the second lifts the green rod. A trial \
-         succeeds when the rods then have the determinant and the signature of the reef knot that was drawn, 9 and 0 \
-         (a granny knot: 9 and ±4; none: 1 and 0), the end of each joined to the start of the other, above the table \
+        "The reef knot is tied with the thick pink rod and the green one (#2: L_gb = 3.2 cm, 3.2 \
+         mm thick), as in the thesis, which shows its patterns and moves in photographs only; \
+         those here were chosen. One gripper lays the thick rod along a bight and releases it, and \
+         the other one lays the green rod along a bight over it. Then the first gripper lifts the \
+         thick rod by 2.6 cm, the second moves the end of the green rod under the thick rod and, 9 \
+         cm farther on, over it, and releases the green rod; the first grasps the end of the thick \
+         rod at its planned place, again within 1.5 cm, and moves it over the green rod and under \
+         it, while the second lifts the green rod. A trial succeeds when the rods then have the \
+         determinant and the signature of the reef knot that was drawn, 9 and 0 (a granny knot: 9 \
+         and ±4; none: 1 and 0), the end of each joined to the start of the other, above the table \
          as well as below.",
     );
     let rows: Vec<Row> = cases.iter().map(row).collect();
