@@ -82,13 +82,13 @@ pub enum Command {
     Evaluate(evaluate::EvaluateArguments),
     /// Plan a trajectory: joint positions along poses of a hand
     Plan(plan::PlanArguments),
-    /// Lay a rod along a pattern by an arm: plan, show, stream, see and score
+    /// Lay a rod along a pattern with an arm: plan, show, stream, see and score
     Deploy(Box<InCell<deploy::DeployArguments>>),
-    /// Lay a cable between pegs by an arm: plan, show, stream, see and score
+    /// Lay a cable between pegs with an arm: plan, show, stream, see and score
     Place(Box<InCell<place::PlaceArguments>>),
-    /// Tie a knot in a rod by two arms: plan, show, stream, see and score
+    /// Tie a knot in a rod with two arms: plan, show, stream, see and score
     Tie(Box<InCell<tie::TieArguments>>),
-    /// Explore where helical rods lose stability, by an arm and a chuck
+    /// Explore where helical rods lose stability, with an arm and a chuck
     Explore(InCell<explore::ExploreArguments>),
     /// Fold a sheet: plan, simulate, show and score it
     Fold(InCell<fold_arguments::FoldArguments>),

@@ -28,15 +28,15 @@ Examples:
   rodlab cell serve --rod green_vps --fault drop-link@3s --fault lose-camera@0s",
     "\
 Arms follow trajectories as `rodlab stream` sends them, with latency and lag. A gripper that closes
-is handed the end of a rod, which hangs from it with its free end on the table, or takes hold of the
-rod that lies within its reach, also while another gripper holds that rod; a gripper that opens
-releases it. A scene, --scene, has a rod and pegs on the table. A sheet, --paper, lies on the table;
-a gripper that closes at the middle of its edge takes it. The camera shows the table with all of
-them, on /camera/image_raw unless the cell file names another topic. The address on which the cell
-listens is printed.
+receives the end of a rod, which hangs from it with its free end on the table, or grasps a lying rod
+within its reach, even if another gripper holds that rod. A gripper that opens releases it. A scene,
+--scene, has a rod and pegs on the table. A sheet, --paper, lies on the table; a gripper that closes
+at the middle of its edge takes it. The camera shows the table with all of them, on
+/camera/image_raw unless the cell file names another topic. The address on which the cell listens is
+printed.
 
-An arm is led by one client at a time. When that client disconnects, the arm stops. Times of faults
-count while an arm moves; faults are drop-link, freeze-joint, slip-grasp and lose-camera."
+An arm obeys one client at a time. When that client disconnects, the arm stops. Times of faults
+count only while an arm moves; faults are drop-link, freeze-joint, slip-grasp and lose-camera."
 );
 
 /// Arguments of `rodlab cell`.
@@ -67,7 +67,7 @@ struct ServeArguments {
     /// Scenario as for `rodlab place`, which defines rod, pegs and friction of the table
     #[arg(long, value_name = "SCENARIO", conflicts_with_all = ["rod", "paper"], value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     scene: Option<PathBuf>,
-    /// Place of the frame of its pattern in the cell: x,y,z in metres, a turn about z in degrees
+    /// Place of the frame of the scene's pattern: x,y,z in metres, a turn about z in degrees
     ///
     /// By default the middle of the pattern is in the middle of the table.
     #[arg(
@@ -80,7 +80,7 @@ struct ServeArguments {
     scene_place: Option<Place>,
     /// Place on the table of the free end of a rod that is handed over: x,y in the cell, m
     ///
-    /// By default it is where the rod hangs by itself, and for a scene the start of its pattern.
+    /// By default it is where the rod hangs freely; for a scene, it is the start of its pattern.
     #[arg(long, hide_short_help = true, value_name = "X,Y", value_parser = place, conflicts_with = "paper", allow_hyphen_values = true)]
     free_end: Option<[f64; 2]>,
     /// Hand rods over in the air, with this length free, as `rodlab identify --rod` needs them
@@ -134,7 +134,7 @@ struct ServeArguments {
         requires = "jitter"
     )]
     seed: u64,
-    /// Fault to inject, and its time, s after the first motion begins: FAULT@TIME; repeatable
+    /// Fault to inject, and its time, s of motion: FAULT@TIME; repeatable
     #[arg(long = "fault", value_name = "FAULT@TIME")]
     faults: Vec<Fault>,
 }

@@ -41,7 +41,7 @@ fn place(panic: &PanicHookInfo<'_>) -> String {
 fn in_words(what: &str, place: &str) -> String {
     format!(
         "error: a fault of rodlab {}, please report it with the scenario and the command: {what} (at {place})\n\
-         results written so far are whole, and the same command continues them\n",
+         results written so far are complete; run the same command again to resume\n",
         env!("CARGO_PKG_VERSION")
     )
 }

@@ -16,7 +16,7 @@ Examples:
   rodlab dataset scenarios/folding_dataset.toml
   rodlab dataset CableShape --format lerobot --count 100 --out results/laying
 
-The samples are the results of a run: it resumes after an interruption, can be swept, and can be
+The samples are the results of a run, which resumes after an interruption, and can be swept and
 submitted to a cluster. With --format the planners demonstrate a task in an environment instead.")]
 #[command(mut_arg("scenario", |scenario| scenario
     .value_parser(scenario_or_task())

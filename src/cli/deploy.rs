@@ -27,11 +27,11 @@ Examples:
 The path of the gripper is planned as by `rodlab plan deployment`, that of the joints as by
 `rodlab plan joints`. The arm moves straight to the first point; its gripper takes the rod, lays it
 and releases it; the camera of the cell file takes a picture, by which the rod is scored. With
---dry-run nothing moves: look at its page first. `rodlab cell serve` starts a cell to try --cell
-with.
+--dry-run nothing moves: look at its page first. `rodlab cell serve` starts a cell for trying
+--cell.
 
-With --identify the arm first holds the rod in three poses before the camera; --rod is then what is
-expected of it, and identify/ has the record and the rod that was found, rod.toml.
+With --identify the arm first holds the rod in three poses before the camera. --rod is then the
+expected rod, and identify/ has the record and the identified rod, rod.toml.
 
 All results are in one directory: manifest.json, report.md, report.html, plan/, joints.csv,
 cell.html, approach/ and laying/ (commanded.csv, state.csv, events.csv), picture.png, overlay.png,
@@ -47,13 +47,13 @@ pub struct DeployArguments {
     plan: DeploymentPlan,
     #[command(flatten)]
     laying: LayingArguments,
-    /// Replan the rest of the path from what the camera sees, each 0.8 gravito-bending lengths
+    /// Replan the rest of the path from a picture every 0.8 gravito-bending lengths
     #[arg(long, conflicts_with_all = ["simulate", "dry_run"])]
     correct: bool,
-    /// Let the arm identify the rod first, as `rodlab identify --rod`, and plan with what it finds
+    /// Let the arm identify the rod first, as `rodlab identify --rod`, and plan with the result
     #[arg(long, conflicts_with_all = ["simulate", "dry_run"])]
     identify: bool,
-    /// Rod of the simulated cell, where it is not --rod, for which the path is planned
+    /// Rod of the simulated cell [default: --rod, for which the path is planned]
     #[arg(long, hide_short_help = true, value_name = "FILE", conflicts_with_all = ["simulate", "cell"], value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     simulated_rod: Option<PathBuf>,
     /// Lay the rod in plain simulation, without a cell

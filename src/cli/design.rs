@@ -16,12 +16,13 @@ Examples:
   rodlab design arch.toml --shape arch.csv --vary clamps.1.pose,loads.0.force",
     "\
 The curve is a CSV file with columns x_m,y_m,z_m, from the first node of the rod to its last. With
-rods.NAME.natural_curvature alone, the rod is moved onto it with its clamps and gets a natural shape
-along its length with which it rests there; natural.csv is its table for rods.natural_shape. Other
-keys are numbers that --set takes, vectors such as loads.0.force, and clamps.N.pose: the place and
-the turn of clamp N, counted from 0. They are those with which the equilibrium is closest to the
-curve. The loads are those of the scenario at time zero. designed.toml is the scenario with what was
-found. Exit code 3: the values have not converged. `rodlab guide design` has the equations."
+rods.NAME.natural_curvature alone, the rod is moved onto the curve with its clamps, and gets the
+natural shape with which it rests there; natural.csv is the table of this shape for
+rods.natural_shape. Other keys are numbers that --set takes, vectors such as loads.0.force, and
+clamps.N.pose, the place and the turn of clamp N, counted from 0. Their values are found so that the
+equilibrium is closest to the curve. The loads are those of the scenario at time zero. designed.toml
+is the scenario with the result. Exit code 3: the values have not converged. `rodlab guide design`
+has the equations."
 );
 
 /// Arguments of `rodlab design`.
@@ -37,7 +38,7 @@ pub struct DesignArguments {
     /// Keys to find: rods.NAME.natural_curvature, or numbers such as clamps.1.pose; repeatable
     #[arg(long, value_name = "KEY,...", required = true, value_delimiter = ',', add = keys(""))]
     pub vary: Vec<String>,
-    /// The rod whose shape is wanted, where the keys do not name it [default: the only one]
+    /// The rod whose shape is wanted, if the keys do not name it [default: the only one]
     #[arg(long, value_name = "NAME")]
     pub rod: Option<String>,
     /// Directory for the results [default: results/<name of the scenario>-designed]

@@ -85,7 +85,7 @@ fn svg_points(path: &Path, part: Part<'_>) -> Result<Vec<Point>, Failure> {
 fn ways_out(path: &Path, drawing: &SvgDrawing) -> String {
     let join = match drawing.gap_that_joins() {
         Some(gap) => format!("; --join \"{:.3} mm\" joins all of them to one", 1e3 * gap),
-        None => "; --join GAP joins strokes whose ends are that near".into(),
+        None => "; --join GAP joins strokes whose ends are at most GAP apart".into(),
     };
     let mut text = format!("--stroke takes a number, an id, or `longest`{join}");
     let points: Vec<Vec<[f64; 2]>> = drawing

@@ -8,7 +8,7 @@ use rodlab_lab::experiment::{case_set, expanded_toml};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Parameters, expressions and copies become numbers and tables; files that are extended or included
-are merged. A run of the output gives the same bytes. Names of files in it are absolute. Of a sweep
+are merged. A run of the output gives the same bytes. Names of files in it are absolute. For a sweep
 one case is printed, with a comment that names it.
 
 Examples:

@@ -21,7 +21,7 @@ Examples:
   rodlab explore --rod nitinol_wire --directions mine.csv --step 0.25 --precision 0.02",
     "\
 A rod is clamped between a chuck that a stepper turns and the hand of an arm. Along each direction
-of (κ, τ, ω) both clamps are led such that the rod is a helix, from the straight rod outwards; the
+of (κ, τ, ω) both clamps move so that the rod is a helix, starting from the straight rod; the
 camera takes a picture at each step. Where the markers deviate from those of the helix, the rod has
 lost its stability: the arm returns until the rod is a helix again, locates the instability by finer
 steps, and returns to the straight rod. With --dry-run nothing moves; it prints how far each
@@ -31,7 +31,7 @@ earlier one ended.
 All results are in one directory: manifest.json, exploration.csv (a row for each direction, written
 when it is done), report.md and report.html with figures, plan.csv, joints.csv, cell.html,
 directions/ (looks.csv and a picture each), motion/ (the last motion). Exit code 1: a step failed;
-the message and report.md give the reason; arm and chuck hold. A cell to try --cell with:
+the message and report.md give the reason; arm and chuck hold. A cell for trying --cell:
   rodlab cell serve --cell helix_gantry --rod nitinol_wire"
 );
 
@@ -58,7 +58,7 @@ pub struct ExploreArguments {
     /// Distance at which a search ends
     #[arg(long, value_name = "DISTANCE", default_value_t = 14.0, value_parser = number(is_distance, DISTANCE))]
     farthest: f64,
-    /// Mean distance of the markers from the helix, over the rod length, above which it is unstable
+    /// Mean distance of the markers from the helix, over the rod length, that counts as unstable
     #[arg(long, value_name = "PART", default_value_t = 0.015, value_parser = positive)]
     deviation: f64,
     /// Greatest speed of the hand on the way out, m/s

@@ -17,11 +17,11 @@ Examples:
     "\
 In a cell the camera locates the sheet; the arm takes its edge and folds it in parts. After each
 part the camera measures how far the sheet has slid, and with --feedback the next part is replanned.
-The fold is scored by what the camera saw, then the gripper opens. With --dry-run nothing moves:
+The fold is scored from the pictures, then the gripper opens. With --dry-run nothing moves:
 look at its page first. All results are in one directory: manifest.json, report.md, report.html,
 joints.csv, cell.html, looks.csv, the pictures, and a folder with commanded.csv, state.csv and
 events.csv for each motion. Exit code 1: a step failed; the message and report.md give the reason.
-`rodlab cell serve --paper FILE` starts a cell to try --cell with.
+`rodlab cell serve --paper FILE` starts a cell for trying --cell.
 
 With --simulate the sheet is folded in plain simulation, without an arm; the results directory is
 that of any run, and `rodlab run` accepts its scenario."
@@ -58,8 +58,9 @@ pub struct FoldArguments {
     pub arm: Option<String>,
     /// Expected place of the middle of the edge: x,y,z in metres, direction over the sheet in degrees
     ///
-    /// The direction is an angle about z in the cell. The camera then locates the sheet more exactly; of its directions the nearest is
-    /// used. By default the sheet is expected in the middle of the table, along x.
+    /// The direction is an angle about z in the cell. The camera then locates the sheet more
+    /// exactly; of its possible directions the nearest is used. By default the sheet is expected in
+    /// the middle of the table, along x.
     #[arg(
         long,
         hide_short_help = true,

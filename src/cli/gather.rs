@@ -13,7 +13,7 @@ Example:
   rodlab gather results/sweep
 
 Updates summary.csv, timings.csv and manifest.json from the cases of all processes, and draws the
-figures of `rodlab plot`. It may be called while tasks are running.")]
+figures of `rodlab plot`. It may run while tasks are running.")]
 pub struct GatherArguments {
     /// The results directory of a sweep
     pub directory: PathBuf,

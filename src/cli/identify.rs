@@ -41,23 +41,23 @@ Examples:
 Data are CSV files. Positions of markers: time_s,marker,x_m,y_m,z_m with a column `node` or
 `arc_length_m`, and `rod` where there are several; --markers names a file with these columns for
 each marker instead. Centrelines: x_m,y_m,z_m, matched by arc length. Series: time_s and columns of
-probes, such as grip_force_x_n; `sliding_onset_s` is when rods begin to slide. For equilibria there
-is no time_s; `frequency_1_hz` is then a natural frequency, and along a path of equilibria
-`critical_parameter` its first fold or bifurcation. Empty cells were not measured. Exit code 3: the
-fit has not converged. `rodlab guide identification` explains the error bars.
+probes, such as grip_force_x_n; `sliding_onset_s` is the time at which rods begin to slide.
+Equilibria have no time_s; `frequency_1_hz` is then a natural frequency, and along a path of
+equilibria `critical_parameter` its first fold or bifurcation. Empty cells were not measured. Exit
+code 3: the fit has not converged. `rodlab guide identification` explains the error bars.
 
-With --rod instead of a scenario an arm identifies a rod: the end of the rod is put into its gripper
-so that --free of it hangs down; the arm holds it in three poses, the camera looks, and the
-gravito-bending length and the natural curvature are fitted. Written in addition: rod.toml, which is
---rod with the length that was found, look_1.png to look_3.png, overlay_1.png to overlay_3.png, and
-the record of a task, as by `rodlab deploy`."
+With --rod instead of a scenario, an arm identifies a rod. Its gripper receives the end of the rod,
+of which the length --free hangs down. The arm holds the rod in three poses, the camera takes
+pictures, and the gravito-bending length and the natural curvature are fitted to them. Further
+results are rod.toml, which is --rod with the fitted length, look_1.png to look_3.png, overlay_1.png
+to overlay_3.png, and the record of a task, as with `rodlab deploy`."
 );
 
 /// Arguments of `rodlab identify`.
 #[derive(Debug, Args)]
 #[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct IdentifyArguments {
-    /// The scenario, which states a value of each key to start from
+    /// The scenario, with a start value for each key
     #[arg(required_unless_present_any = ["rod", "cell"], value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     pub scenario: Option<PathBuf>,
     /// Measurements on this scenario, CSV files
@@ -72,7 +72,7 @@ pub struct IdentifyArguments {
     /// Set a key of all scenarios, such as a start; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", add = keys("="))]
     pub overrides: Vec<String>,
-    /// Where markers are on their rods: CSV with marker, rod, and node or arc_length_m
+    /// Places of markers on their rods: CSV with marker, rod, and node or arc_length_m
     #[arg(long, hide_short_help = true, value_name = "FILE")]
     pub markers: Option<PathBuf>,
     /// Range of a key; repeatable
@@ -99,7 +99,8 @@ pub fn identify(arguments: &IdentifyArguments, common: &Common) -> Result<(), Fa
     };
     if held.choice.cell.is_some() {
         return Err(Failure::Input(
-            "--cell: an arm identifies a rod, --rod; a scenario is fitted to --data".into(),
+            "--cell is for a rod that an arm identifies, --rod; a scenario is fitted to --data"
+                .into(),
         ));
     }
     let task = arguments.task(scenario)?;

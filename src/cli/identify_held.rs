@@ -12,17 +12,17 @@ const FREE: [f64; 2] = [4.0, 40.0];
 /// Arguments of an identification in a cell.
 #[derive(Debug, Args)]
 pub struct HeldArguments {
-    /// Let an arm hold a rod in three poses; FILE has the expected rod
+    /// Let an arm hold a rod in three poses; FILE is the expected rod
     ///
     /// Its gravito-bending length and natural curvature are fitted to pictures. [deployment.rod] has gravito_bending_length, radius and length. The default is the rod of --cell.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scenario", "data", "others", "fit", "overrides", "markers", "bounds", "prior", "noise"], value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     pub rod: Option<PathBuf>,
-    /// Length of it that hangs from the gripper
+    /// Length of the rod that hangs from the gripper
     ///
     /// The default is four expected gravito-bending lengths, and at least 40 radii.
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, conflicts_with = "scenario")]
     pub free: Option<f64>,
-    /// Rod of the simulated cell, if it is not --rod
+    /// Rod of the simulated cell [default: --rod]
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scenario", "cell"], value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     pub simulated_rod: Option<PathBuf>,
     /// Name of the arm; optional if the cell has only one

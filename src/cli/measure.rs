@@ -52,7 +52,7 @@ enum Shape {
     },
     /// Knot of a curve, by its determinant
     Knot(KnotArguments),
-    /// Corners and edges of a sheet of paper in a photograph, and its slide up to a second one
+    /// Corners and edges of a sheet of paper in a photograph, and its slide between two
     Sheet(SheetArguments),
     /// Gravito-bending length, radius and natural curvature of a rod in a photograph, held at one end
     Rod(RodArguments),

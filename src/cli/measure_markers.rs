@@ -25,7 +25,7 @@ The file of the helix, in the axes of the camera's world:
   quaternion = [1.0, 0.0, 0.0, 0.0]    # w, x, y, z of the frame there: z is the tangent,
                                        # x the direction of bending
 
-For several images, --upper, --lower and --frames define from which image on the rod is unstable."
+For several images, --upper, --lower and --frames define the images in which the rod is unstable."
 );
 
 /// Arguments of `rodlab measure markers`.
@@ -62,7 +62,7 @@ pub struct MarkerArguments {
     /// Error below which the rod counts as the helix again, less than --upper
     #[arg(long, value_name = "LENGTH", default_value = "5 mm", value_parser = positive_length)]
     lower: f64,
-    /// Number of consecutive images that decide
+    /// Number of consecutive images that decide on stability
     #[arg(long, value_name = "N", default_value_t = 3)]
     frames: usize,
     /// Directory for markers.csv and the images with markers and their expected places

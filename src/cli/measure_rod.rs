@@ -19,14 +19,14 @@ Examples:
   rodlab measure rod photo.jpg --camera camera.toml --down 0,-1 --colour red --out measured
   rodlab measure rod front.png side.png --roll 0,90 --camera camera.toml",
     "\
-The rod is held at one end, hangs or stands free, and is seen whole and from the side. Several
-photographs show the same rod; where it is turned about its axis at the clamp (--roll) and naturally
-curved, its shape gives the twisting stiffness over the bending stiffness, too. The turn counts by
-the right hand about the direction in which the rod leaves the clamp, from where its natural
-curvature is in the plane of the photograph; it is taken to be right to a degree. The answer is
-JSON: gravito-bending length L_gb, m, radius, m, and natural curvature, 1/m, positive to the left
-seen from the held end, with standard errors from the scatter of the traced points and, of the
-length, from half the radius to which the ends are seen. The bending stiffness is 2 L_gb³ times the
+The rod is held at one end, hangs or stands freely, and is photographed whole and from the side.
+Several photographs show the same rod. If it is naturally curved and turned about its axis at the
+clamp (--roll), its shape also gives the ratio of twisting to bending stiffness. Turns are
+right-handed about the direction in which the rod leaves the clamp, from 0 where the natural
+curvature is in the plane of the photograph; they are assumed to be accurate to a degree. The answer
+is JSON: gravito-bending length L_gb, m, radius, m, and natural curvature, 1/m, positive to the left
+as seen from the held end. Standard errors follow from the scatter of the traced points and, for the
+length, from the ends, which are seen to half the radius. The bending stiffness is 2 L_gb³ times the
 weight per length."
 );
 
@@ -40,7 +40,7 @@ pub struct RodArguments {
     /// Files whose table [camera] gives coordinates in metres, on the plane in which the rod is held: one for all images, or one each
     #[arg(long, value_name = "FILE,...", value_delimiter = ',', value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell), required_unless_present = "pixel")]
     camera: Vec<PathBuf>,
-    /// Side of a pixel, where the image plane is parallel to that of the rod
+    /// Side of a pixel, if the image plane is parallel to the plane of the rod
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, conflicts_with = "camera")]
     pixel: Option<f64>,
     /// Colour of the rod, as in `rodlab trace`
@@ -58,7 +58,7 @@ pub struct RodArguments {
     /// Turn of the rod about its axis at the clamp in each image, such as 0,90: degrees, or with a unit [default: 0]
     #[arg(long, value_name = "ANGLE,...", value_delimiter = ',', value_parser = turn, allow_hyphen_values = true)]
     roll: Vec<f64>,
-    /// Assume that the rod is straight without stress
+    /// Assume that the rod is naturally straight
     #[arg(long)]
     straight: bool,
     /// Directory for the images with the traced rod on them: overlay.png, overlay_2.png, ...

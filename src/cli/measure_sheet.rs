@@ -24,7 +24,7 @@ straightness is the root mean square distance of the points of an edge from its 
 pub struct SheetArguments {
     /// PNG or JPEG image of the sheet
     image: PathBuf,
-    /// Later image, by which the slide of the sheet is measured
+    /// Later image, for measuring the slide of the sheet
     after: Option<PathBuf>,
     /// Colour of the paper, as in `rodlab trace`
     #[arg(long, value_name = "RULE", default_value = "auto")]

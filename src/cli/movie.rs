@@ -19,7 +19,7 @@ Examples:
 Positions between outputs are interpolated linearly. The projection is orthographic, so that the
 scale bar holds everywhere. GIF files of long films are large: choose a smaller --size and --fps.
 `--turn 360deg` shows rods at rest from all sides. MP4 needs a program that was built with
-`--features video`; without it, ffmpeg makes one of pictures:
+`--features video`; without it, ffmpeg makes an MP4 from pictures:
   ffmpeg -framerate 30 -i frames/frame_%04d.png -pix_fmt yuv420p film.mp4"
 );
 
@@ -49,7 +49,7 @@ pub struct MovieArguments {
     pub speed: Option<f64>,
     /// Direction of the camera, degrees: azimuth from the front (-y) towards the right (+x), elevation
     ///
-    /// By default the scene is seen well, as in the first view of `rodlab view`.
+    /// The default is the first view of `rodlab view`.
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = direction, allow_hyphen_values = true)]
     pub from: Option<[f64; 2]>,
     /// Angle by which the camera turns around the scene during the film, such as 90deg

@@ -81,7 +81,9 @@ impl PatternArguments {
     ) -> Result<PatternSource, Failure> {
         if self.size.is_some() || self.reverse {
             return Err(Failure::Input(
-                "--size and --reverse are for one rod: two patterns lie as they were drawn".into(),
+                "--size and --reverse are for a single rod: with two rods, patterns keep their \
+                 drawn size and direction"
+                    .into(),
             ));
         }
         let file = file.unwrap_or(Path::new(&self.pattern.source));

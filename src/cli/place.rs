@@ -16,13 +16,13 @@ Examples:
   rodlab place cable_placement_s --cell cell.toml --set deployment.scheme=intuitive
   rodlab place cable_placement_s --cell cell.toml --place 0.1,0,0,90",
     "\
-The scenario is one of the experiment \"deployment\" with [deployment.clips] or
-[[deployment.pegs]]: its rod is the cable, its pattern the path between the pegs, and `rodlab run`
-simulates the same. Pegs are fixed to the table where --place puts the frame of the pattern. The
-arm lays the cable and releases it; the camera takes a picture. A peg counts as passed if the cable
-leaves it on the same side as the pattern and does not lie on it. All results are in one directory,
-as of `rodlab deploy`; pegs.svg shows the cable between its pegs.
-`rodlab cell serve --scene SCENARIO` starts a cell to try --cell with."
+The scenario is one of the experiment \"deployment\" with [deployment.clips] or [[deployment.pegs]]:
+its rod is the cable, its pattern the path between the pegs, and `rodlab run` simulates the same
+task. Pegs are fixed to the table where --place puts the frame of the pattern. The arm lays the
+cable and releases it; the camera takes a picture. A peg counts as passed if the cable leaves it on
+the same side as the pattern and does not lie on it. All results are in one directory, as with
+`rodlab deploy`; pegs.svg shows the cable between its pegs. `rodlab cell serve --scene SCENARIO`
+starts a cell for trying --cell."
 );
 
 /// Arguments of `rodlab place`.

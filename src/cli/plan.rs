@@ -18,10 +18,11 @@ Examples:
     "\
 Writes trajectory.csv (time_s, x_m, y_m, z_m, qw, qx, qy, qz: the poses that a clamp follows and
 that `rodlab plan joints` reads), trajectory.json, pattern.csv (s_m, x_m, y_m, curvature_per_m,
-friction_demand), deployment.svg and a scenario of the landing, landing.toml with rod.csv. With
---knot it also writes lift_1.csv and so on, the poses of the gripper that lifts a strand, in the
-same time. Prints what the pattern demands of the rod and the table. The table is z = 0; the
-gripper's x axis is the tangent of the rod, towards the gripper. See `rodlab guide deployment`."
+friction_demand), deployment.svg and a scenario that simulates the laying, landing.toml with
+rod.csv. With --knot it also writes lift_1.csv and so on, the poses of the gripper that lifts a
+strand, at the same times. Prints the demands of the pattern on the rod and the table. The table is
+z = 0; the gripper's x axis is the tangent of the rod, towards the gripper. See
+`rodlab guide deployment`."
 );
 
 const FOLD: [&str; 2] = help!(
@@ -37,10 +38,11 @@ points are then moved until the sum of λ no longer decreases.
 
 Writes trajectory.csv (time_s, x_m, y_m, z_m, qw, qx, qy, qz), folds.csv, fold.svg (the sheet along
 its path) and friction.svg. Prints the largest λ = |F_x|/|F_z| at the touchdown point, and the
-friction that the whole sheet, its lying rest included, demands: where it is above that of the table
-the sheet slides, by `slides_m` at most, without inertia and with the planned angles. --objective
-friction minimises that friction. The edge lay at the origin, the sheet along x on the table z = 0;
-the gripper's x axis is the tangent of the sheet, towards the gripper."
+friction demand of the whole sheet, including its lying part. Where the demand is above the friction
+of the table, the sheet slides, by at most `slides_m`, computed without inertia and with the planned
+angles. --objective friction minimises the demand. At first the edge is at the origin, and the sheet
+lies along x on the table z = 0; the gripper's x axis is the tangent of the sheet, towards the
+gripper."
 );
 
 const GRIPPERS: [&str; 2] = help!(
@@ -49,10 +51,10 @@ Examples:
   rodlab plan grippers tied_reef --out results/reef_plan
   rodlab plan grippers tied_trefoil --set deployment.scheme=intuitive --out results/trefoil_plan",
     "\
-Writes a file for each time that a gripper holds a rod, in the order in which they begin: it lays
-the rod (and leads its end on), lifts a strand, or takes the end of the rod again and leads it.
-Columns time_s, x_m, y_m, z_m, qw, qx, qy, qz, in the time of the scenario, without its jitter.
-Prints the schedule of the grippers."
+Writes a file for each time that a gripper holds a rod, in the order in which these begin. The
+gripper lays the rod (and leads its end on), lifts a strand, or grasps the end of the rod again and
+leads it. The columns are time_s, x_m, y_m, z_m, qw, qx, qy, qz, in the time of the scenario,
+without its jitter. Prints the schedule of the grippers."
 );
 
 const JOINTS: [&str; 2] = help!(
@@ -63,8 +65,8 @@ Examples:
     "\
 The table of poses has the columns x_m, y_m, z_m, qw, qx, qy, qz; its times are ignored: the motion
 is as fast as the limits of the joints and --hand-speed allow, from rest to rest. The answer has
-time_s and a column arm.joint_rad (or _m) per joint. With --out it is written there, and its numbers
-are printed as JSON."
+time_s and a column arm.joint_rad (or _m) per joint. With --out it is written to that file, and a
+summary is printed as JSON."
 );
 
 /// Arguments of `rodlab plan`.

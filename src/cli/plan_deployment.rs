@@ -34,8 +34,8 @@ const SCHEMES: [Named<Scheme>; 2] = [
 ];
 /// Ways of passing a crossing.
 const PASSES: [Named<Pass>; 2] = [
-    ("over", Pass::Over, "Over what lies there"),
-    ("under", Pass::Under, "Under it, when it is lifted"),
+    ("over", Pass::Over, "Over the strand that lies there"),
+    ("under", Pass::Under, "Under that strand, which is lifted"),
 ];
 
 /// Arguments of `rodlab plan deployment`.
@@ -72,15 +72,18 @@ pub struct DeploymentPlan {
     /// Network of --solver neural, from `rodlab train` [default: the built-in one]
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     model: Option<PathBuf>,
-    /// Length of a straight start whose curvature grows to that of the pattern: `auto`, `none` or a length
+    /// Length of a lead-in, whose curvature grows to that of the pattern: `auto`, `none` or a
+    /// length
     ///
-    /// `auto` keeps the friction demand below 0.1, but is shorter where the start would bend below three radii of the rod, or coil.
+    /// `auto` keeps the friction demand below 0.1, but is shorter if the lead-in would bend below
+    /// three radii of the rod, or coil.
     #[arg(long, value_name = "LENGTH", hide_short_help = true, default_value = "auto", value_parser = lead)]
     lead_in: LeadLength,
     /// Length of rod that is laid beyond the end of the pattern: `auto`, `none` or a length
     ///
-    /// `auto` lays all of a rod that is longer than the pattern except 2.5 gravito-bending lengths: behind the pattern as far as there
-    /// is room on the table and in the picture of the camera, the rest straight in front of it. The default is `auto` with a cell,
+    /// If the rod is longer than the pattern, `auto` lays all of it except 2.5 gravito-bending
+    /// lengths: behind the pattern as far as there is room on the table and in the picture of the
+    /// camera, and the rest straight in front of the pattern. The default is `auto` with a cell,
     /// otherwise `none`.
     #[arg(long, value_name = "LENGTH", hide_short_help = true, value_parser = lead)]
     lead_out: Option<LeadLength>,
@@ -89,7 +92,7 @@ pub struct DeploymentPlan {
     step: f64,
     /// Speed of laying along the pattern, m/s
     ///
-    /// It is reduced where the gripper would have to move more than 1.5 times as fast.
+    /// It is reduced where the gripper would otherwise move more than 1.5 times as fast.
     #[arg(long, value_name = "SPEED", default_value_t = 0.02, value_parser = speed)]
     speed: f64,
     /// Friction of the table, to compare with the demand: a number, or a name in the rod file
@@ -333,7 +336,7 @@ impl DeploymentPlan {
     /// Takes the rod of a cell where the arguments name none.
     pub fn use_rod_of(&self, cell: &Cell) {
         if let (None, Some(file)) = (&self.rod, &cell.rod) {
-            tracing::warn!("no --rod: {} of the cell is taken", file.display());
+            tracing::warn!("no --rod: using {} of the cell", file.display());
             self.chosen.get_or_init(|| file.clone());
         }
     }
@@ -494,7 +497,8 @@ fn way_out(
         Some(remedy) => write!(text, "; it can be laid with {remedy}"),
         None => write!(
             text,
-            "; no size and no deviation up to a tenth of it was found with which it can be laid"
+            "; it cannot be laid with any size, or any deviation up to a tenth of its size, that \
+             was tried"
         ),
     };
     text

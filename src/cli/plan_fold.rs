@@ -38,10 +38,10 @@ pub struct FoldPlanArguments {
     friction: Option<f64>,
     /// Number of folds in half, with --crease half
     ///
-    /// Each fold folds the sheet that the previous one left, twice as thick.
+    /// Each fold after the first folds the folded sheet, which is twice as thick.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=4))]
     times: u8,
-    /// Behaviour of layers on each other when they are folded again
+    /// Behaviour of layers when they are folded again
     #[arg(long, default_value = "loose")]
     layers: LayersName,
     /// Speed of the gripper, m/s; slower where it would turn faster than 1 rad/s
@@ -107,7 +107,7 @@ impl FoldPlanArguments {
         let target = paper.target(self.crease).at("--crease")?;
         if self.times > 1 && self.crease != Crease::Half {
             return Err(Failure::Input(
-                "--times: a sheet is folded again with --crease half".into(),
+                "--times needs --crease half: only a fold in half is repeated".into(),
             ));
         }
         let friction = self.friction.or(paper.friction);

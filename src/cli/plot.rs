@@ -32,7 +32,7 @@ pub struct PlotArguments {
     /// Logarithmic axes [default: where numbers are positive and range over a decade]
     #[arg(long, value_name = "AXES", requires = "y", value_parser = named(&LOG_AXES))]
     pub log_axes: Option<[AxisScale; 2]>,
-    /// Output file of a custom figure; .pdf writes that format alone [default: own in the directory]
+    /// Output file of a custom figure; .pdf writes that format alone [default: DIRECTORY/own.svg]
     #[arg(long, value_name = "FILE", requires = "y")]
     pub out: Option<PathBuf>,
     /// Style of the figures

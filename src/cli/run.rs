@@ -202,7 +202,10 @@ fn summary(outcome: &RunOutcome) -> String {
         line("steps", case.steps.to_string());
     }
     if let Some(parameter) = case.critical_parameter {
-        line("first critical at", format!("parameter {parameter:.6}"));
+        line(
+            "first critical point",
+            format!("at parameter {parameter:.6}"),
+        );
     }
     if let Some(mean) = case.newton_iterations_mean() {
         line("Newton iterations", format!("{mean:.2} a step"));

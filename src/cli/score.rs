@@ -17,7 +17,7 @@ use rodlab_vision::{
 pub struct ScoreArguments {
     /// Deployed curve: CSV with columns x_m and y_m, or a results directory of a run
     ///
-    /// Such as centrelines.csv of a trace with a camera, or nodes.csv of a run.
+    /// For example centrelines.csv of a trace with a camera, or nodes.csv of a run.
     pub result: PathBuf,
     /// Pattern: an SVG drawing, or CSV with columns x_m and y_m
     #[arg(value_parser = file_or_preset(PresetKind::Pattern), add = presets(PresetKind::Pattern))]
@@ -64,8 +64,8 @@ Examples:
   rodlab score results/letter/landing letter.csv
 
 Mean and standard deviation are those of Eq. 5.11 of the thesis: points at equal distances along the
-pattern are compared with those at the same part of the length of the result, and with the nearest
-point of the result.";
+pattern are compared with the points at the same fraction of the length of the result, and with the
+nearest points of the result.";
 
 fn point_count(text: &str) -> Result<usize, String> {
     let count = text

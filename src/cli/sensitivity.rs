@@ -21,13 +21,13 @@ Examples:
   rodlab sensitivity beam.toml --to contact.friction --out results/beam_sensitivity
   rodlab sensitivity beam.toml --of tip --field natural_curvature,force --out results/tip
 
-A derivative is that of the motion as it is computed, by the Newton matrices of its steps. The
-elasticity (p/y) dy/dp is the percentage by which y changes where p changes by one percent.")]
+Derivatives are those of the computed motion, by the Newton matrices of its steps. The elasticity
+(p/y) dy/dp is the percentage by which y changes if p changes by one per cent.")]
 pub struct SensitivityArguments {
     /// The scenario file
     #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     pub scenario: PathBuf,
-    /// Keys over which is differentiated, as in `rodlab run --vary`; repeatable
+    /// Keys of the derivatives, named as in `rodlab run --vary`; repeatable
     #[arg(long = "to", value_name = "KEY", value_delimiter = ',', required_unless_present = "fields", add = keys(""))]
     pub keys: Vec<String>,
     #[command(flatten)]

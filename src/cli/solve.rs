@@ -35,10 +35,10 @@ A sheet lies flat on a table; a gripper holds its edge without a moment (thesis 
 --z give its position: x̄ from where the edge lay, towards the sheet, and z̄ above the table, both
 over L_gb = (E h²/(24 ρ g))^(1/3). `alpha` is the angle in rad by which the edge is turned;
 `suspended_length` is in L_gb; `horizontal_force` H and `vertical_force` V, in EI/L_gb² per width,
-are the forces of the suspended part on the lying one at the touchdown point: H below 0 pushes it
-away, V below 0 presses it down; `lambda` is |H|/|V| (Eq. 4.6). `stable`: with the gripper in its
-place, free to turn. Without --all the answer is the gentle fold, which belongs to the family that
-begins with the flat sheet."
+are the forces of the suspended part on the lying part at the touchdown point: H below 0 pushes the
+lying part away, V below 0 presses it down; `lambda` is |H|/|V| (Eq. 4.6). `stable` means stable
+with the gripper in its place, free to turn. Without --all the answer is the gentle fold, which
+belongs to the family that begins with the flat sheet."
 );
 
 const GRASP: [&str; 2] = help!(
@@ -51,9 +51,9 @@ Examples:
 Lengths are in gravito-bending lengths L_gb, forces in EI/L_gb². The frame: the contact node is the
 origin, its tangent x, z points up, and positive curvature turns to y. `position` is that of the
 gripper; `rotation_vector` and `quaternion` (w, x, y, z) turn the frame of the contact node into
-that of the gripper, without twist; `contact_force` is that of the lying rod on the suspended one.
-`stable`: with both ends held. `branch` 1 is the gentle one, the local minimum 1 of thesis Fig. 5.4.
-`feasible`: the rod stays above the table and presses on it."
+that of the gripper, without twist; `contact_force` is the force of the lying part on the suspended
+part. `stable` means stable with both ends held. `branch` 1 is the gentle grasp, the local minimum 1
+of thesis Fig. 5.4. `feasible` means that the rod stays above the table and presses on it."
 );
 
 /// Arguments of `rodlab solve`.
@@ -84,8 +84,8 @@ enum Problem {
 A rod of length 1 and bending stiffness 1, naturally straight, is held at both ends in the shape of
 a helix of curvature κ and torsion τ with the twisting moment ω. `critical` is the norm of (κ, τ, ω)
 along the direction at which it ceases to be stable (Borum & Bretl 2020): null if it is stable up to
-100. With --method der it is that of the discrete rod: null if that is stable up to half the number
-of its edges.")]
+100. With --method der it is the norm for the discrete rod: null if this rod is stable up to half
+the number of its edges.")]
     Helix(HelixArguments),
     /// The size at which a tightened overhand knot inverts, by the model of a braid and a loop
     #[command(after_help = "\

@@ -23,7 +23,7 @@ pub struct FoldArguments {
     /// Edges of the discrete rod
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = edges(EDGES))]
     edges: usize,
-    /// Return all solutions that are found, the gentle one first
+    /// Return all solutions found, the gentle one first
     #[arg(long)]
     all: bool,
 }

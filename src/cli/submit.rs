@@ -24,8 +24,8 @@ Examples:
 
 Each task of the job array runs one share of the cases. A minute before its time limit it writes
 checkpoints and queues itself again. The same command submits the tasks that are neither finished
-nor queued, for example after `scancel`. `rodlab status DIR` shows the progress, `rodlab gather DIR`
-makes the tables of the whole sweep.")]
+nor queued, for example after `scancel`. `rodlab status DIR` shows the progress, and
+`rodlab gather DIR` makes the tables of the whole sweep.")]
 pub struct SubmitArguments {
     /// Scenario file with a sweep, or with --vary
     #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
@@ -54,7 +54,7 @@ pub struct SubmitArguments {
     /// Memory of a task, such as 2G
     #[arg(long, value_name = "SIZE")]
     pub memory: Option<String>,
-    /// Cores of a task; it runs as many cases at a time
+    /// Cores of a task, which runs as many cases at a time
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub cores: u16,
     /// Account to charge

@@ -177,7 +177,7 @@ fn why(outcome: &SweepOutcome) -> String {
         } else {
             String::new()
         };
-        return format!("stopped; the same command continues in `{directory}`{tables}");
+        return format!("stopped; run the same command again to resume, in `{directory}`{tables}");
     }
     if outcome.counts.not_good() > 0 {
         return format!(
@@ -186,7 +186,9 @@ fn why(outcome: &SweepOutcome) -> String {
         );
     }
     if outcome.counts.unfinished > 0 {
-        return format!("not all cases were run; the same command continues in `{directory}`");
+        return format!(
+            "not all cases were run; run the same command again to resume, in `{directory}`"
+        );
     }
     "the search did not reach its end; `search.csv` holds the reason".to_owned()
 }

@@ -23,20 +23,21 @@ Examples:
     "\
 Two arms tie a knot in one rod, or in two. The pattern crosses itself and is longer than the rod:
 one arm lays the rod along it and leads the end of the rod along the rest, under the strands that
-the other arm lifts meanwhile, and over others. --knot states how the rod passes each crossing when
-it reaches it again; the first strands, which are laid, go over. Of two rods each arm lays one, the
-second over the first, and leads its end, that of the second first; --knot lists the crossings of
-the second rod as it is laid, then of its end, then of the end of the first.
+the other arm lifts meanwhile, and over others. --knot states how the rod passes each crossing the
+second time; where the rod crosses itself as it is laid, it passes over. With two rods each arm lays
+one, the second over the first, and then leads its end, first that of the second rod. --knot then
+lists the crossings of the second rod as it is laid, then those of its end, then those of the end of
+the first rod.
 
-Then both grippers open and the camera of the cell file takes a picture. The knot of the rod that it
-shows, by its determinant and signature, is compared with that of the pattern: `score.tied` is true
-or false, or null where the picture does not decide, and `score.undecided` gives the reason. With
+Then both grippers open and the camera of the cell file takes a picture. The knot in the picture,
+identified by its determinant and signature, is compared with that of the pattern: `score.tied` is
+true or false, or null if the picture does not decide, and `score.undecided` gives the reason. With
 --dry-run nothing moves: look at its page first.
 
 All results are in one directory: manifest.json, report.md, report.html, plan/, joints.csv,
 cell.html, approach/, laying/ and tying/ (commanded.csv, state.csv, events.csv), picture.png,
 overlay.png, rod.csv. Exit code 1: a step failed; the message and report.md give the reason. A cell
-to try --cell with:
+for trying --cell:
   rodlab cell serve --cell two_gantries --rod thick_pink_vps"
 );
 

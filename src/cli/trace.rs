@@ -35,9 +35,9 @@ points from 0."
 pub struct TraceArguments {
     /// Image, folder of images, recording (.bag) or address of a camera
     ///
-    /// Images are PNG, JPEG, TIFF, BMP or WebP files; those of a folder are read in order of their names. Recordings are of ROS 1 or
-    /// of a RealSense camera. Of a camera the next picture is read: ros1://host:port/topic, rosbridge://host:port/topic,
-    /// ros2://domain/topic.
+    /// Images are PNG, JPEG, TIFF, BMP or WebP files; those of a folder are read in order of their
+    /// names. Recordings are of ROS 1 or of a RealSense camera. From a camera the next picture is
+    /// read: ros1://host:port/topic, rosbridge://host:port/topic, ros2://domain/topic.
     pub image: PathBuf,
     #[command(flatten)]
     recording: RecordingArguments,

@@ -62,13 +62,13 @@ pub struct TrainArguments {
     /// Seed of the initial weights, of the samples held back, and of their order
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
-    /// Samples in a batch at first
+    /// Number of samples in a batch at first
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub batch: u32,
-    /// Samples in a batch at last; batches are doubled up to there
+    /// Number of samples in the last batches, reached by doubling
     #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub last_batch: u32,
-    /// Rounds without a lower error after which Adam stops; gradient descent has a quarter of them
+    /// Rounds without a lower error after which Adam stops; a quarter of them for gradient descent
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
     pub patience: u32,
     /// Largest number of rounds over all samples, with --schedule cosine exact [default: 2000; 250]

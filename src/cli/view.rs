@@ -62,7 +62,7 @@ pub fn view(arguments: &ViewArguments, common: &Common) -> Result<(), Failure> {
     let written = written?;
     if written.thinned {
         tracing::warn!(
-            "only {} outputs of each case are shown; --outputs takes more",
+            "only {} outputs of each case are shown; --outputs shows more",
             arguments.outputs
         );
     }

@@ -73,12 +73,13 @@ impl Watchdog {
             if is_over && !is_attended() {
                 end(
                     request,
-                    "before the first step; nothing was lost, the same command starts again",
+                    "before the first step; nothing is lost, run the same command again to start",
                 );
             } else if is_over && is_deaf() {
                 end(
                     request,
-                    "within a long step; the same command continues from the last checkpoint",
+                    "within a long step; run the same command again to resume from the last \
+                     checkpoint",
                 );
             }
         }
