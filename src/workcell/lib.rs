@@ -6,7 +6,7 @@
 //! | [`virtual_cell`] | the same cell simulated, with a rod or a sheet, behind the protocol of real ones |
 //! | [`task`] | tasks of the cell: a rod laid along a pattern, a knot tied, a sheet folded, seen and scored |
 
-// Tests compare with a tolerance, and may ask any mathematical library.
+// Tests compare with a tolerance, and may call any mathematical library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 pub mod cell;

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 const POINTS: usize = 100;
 /// Points per second of the motion.
 const RATE: u32 = 100;
-/// Length equivalent to a joint rotation of 1 rad, m.
+/// Hand travel equivalent to a joint rotation of 1 rad, m.
 const WAY_PER_RADIAN: f64 = 0.3;
 /// Distance below which joints count as at their target, rad or m.
 const THERE: f64 = 1e-6;
@@ -30,7 +30,8 @@ impl Cell {
         self.positions(&arm.name, arm.driver.as_ref(), &arm.chain.joint_names())
     }
 
-    /// Angle of an external axis, rad, as its driver reports it: a motor without a sensor reports its setpoint.
+    /// Angle of an external axis, rad, as its driver reports it. A motor without a sensor reports
+    /// its setpoint.
     ///
     /// # Errors
     /// As [`Self::stands`].
@@ -52,7 +53,7 @@ impl Cell {
             Some((driver, first))
         });
         while !is_interrupted() {
-            // A clock whose connection is lost is none.
+            // A clock whose connection is lost is not used.
             let known = clock.as_mut().and_then(|(driver, first)| {
                 driver.state().ok()?;
                 let (now, received) = driver.clock()?;
@@ -78,7 +79,7 @@ impl Cell {
         Ok(self.heard(name, driver, joints)?.1)
     }
 
-    /// A connected driver of joints, with their positions.
+    /// Returns a connected driver of joints and the joint positions that it reports.
     pub(super) fn heard(
         &self,
         name: &str,
@@ -107,8 +108,9 @@ impl Cell {
         ))
     }
 
-    /// A motion of an arm from joints to joints, each straight, the hand at about `speed`, m/s, or slower. Collisions are
-    /// checked when it is prepared for a stream. `None` if the arm is there already.
+    /// Plans a motion of an arm between two joint positions, along straight lines in joint space.
+    /// The hand moves at about `speed`, m/s, or slower. Collisions are checked when the motion is
+    /// prepared for a stream. `None` if the arm is there already.
     ///
     /// # Errors
     /// A joint has no limit of acceleration or jerk.
@@ -136,7 +138,8 @@ impl Cell {
         Ok(Some(self.sampled(arm, RATE, &motion.samples)))
     }
 
-    /// The gripper of an arm, with the openings in which it holds nothing and in which it holds, m.
+    /// The gripper of an arm, with its opening when it holds nothing and its commanded opening
+    /// when it holds an object, m.
     pub fn gripper(&self, arm: usize) -> Option<(Box<dyn GripperDriver>, [f64; 2])> {
         let arm = &self.arms[arm];
         let gripper = arm.gripper.as_ref()?;
@@ -168,7 +171,7 @@ impl Cell {
     }
 }
 
-/// Points from joints to joints, each straight; `None` where they are there already.
+/// Points of a motion along straight lines in joint space; `None` if the joints are there already.
 pub(crate) fn straight(from: &[f64], to: &[f64]) -> Option<Vec<Vec<f64>>> {
     let pairs = || from.iter().zip(to);
     let farthest = pairs().map(|(a, b)| (b - a).abs()).fold(0.0, f64::max);

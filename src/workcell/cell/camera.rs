@@ -1,10 +1,10 @@
-//! The camera of a cell as one that sees the table.
+//! The camera of a cell, prepared to locate points on the table.
 
 use super::resolved::{Camera, Cell};
 use rodlab_vision::Lens;
 
 impl Camera {
-    /// The camera that locates what it sees on the plane z = `height`, m.
+    /// Returns a camera that locates pixels on the plane z = `height`, m.
     pub fn seeing(&self, height: f64) -> rodlab_vision::Camera {
         let [width, height_px] = self.size;
         let [fx, fy, cx, cy] = self.intrinsics;

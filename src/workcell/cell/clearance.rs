@@ -1,21 +1,22 @@
-//! The least distance along a motion, between its points, too.
+//! The least clearance along a motion, including the times between its points.
 //!
-//! Between two times no point of an arm moves farther than `m`, the sum over its joints of how far each turns times the reach of
-//! what it carries. With distances `a` and `b` at the two times, nothing comes nearer than `(a + b − m)/2` in between. Where that
-//! does not exclude contact, the time between is halved.
+//! Between two times no point of an arm moves farther than `m`: the rotation of each joint times
+//! the reach of the links that it carries, summed over the joints. With distances `a` and `b` at
+//! the two times, the distance in between is at least `(a + b − m)/2`. Where that does not exclude
+//! contact, the interval is halved.
 
 use super::resolved::Cell;
 use rodlab_robot::{Interpolant, Member, Part};
 
-/// Movement of a point, m, below which no contact is searched between two times.
+/// Movement of a point between two times, m, below which the interval is not divided further.
 const FINEST: f64 = 5e-4;
 
 impl Cell {
-    /// Least distance between arms, themselves and what is around them along the motion of parts, m. Arms without a motion rest
-    /// at home.
+    /// Least distance of the arms to each other, to themselves and to their surroundings during a
+    /// motion, m. Arms without a motion rest at home.
     ///
     /// # Errors
-    /// A contact, with its bodies and time.
+    /// A contact; the message names the bodies and the time.
     pub(super) fn least_clearance(&self, parts: &[Part]) -> Result<f64, String> {
         let surroundings = self.surroundings();
         let moving: Vec<Option<Interpolant>> = self
@@ -66,7 +67,7 @@ impl Cell {
         let mut before = look(*first)?;
         let mut least = before.distance;
         for time in rest {
-            // Times that are still to be checked, the next one last.
+            // Times that are still to be checked; the next one is last.
             let mut ahead = vec![*time];
             while let Some(next) = ahead.pop() {
                 let after = look(next)?;
@@ -84,7 +85,7 @@ impl Cell {
     }
 }
 
-/// The arms at a time.
+/// Postures of the arms and their clearance at one time.
 struct Look {
     time: f64,
     postures: Vec<Vec<f64>>,

@@ -6,9 +6,9 @@ use nalgebra::Translation3;
 use rodlab_robot::{JointTrajectory, LARGEST_JUMP, Pose, parametrise, subdivide};
 
 impl Cell {
-    /// The motion of an arm along poses of its hand in the cell, of which the first is that of the joints `from`; at
-    /// `speed` at most, m/s, with `rate` points per second, a divisor of 1000. Collisions are checked when it is
-    /// prepared for a stream.
+    /// Plans the motion of an arm along poses of its hand in the cell. The first pose is that of
+    /// the joints `from`. The hand moves at `speed`, m/s, at most. The motion has `rate` points
+    /// per second, a divisor of 1000. Collisions are checked when it is prepared for a stream.
     ///
     /// # Errors
     /// The hand cannot follow the path from these joints.
@@ -46,7 +46,7 @@ impl Cell {
         Ok(self.sampled(arm, rate, &motion.samples))
     }
 
-    /// The same for a hand that rises straight by a height, m.
+    /// Plans a motion in which the hand rises straight by a height, m.
     ///
     /// # Errors
     /// As [`Self::continuation`].

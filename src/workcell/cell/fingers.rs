@@ -1,13 +1,14 @@
-//! The fingers of a gripper, by the reports of its arm: whether they still hold the object.
+//! The fingers of a gripper as its arm reports them, to detect whether they still hold the object.
 
 use super::resolved::Cell;
 use std::cell::RefCell;
 
-/// Fingers nearer than this to where they hold nothing are closed, m: a sheet of paper is twice as thick.
+/// The fingers count as closed below this distance from their empty closed position, m; a sheet of
+/// paper is twice as thick.
 const CLOSED: f64 = 5e-5;
-/// Part of their range above which fingers are open.
+/// Fraction of their range above which fingers count as open.
 const OPEN: f64 = 0.95;
-/// Opening over that with the object, below which the object is lost.
+/// The object is lost when the opening falls below this fraction of the opening with the object.
 const LOST: f64 = 0.5;
 
 /// The fingers of a gripper that reports its opening.
@@ -20,10 +21,10 @@ pub struct Fingers {
 }
 
 impl Cell {
-    /// The fingers of an arm as they are now; `None` where its gripper does not name their joint.
+    /// The fingers of an arm as they are now; `None` if the cell file does not name their joint.
     ///
     /// # Errors
-    /// A message: no report of them arrives in time.
+    /// A message: no report of the fingers arrives in time.
     pub fn fingers(&self, arm: usize) -> Result<Option<Fingers>, String> {
         let arm = &self.arms[arm];
         let known = arm.gripper.as_ref();

@@ -1,7 +1,9 @@
-//! Joints along poses of a hand that begin where it is, and motions to and fro along a part of them.
+//! Joint positions along poses of a hand from its current pose, and motions back and forth along a
+//! part of them.
 //!
-//! Where [`Cell::plan`](super::Cell::plan) searches the best of all paths, this continues from the previous posture: the way back is
-//! the way that was taken, and every path from the same posture begins with the same joints.
+//! [`Cell::plan`](super::Cell::plan) searches for the best of all joint paths. Here each posture
+//! continues from the one before, so that the hand returns along the same joint path, and all
+//! paths from the same posture begin with the same joints.
 
 use super::plan::PlanError;
 use super::resolved::Cell;
@@ -10,11 +12,12 @@ use rodlab_robot::{
     Column, JointKind, JointTrajectory, Pose, SAMPLE, distance_and_angle, parametrise,
 };
 
-/// Largest step of a joint from pose to pose, rad or m: a larger step is near a singularity, and too fast for a rod.
+/// Largest step of a joint from pose to pose, rad or m. A larger step means that a singularity is
+/// near; it would be too fast for a rod.
 const LARGEST_STEP: f64 = 0.15;
-/// Length that counts as much as a turn by one radian, m.
+/// Length equivalent to a rotation by one radian, m.
 const LENGTH_PER_RADIAN: f64 = 0.1;
-/// Samples of a motion from point to point of its trajectory.
+/// Number of samples between two points of a trajectory.
 const STRIDE: usize = 10;
 
 /// Request for joints along poses of a hand.
@@ -78,8 +81,9 @@ impl Cell {
         HandPath { joints, ends }
     }
 
-    /// A motion of an arm and an external axis along points of the joints of both, that of the axis last, from rest to rest, and
-    /// then `rest`, s, at the last one. The hand moves at `speed`, m/s, at most, and turns by ten times as much, rad/s.
+    /// A motion of an arm and an external axis along joint positions of both; the axis is the last
+    /// column. The motion begins and ends at rest, and stays at its last point for `rest`, s. The
+    /// hand moves at `speed`, m/s, at most, and turns at ten times that number, rad/s, at most.
     ///
     /// # Errors
     /// A joint has no limit of acceleration or jerk.
@@ -131,7 +135,7 @@ mod tests {
         crate::test_cells::cell("helix_gantry")
     }
 
-    /// Poses from that at home on, each moved by `step`.
+    /// Poses that begin at home, each moved by `step` from the one before.
     fn poses(cell: &Cell, count: usize, step: impl Fn(f64) -> Pose) -> Vec<Pose> {
         let arm = &cell.arms[0];
         let first = arm.hand(&arm.home);
@@ -162,7 +166,7 @@ mod tests {
             let (distance, angle) = distance_and_angle(&arm.hand(joints), pose);
             assert!(distance < 1e-6 && angle < 1e-6);
         }
-        // More than a turn about z is that of one joint.
+        // Only one joint turns the hand about z, without a limit at a full turn.
         assert!((path.joints[399][3] - 0.02 * 399.0).abs() < 1e-6);
         let sideways = poses(&cell, 200, |k| Pose::translation(0.0, 0.01 * k, 0.0));
         let path = followed(&cell, &sideways);

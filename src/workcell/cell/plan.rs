@@ -1,4 +1,4 @@
-//! From a path of an arm's hand in the cell to a joint trajectory within all limits.
+//! Plans a joint trajectory within all limits from a path of an arm's hand in the cell.
 
 use super::resolved::Cell;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
@@ -12,13 +12,13 @@ use serde::Serialize;
 use std::path::Path;
 use std::str::FromStr;
 
-/// Distance of the points of a joint path, m, and a tenth of it in rad.
+/// Spacing of the points of a joint path, m; a tenth of it in rad.
 pub(super) const STEP: f64 = 1e-3;
 
-/// Place of a path.
+/// Where to place a path in the cell.
 #[derive(Clone, Copy, Debug)]
 pub enum Place {
-    /// Its poses are those in the cell, moved by x, y, z, m, and then turned about z where it lies, rad.
+    /// The path is turned about the z axis of its own frame, rad, and then moved by x, y, z, m.
     At([f64; 4]),
     /// The place at which the arm stays farthest from singularities; z = 0 of the path is the top of the table.
     Auto,
@@ -43,7 +43,7 @@ impl FromStr for Place {
 }
 
 impl Place {
-    /// The pose of the frame of the path in the cell, where it is given.
+    /// The pose of the frame of the path in the cell, if it is given.
     pub fn pose(self) -> Option<Pose> {
         let Self::At([x, y, z, turn]) = self else {
             return None;
@@ -64,7 +64,8 @@ pub struct PlanRequest {
     pub place: Place,
     /// Least distance to anything else, m.
     pub margin: f64,
-    /// Greatest speed of the hand, m/s (and ten times it in rad/s).
+    /// Greatest speed of the hand, m/s; its greatest angular velocity is ten times that number,
+    /// rad/s.
     pub speed: f64,
     /// Points per second: a divisor of 1000.
     pub rate: u32,
@@ -84,7 +85,7 @@ pub struct Plan {
 pub struct PlanReport {
     /// Points of the joint path, 1 mm apart at most.
     pub path_points: usize,
-    /// Length of the path, m (0.1 m for a turn by 1 rad).
+    /// Length of the path, m (a rotation by 1 rad counts as 0.1 m).
     pub length_m: f64,
     /// Duration of the motion.
     pub duration_s: f64,
@@ -96,13 +97,14 @@ pub struct PlanReport {
     pub place_quaternion: [f64; 4],
     /// Largest step of a joint between points of the path, rad or m.
     pub largest_jump: f64,
-    /// Least distance to anything else, m; 0.2 means 0.2 or more.
+    /// Least distance to anything else, m; 0.2 stands for 0.2 or more.
     pub least_clearance_m: f64,
     /// Smallest singular value of the Jacobian.
     pub least_distance_to_singularity: f64,
-    /// Least distance of a joint from an end of its range, rad or m; `null` where none has an end.
+    /// Least distance of a joint from an end of its range, rad or m; `null` if no joint has an
+    /// end.
     pub least_distance_to_limits: Option<f64>,
-    /// Largest velocity, acceleration and jerk at 1 kHz, as parts of the limits.
+    /// Largest velocity, acceleration and jerk at 1 kHz, as fractions of the limits.
     pub velocity_used: f64,
     /// See `velocity_used`.
     pub acceleration_used: f64,
@@ -119,13 +121,14 @@ pub enum PlanError {
     /// The path cannot be followed.
     #[error("{0}")]
     Path(String),
-    /// No motion along it.
+    /// No motion along the path keeps the limits.
     #[error("{0}")]
     Timing(#[from] TimingError),
 }
 
 impl Cell {
-    /// The index of an arm by its name, as given by a flag, which may be left out where there is only one.
+    /// Returns the index of the arm whose name was given by a flag. The name may be omitted if the
+    /// cell has only one arm.
     ///
     /// # Errors
     /// The arm does not exist, or the flag is required.
@@ -198,7 +201,8 @@ impl Cell {
     /// Plans the motion of one arm along a path of its hand, the other arms at rest.
     ///
     /// # Errors
-    /// If the path cannot be followed: the first point, why, and the nearest pose that can be reached.
+    /// The path cannot be followed: the message gives the first such point, the reason, and the
+    /// nearest reachable pose.
     pub fn plan(&self, request: &PlanRequest) -> Result<Plan, PlanError> {
         let arm = &self.arms[request.arm];
         if request.rate == 0 || 1000 % request.rate != 0 {
@@ -298,7 +302,8 @@ impl Cell {
         )
     }
 
-    /// Reduces samples to `rate` points per second; the last point is one more step at rest if it falls between.
+    /// Reduces samples to `rate` points per second. If the last sample is not a multiple of the
+    /// step, the trajectory ends with one more step at rest.
     pub(super) fn sampled(&self, arm: usize, rate: u32, samples: &[Vec<f64>]) -> JointTrajectory {
         let arm = &self.arms[arm];
         let last = samples.len() - 1;

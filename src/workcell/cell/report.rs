@@ -23,7 +23,7 @@ struct ArmReport {
     joints: usize,
     links: usize,
     shapes: usize,
-    /// From the first joint to the hand along the links, m.
+    /// Distance from the first joint to the hand along the links, m.
     reach_m: f64,
     base: [f64; 3],
     home: Posture,

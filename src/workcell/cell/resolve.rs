@@ -1,4 +1,4 @@
-//! From the cell file as typed to the cell in SI units.
+//! Converts the cell file as typed to the cell in SI units.
 
 use super::resolve_chain::resolve_arm;
 use super::resolved::{Axis, Camera, Cell, Chuck, Obstacle, Table};
@@ -164,7 +164,7 @@ impl Resolver<'_> {
         }
         self.positive(&path.key("fx"), camera.fx);
         self.positive(&path.key("fy"), camera.fy);
-        // What `rodlab trace` locates points on.
+        // `rodlab trace` locates points at this height.
         if let Some(height) = &camera.table_height {
             self.si(&path.key("table_height"), height);
         }
@@ -183,7 +183,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// The tolerances of joints that turn, under a key of `[streaming]`, and of those that slide, under that with `_prismatic`.
+    /// Tolerances of the joints: those of revolute joints are under a key of `[streaming]`, those
+    /// of prismatic joints under the same key with `_prismatic`.
     fn tolerance(
         &self,
         key: &str,

@@ -1,4 +1,5 @@
-//! An arm of a cell file: its chain from URDF or from its own joints, limits, tool, shapes.
+//! Resolves an arm of a cell file: its chain from URDF or from its own joints, its limits, tool
+//! and shapes.
 
 use super::resolved::Arm;
 use super::resolver::Resolver;
@@ -113,7 +114,7 @@ fn chain_of_joints(
         tool: Pose::identity(),
     };
     let mut names = BTreeSet::new();
-    // Mimicked joints may follow those that mimic them.
+    // A mimicked joint may be listed after the joint that mimics it.
     for (k, joint) in typed.iter().enumerate() {
         let path = path.key("joints").index(k);
         let name = match joint {
@@ -285,7 +286,7 @@ fn fixed(resolver: &Resolver<'_>, path: &KeyPath, joint: &FixedJoint) -> Segment
     }
 }
 
-/// Lays the limits of the arm over those of its joints.
+/// Replaces limits of the joints by those of the arm.
 fn limits(resolver: &Resolver<'_>, path: &KeyPath, typed: &typed::Arm, chain: &mut Chain) {
     let count = chain.joints.len();
     let mut lay = |key: &str, given: &Option<OneOrMany>, slot: fn(&mut Limits) -> &mut f64| {
@@ -353,7 +354,7 @@ fn home(resolver: &Resolver<'_>, path: &KeyPath, typed: &typed::Arm, chain: &Cha
     home.clone()
 }
 
-/// The link of that name: an index of a segment, `None` for the base.
+/// The link with a name: an index of a segment, `None` for the base.
 fn link(resolver: &Resolver<'_>, path: &KeyPath, chain: &Chain, name: &str) -> Option<usize> {
     let index = chain.link(name);
     if index.is_none() && name != "base" {
@@ -400,7 +401,7 @@ fn shapes(
     }
 }
 
-/// A capsule on each link from its joint to the next, and on the last from its joint to the hand.
+/// A capsule along each link, from its joint to the next one; the last capsule ends at the hand.
 fn capsules_between_joints(chain: &Chain, radius: f64) -> Vec<Body> {
     let ends = chain.segments.iter().skip(1).map(|next| next.origin);
     let ends = ends.chain([chain.tool]);

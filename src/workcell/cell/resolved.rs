@@ -3,7 +3,7 @@
 use rodlab_robot::{Body, Chain, Column, Limits, Pose, Ros2Address, RosVersion, StreamBounds};
 use std::path::PathBuf;
 
-/// A robot cell. Its frame is the one in which bases, table and camera are placed: z up.
+/// A robot cell. Bases, table and camera are placed in its frame; z is up.
 #[derive(Clone, Debug)]
 pub struct Cell {
     /// Title in reports.
@@ -20,11 +20,11 @@ pub struct Cell {
     pub obstacles: Vec<Obstacle>,
     /// The camera.
     pub camera: Option<Camera>,
-    /// File of the rod of tasks that name no other.
+    /// File of the rod for tasks that name no other rod.
     pub rod: Option<PathBuf>,
-    /// Settings of the streaming of trajectories.
+    /// Settings for streaming trajectories.
     pub streaming: StreamBounds,
-    /// Remarks on what was ignored when the file was read.
+    /// Warnings about input that was ignored.
     pub warnings: Vec<String>,
 }
 
@@ -49,8 +49,8 @@ pub struct Arm {
     pub gripper: Option<Gripper>,
 }
 
-/// The gripper of an arm: the action `control_msgs/GripperCommand` where that of the arm is: at its rosbridge server, at its ROS 1
-/// master or in its ROS 2 domain.
+/// The gripper of an arm: a `control_msgs/GripperCommand` action at the rosbridge server, the ROS
+/// 1 master or in the ROS 2 domain of the arm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gripper {
     /// Name of the action.
@@ -59,7 +59,7 @@ pub struct Gripper {
     pub open: f64,
     /// Opening to which it closes, m.
     pub closed: f64,
-    /// Greatest effort of its fingers, N; 0 leaves it to the controller.
+    /// Greatest effort of its fingers, N; 0 leaves the choice to the controller.
     pub max_effort: f64,
     /// Name of the joint of its fingers in the reports of the arm, if they include it.
     pub joint: Option<String>,
@@ -81,7 +81,8 @@ pub struct Axis {
 pub struct Chuck {
     /// Index of the external axis that turns it.
     pub axis: usize,
-    /// Pose in the cell of its end, where the rod begins, the axis at zero; x is the rod, out of the chuck, and what it turns about.
+    /// Pose in the cell of the end of the chuck, where the rod begins, with the axis at zero. x
+    /// points along the rod, out of the chuck, and is the axis of rotation.
     pub pose: Pose,
 }
 
@@ -112,9 +113,10 @@ pub struct Camera {
     pub size: [u32; 2],
     /// Focal lengths fx and fy and principal point cx, cy, pixels.
     pub intrinsics: [f64; 4],
-    /// Distortion coefficients k1, k2, p1, p2, k3 as OpenCV orders them; fewer where the rest is zero.
+    /// Distortion coefficients k1, k2, p1, p2, k3 as OpenCV orders them; missing ones are zero.
     pub distortion: Vec<f64>,
-    /// Pose in the cell; the camera looks along its z, y down.
+    /// Pose in the cell; the camera looks along its z axis, and its y axis points down in the
+    /// picture.
     pub pose: Pose,
     /// Source of its pictures, such as `rosbridge://127.0.0.1:9090/camera/image_raw`.
     pub source: Option<String>,
@@ -127,7 +129,7 @@ pub enum Driver {
     File {
         /// The file; `None` for standard output.
         path: Option<PathBuf>,
-        /// Whether as JSON lines instead of CSV.
+        /// Whether the points are JSON lines instead of CSV.
         json_lines: bool,
     },
     /// A rosbridge server in front of a `control_msgs/FollowJointTrajectory` action.
@@ -164,14 +166,14 @@ pub enum Driver {
 }
 
 impl Cell {
-    /// The arm of that name.
+    /// The arm with a name.
     pub fn arm(&self, name: &str) -> Option<&Arm> {
         self.arms.iter().find(|arm| arm.name == name)
     }
 }
 
 impl Arm {
-    /// The columns of its joints in a trajectory.
+    /// The columns of the joints in a trajectory.
     pub(crate) fn columns(&self) -> impl Iterator<Item = Column> + '_ {
         self.chain.joints.iter().map(|joint| Column {
             part: self.name.clone(),
@@ -180,19 +182,19 @@ impl Arm {
         })
     }
 
-    /// The limits of its joints.
+    /// The limits of the joints.
     pub(crate) fn limits(&self) -> Vec<Limits> {
         let joints = self.chain.joints.iter();
         joints.map(|joint| joint.limits).collect()
     }
 
-    /// Pose of its hand in the cell.
+    /// Pose of the hand in the cell.
     pub(crate) fn hand(&self, joints: &[f64]) -> Pose {
         self.base * self.chain.hand(joints)
     }
 }
 
-/// The version of a rosbridge server by its number.
+/// The version of ROS behind a rosbridge server, from its number.
 pub(crate) fn ros_version(number: u8) -> RosVersion {
     match number {
         1 => RosVersion::One,

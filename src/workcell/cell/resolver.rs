@@ -1,4 +1,4 @@
-//! Reading the keys of a cell file: units, ranges, poses and drivers, and their faults.
+//! Reads the keys of a cell file: units, ranges, poses and drivers. Records their faults.
 
 use super::resolved::{Driver, Gripper};
 use super::typed::{self, CellFile};
@@ -11,11 +11,12 @@ use std::path::PathBuf;
 
 /// Default opening of fingers that hold nothing, m.
 const OPEN: f64 = 0.04;
-/// Default greatest effort of fingers, N: enough for a rod, and gentle to it. Controllers of effort take 0 for no force.
+/// Default greatest effort of fingers, N: it holds a rod without damage. For effort controllers 0
+/// means no force.
 const EFFORT: f64 = 10.0;
 
-/// Reads keys and records their faults; faulty ones are replaced by harmless values, so that all faults of a
-/// file are found together.
+/// Reads keys and records their faults; faulty values are replaced by harmless ones, so that all
+/// faults of a file are reported together.
 pub(super) struct Resolver<'a> {
     pub issues: RefCell<Issues>,
     pub warnings: RefCell<Vec<String>>,
@@ -31,7 +32,7 @@ impl Resolver<'_> {
         self.issues.borrow_mut().push(issue);
     }
 
-    /// A file named at `path`.
+    /// Path of a file that is named at `path`.
     pub fn file_at(&self, path: &KeyPath, name: &str) -> PathBuf {
         self.file.directory_of(path).join(name)
     }
@@ -63,7 +64,7 @@ impl Resolver<'_> {
             .map_or(otherwise, |given| self.si(path, given))
     }
 
-    /// The same of at least 0, with its unit for people.
+    /// Returns a quantity of at least 0, or a default value; `unit` is for the message.
     fn not_negative<D: Dimension>(
         &self,
         path: &KeyPath,
@@ -78,7 +79,7 @@ impl Resolver<'_> {
         value
     }
 
-    /// The range between the keys `lower` and `upper`, infinite where they are not given.
+    /// The range between the keys `lower` and `upper`, infinite if they are not given.
     pub fn range<D: Dimension>(
         &self,
         path: &KeyPath,
@@ -107,7 +108,7 @@ impl Resolver<'_> {
         std::array::from_fn(|k| self.positive_si(&path.index(k), &size[k]))
     }
 
-    /// A pose by position and either quaternion or angles.
+    /// A pose from a position and either a quaternion or angles.
     pub fn pose(
         &self,
         path: &KeyPath,
@@ -140,7 +141,7 @@ impl Resolver<'_> {
         Pose::from_parts(Translation3::from(position), rotation)
     }
 
-    /// Value of the word at a key; the first of the allowed ones is the default.
+    /// Value of the word at a key; the first allowed word is the default.
     fn choice<T: Copy>(&self, path: &KeyPath, given: &Option<String>, known: &[(&str, T)]) -> T {
         let given = given.as_deref().unwrap_or(known[0].0);
         let found = known.iter().find(|(word, _)| *word == given);
@@ -232,7 +233,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// A gripper beside the driver of its arm.
+    /// A gripper that uses the driver of its arm.
     pub fn gripper(
         &self,
         path: &KeyPath,
@@ -264,7 +265,7 @@ impl Resolver<'_> {
 
     fn ros_2(&self, path: &KeyPath, ros: &typed::Ros2Driver) -> Ros2Address {
         let domain = ros.domain.unwrap_or(0);
-        // Ports of higher domains are out of range.
+        // Higher domains would need ports out of range.
         if domain > 232 {
             self.fault(
                 &path.key("domain"),
@@ -296,7 +297,7 @@ impl Resolver<'_> {
     }
 }
 
-/// Whether a host is named with a port.
+/// Whether the address of a server includes a port.
 fn has_port(server: &str) -> bool {
     let port = server.rsplit_once(':').map(|(_, port)| port.parse());
     matches!(port, Some(Ok(1..=u16::MAX)))

@@ -1,4 +1,4 @@
-//! From a joint trajectory to the drivers of a cell.
+//! Streams a joint trajectory to the drivers of a cell.
 
 use super::resolved::{Cell, Driver, ros_version};
 use rodlab_robot::{
@@ -8,9 +8,10 @@ use rodlab_robot::{
 
 const WITHOUT_ROS_2: &str = "this program was built without ROS 2; `cargo install --path .`, without `--no-default-features`, builds one with it";
 
-/// Number of positions of a trajectory that is sent whole: 5 MB as a message of rosbridge, half of the limit of its server.
+/// Largest number of positions in a trajectory that is sent unchanged: 5 MB as a rosbridge
+/// message, half of the limit of the server.
 const MOST_NUMBERS: usize = 150_000;
-/// Tolerance of a motion that is sent with fewer points, rad or m.
+/// Tolerance by which a motion may change when points are removed, rad or m.
 const THINNING: f64 = 1e-5;
 
 /// Plan of a stream.
@@ -18,7 +19,7 @@ const THINNING: f64 = 1e-5;
 pub struct StreamReport {
     /// Duration of the motion, s.
     pub duration_s: f64,
-    /// Points of the trajectory; of several, all together.
+    /// Number of points; for several trajectories, their sum.
     pub points: usize,
     /// Names of the arms and axes that move.
     pub parts: Vec<String>,
@@ -27,12 +28,12 @@ pub struct StreamReport {
 }
 
 impl Cell {
-    /// The parts of trajectories, all on one clock from zero, with their drivers, none of them connected, after a check of
-    /// every point against limits and collisions.
+    /// Prepares the parts of trajectories for a stream, on one clock from zero, with drivers that
+    /// are not connected yet. Every point is checked against limits and collisions.
     ///
     /// # Errors
-    /// A message: names that the cell does not have, joints that are missing, arms that two trajectories move, limits that
-    /// are exceeded, things that touch, parts without a driver.
+    /// A message: an unknown name, a missing joint, an arm in two trajectories, an exceeded limit,
+    /// a contact, or a part without a driver.
     pub fn prepare_stream(
         &self,
         trajectories: &[JointTrajectory],
@@ -176,7 +177,7 @@ impl Cell {
             .collect()
     }
 
-    /// `None` where it is not built into this program.
+    /// Returns the driver; `None` if this program was built without it.
     pub(super) fn driver(&self, driver: &Driver) -> Option<Box<dyn rodlab_robot::Driver>> {
         let driver: Box<dyn rodlab_robot::Driver> = match driver {
             Driver::File { path, json_lines } => {
@@ -207,8 +208,8 @@ impl Cell {
     }
 }
 
-/// The motion with so few points that its goal fits into a message. Points are left out of long motions only; what a controller makes
-/// of the rest is within [`THINNING`] of them.
+/// Removes points of a long motion so that its goal fits into a message. A controller that
+/// interpolates the remaining points stays within [`THINNING`] of the removed ones.
 fn within_a_message(part: PartTrajectory) -> PartTrajectory {
     let numbers = part.times.len() * part.joints.len();
     match numbers > MOST_NUMBERS {
@@ -217,7 +218,7 @@ fn within_a_message(part: PartTrajectory) -> PartTrajectory {
     }
 }
 
-/// An arm or an axis.
+/// An arm or an axis that can move.
 struct Movable<'a> {
     name: &'a str,
     joints: Vec<String>,
@@ -226,7 +227,7 @@ struct Movable<'a> {
     driver: Option<&'a Driver>,
 }
 
-/// The columns in the order of the joints; `None` where one is missing.
+/// The columns in the order of the joints; `None` if one is missing.
 fn in_order(
     trajectory: &JointTrajectory,
     columns: &[usize],

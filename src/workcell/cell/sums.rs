@@ -1,6 +1,6 @@
-//! Lengths from the start of a curve on.
+//! Cumulative lengths along a curve.
 
-/// The sums of the first steps: of none, of one, of two, and so on to that of all.
+/// Cumulative sums of the steps, from 0 (no step) to the sum of all.
 pub fn sums(steps: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let sums = steps.into_iter().scan(0.0, |sum, step| {
         *sum += step;

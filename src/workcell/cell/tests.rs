@@ -1,4 +1,4 @@
-//! Cell files: those that come with the program, and faulty ones.
+//! Tests of cell files: those that come with the program, and faulty ones.
 
 use super::*;
 use crate::test_cells::{cell as shipped, file};
@@ -42,7 +42,7 @@ fn limits_of_mimic_joints_bound_the_joint_they_follow() {
     );
     let limits = with(&follower).unwrap().arms[0].chain.joints[0].limits;
     assert_eq!((limits.lower, limits.upper), (-0.5, 0.5));
-    // Half of its own, although the arm gives 1 rad/s for all joints.
+    // Half of the limit of the mimicked joint, although the arm gives 1 rad/s for all joints.
     assert_eq!(limits.velocity, 0.5);
     for (good, bad, expected) in [
         ("offset = 0.5", "offset = 90.0", "which it mimics, no range"),
@@ -85,7 +85,7 @@ fn the_sawyer_stands_where_the_samples_of_three_libraries_say() {
     assert_eq!(count, 200);
 }
 
-/// How fast: `cargo bench --bench inverse_kinematics`.
+/// For the time per pose, run `cargo bench --bench inverse_kinematics`.
 #[test]
 fn a_thousand_reachable_poses_of_every_arm_are_solved() {
     for name in ARMS {
@@ -149,7 +149,7 @@ fn the_gripper_of_an_arm_of_ros_2_grips_with_an_effort() {
     assert!(refused.contains("`arms.0.gripper.max_effort`"), "{refused}");
 }
 
-/// Faults of that file: text, replacement, reported place, and words of the message.
+/// Faults of this file: text, replacement, reported place, and words of the message.
 const FAULTS: &str = r#"name = "a" | nam = "a" | cell.toml:4: | nam
 velocity = 1.0\n | | cell.toml:1: | needs a `velocity`
 upper = 2.0 | upper = "-100 deg" | `arms.0.joints.0.lower` | must be below
@@ -237,7 +237,7 @@ fn a_report_names_every_part() {
     assert!(serde_json::from_str::<serde_json::Value>(&report.to_json()).is_ok());
 }
 
-/// A path of the hand above the table, gripper down: in the frame of the table's top.
+/// Pose of a hand above the table, gripper down, in the frame of the table's top.
 fn down(at: [f64; 3], turn: f64) -> rodlab_robot::Pose {
     use nalgebra::{Translation3, UnitQuaternion, Vector3};
     let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn)
@@ -344,7 +344,8 @@ fn planned_within_limits(name: &str, what: &str, path: &[rodlab_robot::Pose]) {
         .find(|q| arm.chain.outside_limits(q).is_some());
     assert!(outside.is_none(), "{outside:?}");
     assert!(plan.report.largest_jump <= rodlab_robot::LARGEST_JUMP);
-    // The hand comes by every pose, within what the cutting of the time into milliseconds leaves, and is never too fast.
+    // The hand passes every pose within the error of sampling at 1 ms, and never exceeds its
+    // speed.
     let frame =
         rodlab_robot::pose(plan.report.place_position, plan.report.place_quaternion).unwrap();
     let to_base = arm.base.inverse() * frame;

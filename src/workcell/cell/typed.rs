@@ -1,4 +1,4 @@
-//! The cell file as typed: every allowed key, not validated yet.
+//! The cell file as typed: every allowed key, before validation.
 
 use rodlab_lab::scenario::dimension::{
     Angle, AngularVelocity, Dimensionless, Force, Length, Time, Velocity,
@@ -30,7 +30,7 @@ pub struct CellFile {
     pub obstacles: Vec<Obstacle>,
     /// The camera.
     pub camera: Option<Camera>,
-    /// The rod of tasks that name no other.
+    /// The rod for tasks that name no other rod.
     pub rod: Option<SuppliedRod>,
     /// Settings of the streaming of trajectories.
     pub streaming: Option<Streaming>,
@@ -64,7 +64,7 @@ pub struct Arm {
     pub gripper: Option<Gripper>,
 }
 
-/// The gripper of an arm: an action beside that of its driver.
+/// The gripper of an arm: an action at the server of the arm's driver.
 #[derive(Debug, Deserialize)]
 pub struct Gripper {
     pub action: String,
@@ -80,7 +80,7 @@ pub struct SuppliedRod {
     pub file: String,
 }
 
-/// A number for all joints, or one for each.
+/// One number for all joints, or one for each.
 #[derive(Debug, Deserialize)]
 #[serde(
     untagged,
@@ -175,7 +175,7 @@ pub struct Axis {
     pub driver: Option<Driver>,
 }
 
-/// The chuck: its x axis is that of the rod, out of the chuck.
+/// The chuck; its x axis points along the rod, out of the chuck.
 #[derive(Debug, Deserialize)]
 pub struct Chuck {
     pub axis: String,

@@ -1,4 +1,5 @@
-//! The 3-D page of a cell: links as capsules, boxes by their edges, along a joint trajectory.
+//! The 3-D page of a cell along a joint trajectory: links are capsules, boxes are drawn by their
+//! edges.
 
 use super::resolved::{Arm, Cell};
 use nalgebra::{Point3, Vector3};
@@ -14,7 +15,8 @@ const BONE: f64 = 1e-2;
 struct Lines(Vec<(String, f64, Vec<Vector3<f64>>)>);
 
 impl Cell {
-    /// The page as HTML: the arms at home, or along a trajectory in at most so many frames.
+    /// The page as HTML: the arms at home, or along a trajectory with at most the given number of
+    /// frames.
     pub fn page(&self, trajectory: Option<&JointTrajectory>, most_frames: usize) -> String {
         let frames: Vec<(f64, Lines)> = match trajectory {
             None => {
@@ -71,8 +73,8 @@ impl Cell {
         })
     }
 
-    /// Joint positions of all arms at a point of a trajectory; arms that it does not move, and joints that it does not
-    /// name, are at home.
+    /// Joint positions of all arms at a point of a trajectory. Arms and joints that the trajectory
+    /// does not name are at home.
     fn postures(&self, trajectory: &JointTrajectory, point: usize) -> Vec<Vec<f64>> {
         let position = |arm: &Arm, joint: usize| {
             let name = &arm.chain.joints[joint].name;
@@ -129,7 +131,7 @@ impl Lines {
                     half_length,
                     radius,
                 } => {
-                    // A ball has a line, too, so that its tube has a direction.
+                    // A ball needs a short line too, so that its tube has a direction.
                     let end = half_length.max(1e-4);
                     let at = |z: f64| (pose * Point3::new(0.0, 0.0, z)).coords;
                     self.0.push((name, *radius, vec![at(-end), at(end)]));
@@ -147,7 +149,8 @@ impl Lines {
 
     /// The twelve edges of a box, as one line through its corners.
     fn edges(&mut self, name: &str, pose: &Pose, half: [f64; 3]) {
-        // Round the bottom, up, round the top, and down and up again at the other three corners.
+        // Around the bottom, up, around the top; then down and up again at the other three
+        // corners.
         const CORNERS: [usize; 16] = [0, 1, 3, 2, 0, 4, 5, 1, 5, 7, 3, 7, 6, 2, 6, 4];
         let corner = |bits: usize| {
             let side = |k: usize| [-half[k], half[k]][bits >> k & 1];
