@@ -1,4 +1,4 @@
-//! Shared parts of tests: cells that come with the program, and rods for them.
+//! Shared helpers of tests: cells that come with the program, and rods for them.
 
 use crate::cell::Cell;
 use crate::virtual_cell::{RodSupply, Settings};
@@ -29,7 +29,7 @@ pub fn short_rods() -> RodSupply {
     RodSupply::new(&path, 0.4).unwrap()
 }
 
-/// Settings of a virtual cell with nothing in it, on a port that is free.
+/// Settings of a virtual cell without objects, on a free port.
 pub fn settings() -> Settings {
     Settings::empty(1.0)
 }

@@ -55,7 +55,7 @@ impl TaskArguments {
         place.ok_or_else(|| PlanError::Input("--place is required: the cell has no [table]".into()))
     }
 
-    /// Returns how the task is run.
+    /// Returns the options of the run.
     pub fn way(&self) -> Way<'_> {
         Way {
             arm: None,

@@ -9,14 +9,15 @@ use std::path::{Path, PathBuf};
 /// Speed relative to real time of a virtual cell that only one process uses: as fast as it can be simulated.
 const FULL_SPEED: f64 = 100.0;
 
-/// A command that plans a task from its arguments. The command line adds which cell, asks before anything moves, and runs the task.
+/// A command that plans a task from its arguments. The command line selects the cell, asks before
+/// anything moves, and runs the task.
 pub trait TaskCommand {
-    /// Its name, by which its results directories are named.
+    /// Name of the command, used in the names of its results directories.
     const NAME: &'static str;
-    /// The preset cell, which is simulated where no other is named.
+    /// Preset cell that is simulated if the user names no other.
     const CELL: &'static str = "gantry";
-    /// Purpose of the camera: arms without camera, driver or gripper are refused before anything moves. `None` where the
-    /// task itself finds out what it lacks.
+    /// What the camera is used for. Cells without camera, driver or gripper are rejected before
+    /// anything moves. `None` if the task itself checks what the cell lacks.
     const CAMERA: Option<&'static str> = None;
 
     /// The task.
@@ -24,13 +25,13 @@ pub trait TaskCommand {
     /// Failure of planning.
     type Error: From<PlanError>;
 
-    /// Returns how it is run.
+    /// Returns the options of the run.
     fn way(&self) -> Way<'_>;
 
-    /// Validates arguments that need no cell, before one is read.
+    /// Validates the arguments that can be checked before a cell is read.
     ///
     /// # Errors
-    /// They contradict each other, or name something that is not there.
+    /// The arguments contradict each other, or name something that does not exist.
     fn check(&self) -> Result<(), Self::Error> {
         Ok(())
     }
@@ -38,31 +39,33 @@ pub trait TaskCommand {
     /// Indices of the arms that move.
     ///
     /// # Errors
-    /// The cell lacks them.
+    /// The cell lacks an arm.
     fn arms(&self, planning: &Planning<'_>) -> Result<Vec<usize>, Self::Error> {
         Ok(vec![planning.arm("--arm", self.way().arm)?])
     }
 
-    /// The name of the results directory of a task that is resumed there; `None` where each task has an empty one.
+    /// The name of the results directory in which the task is resumed; `None` if each run needs an
+    /// empty directory.
     fn resumed_in(&self) -> Option<String> {
         None
     }
 
-    /// Plans the task of arms. Nothing moves.
+    /// Plans the task of the given arms. Nothing moves.
     ///
     /// # Errors
-    /// It cannot be done.
+    /// The task cannot be done.
     fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<Self::Task, Self::Error>;
 }
 
-/// Options by which a task is run.
+/// Options of a run of a task.
 #[derive(Clone, Copy, Debug)]
 pub struct Way<'a> {
-    /// Name of the arm; not needed where the cell has only one.
+    /// Name of the arm; not needed if the cell has only one.
     pub arm: Option<&'a str>,
-    /// Whether it is planned only.
+    /// Whether the task is only planned.
     pub dry_run: bool,
-    /// Whether the arms were inspected after a task that did not finish; `None` where a task may end anywhere.
+    /// Whether the user has inspected the arms after a task that did not finish; `None` if the
+    /// task may stop at any time.
     pub checked: Option<bool>,
     /// Directory for the results.
     pub out: Option<&'a Path>,
@@ -74,14 +77,15 @@ pub struct Planning<'a> {
     pub cell: &'a Cell,
     /// Its file.
     pub file: &'a Path,
-    /// Whether it is simulated by this process, new each time.
+    /// Whether this process simulates the cell, each time from its initial state.
     pub is_virtual: bool,
     directory: PathBuf,
     settings: RefCell<Settings>,
 }
 
 impl<'a> Planning<'a> {
-    /// In a cell by its file, with results in a directory that need not be there yet.
+    /// Planning in a cell that was read from `file`, with results in a directory that need not
+    /// exist yet.
     pub fn new(cell: &'a Cell, file: &'a Path, is_virtual: bool, directory: PathBuf) -> Self {
         Self {
             cell,
@@ -92,7 +96,8 @@ impl<'a> Planning<'a> {
         }
     }
 
-    /// The index of an arm by its name, as given by a flag, which may be left out where there is only one.
+    /// Returns the index of the arm whose name was given by a flag. The name may be omitted if the
+    /// cell has only one arm.
     ///
     /// # Errors
     /// The arm does not exist, or the cell has several.
@@ -100,10 +105,10 @@ impl<'a> Planning<'a> {
         self.cell.arm_named(flag, name, self.file)
     }
 
-    /// The directory of the results, which is made now if it is not there.
+    /// The directory of the results; it is created if it does not exist.
     ///
     /// # Errors
-    /// It cannot be made.
+    /// The directory cannot be created.
     pub fn directory(&self) -> Result<&Path, PlanError> {
         std::fs::create_dir_all(&self.directory).map_err(|error| {
             let directory = self.directory.display();
@@ -120,7 +125,7 @@ impl<'a> Planning<'a> {
     /// Adds the objects of the task to the cell, if the cell is simulated.
     ///
     /// # Errors
-    /// It cannot be made.
+    /// An object cannot be created.
     pub fn furnish<E>(&self, put: impl FnOnce(&mut Settings) -> Result<(), E>) -> Result<(), E> {
         match self.is_virtual {
             true => put(&mut self.settings.borrow_mut()),
@@ -128,7 +133,7 @@ impl<'a> Planning<'a> {
         }
     }
 
-    /// Settings of the cell, if it is simulated.
+    /// Settings of the simulated cell.
     pub fn into_settings(self) -> Settings {
         self.settings.into_inner()
     }

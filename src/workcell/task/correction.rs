@@ -1,4 +1,5 @@
-//! Online correction: the arm lays a length and stops, the camera takes a picture, and the rest is replanned.
+//! Online correction: the arm lays a length of rod and stops, the camera takes a picture, and the
+//! rest is replanned.
 
 use super::deploy_plan::DeployPlan;
 use super::error::WorkError;
@@ -13,15 +14,16 @@ use rodlab_robot::{JointTrajectory, Pose};
 use rodlab_vision::Point;
 use std::time::Duration;
 
-/// Length that is laid between two looks, and over which the rod returns to its pattern, in gravito-bending lengths: those of
-/// `[deployment.correction]`.
+/// Length that is laid between two pictures, and length over which the rod returns to its pattern,
+/// in gravito-bending lengths, as in `[deployment.correction]`.
 const LENGTHS: [f64; 2] = [0.8, 3.5];
-/// Length in front of the place where the rod should leave the table, in gravito-bending lengths, that is ignored in pictures:
-/// the place where it really leaves the table is not known so exactly.
+/// Length of rod that is ignored in pictures before the place where the rod should leave the
+/// table, in gravito-bending lengths: this place is uncertain.
 const UNSURE: f64 = 0.3;
 /// Spacing of the points by which the end of the lying rod is measured, m.
 const SPACING: f64 = 2e-3;
-/// Largest distance of the start of the rod in a picture from its expected place, m: beyond it the hanging part hides the start.
+/// Largest distance of the start of the rod in a picture from its expected place, m. Beyond it,
+/// the hanging part hides the start.
 const MOST_OFF: f64 = 0.01;
 /// The first line of `corrections.csv`.
 const COLUMNS: &str = "laid_m,seen_m,x_m,y_m,angle_rad,gravito_bending_length_m,processor_time_s\n";
@@ -31,7 +33,7 @@ const RATE: u32 = 100;
 /// Correction of the path.
 #[derive(Clone, Copy, Debug)]
 pub struct Correction {
-    /// Length that is laid between two looks, m.
+    /// Length that is laid between two pictures, m.
     pub every: f64,
     /// Greatest speed of the hand, m/s.
     pub speed: f64,
@@ -46,7 +48,7 @@ impl Correction {
         }
     }
 
-    /// The motion from one pose of the path to another one.
+    /// The motion from one pose of the path to another.
     fn way(
         &self,
         plan: &DeployPlan,
@@ -63,11 +65,11 @@ impl Correction {
         cell.continuation(plan.arm, &poses, joints, self.speed, RATE)
     }
 
-    /// Lays a rod length by length, from the first pose of its path to the last one; measurements and plans are written to
-    /// `corrections.csv`.
+    /// Lays a rod in steps from the first pose of its path to the last one. Writes measurements
+    /// and plans to `corrections.csv`.
     ///
     /// # Errors
-    /// Something failed, or an interruption was requested.
+    /// A step failed, or an interruption was requested.
     pub fn lay(&self, plan: &DeployPlan, at: &Workplace<'_>) -> Result<(), WorkError> {
         let unit = plan.rod.gravito_bending_length;
         let poses = plan.path.poses.iter();
@@ -104,8 +106,8 @@ impl Correction {
     }
 }
 
-/// The end of the lying part of the rod in a picture, when the gripper is at pose `index` of its path; `None` where too little lies,
-/// or is seen.
+/// Measures the end of the lying part of the rod in a picture, with the gripper at pose `index` of
+/// its path; `None` if the lying part, or its visible part, is too short.
 fn end_of_the_lying(
     plan: &DeployPlan,
     cell: &Cell,
@@ -129,7 +131,7 @@ fn end_of_the_lying(
     path.is_plausible(&contact).then_some(contact)
 }
 
-/// Arc lengths and places along a curve up to a length, m; `None` where it is shorter.
+/// Arc lengths and places along a curve up to a length, m; `None` if the curve is shorter.
 fn along(curve: &[Point], length: f64) -> Option<Vec<(f64, Point)>> {
     let count = (length / SPACING).ceil().max(1.0);
     let mut wanted = (0..=count as usize).map(|k| length * k as f64 / count);
@@ -155,8 +157,8 @@ fn along(curve: &[Point], length: f64) -> Option<Vec<(f64, Point)>> {
     None
 }
 
-/// The row of `corrections.csv` of a picture with the gripper at pose `index`: the measurement, the estimate of the rod, and
-/// the time that vision and planning took.
+/// The row of `corrections.csv` of a picture with the gripper at pose `index`: the measurement,
+/// the estimate of the rod, and the time for vision and planning.
 fn row(
     path: &CorrectedPath,
     index: usize,

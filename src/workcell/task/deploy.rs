@@ -45,24 +45,24 @@ const RETREAT: Stage = Stage::new(
 );
 const LOOK: Stage = Stage::new("look", "looking", LIES);
 const SCORE: Stage = Stage::new("score", "scoring", LIES);
-/// Advice where everything except the last picture is done.
+/// Advice after a task in which only the last picture, or its score, failed.
 const LIES: &str = "the rod is laid, and the arm is out of the way: inspect the camera and its picture; `rodlab trace` with the \
                     camera and `rodlab score` show the rod; pass --checked to the next task";
 
-/// A rod that is laid, seen and scored.
+/// A task that lays a rod, takes a picture of it and scores it.
 pub struct DeployTask {
     plan: DeployPlan,
-    /// Correction of its path while it is laid, if any.
+    /// Correction of the path during laying, if any.
     correction: Option<Correction>,
     record: DeployRecord,
-    /// The picture of the rod, once it lies.
+    /// The picture of the laid rod.
     picture: Option<RgbImage>,
-    /// Its distance from the pattern, once it is measured.
+    /// Distance of the rod from the pattern, after the measurement.
     score: Option<Score>,
 }
 
 impl DeployTask {
-    /// A task from its plan in a cell.
+    /// Creates the task from its plan in a cell.
     pub fn new(cell: &Cell, plan: DeployPlan, correction: Option<Correction>) -> Self {
         Self {
             record: DeployRecord {
@@ -81,7 +81,7 @@ impl DeployTask {
         }
     }
 
-    /// Distance of the rod from its pattern, once it is measured.
+    /// Distance of the rod from its pattern, after the measurement.
     pub fn laid(&self) -> Option<&Score> {
         self.score.as_ref()
     }
@@ -168,7 +168,7 @@ impl Task for DeployTask {
     }
 }
 
-/// The rod between its pegs, from above.
+/// Draws the rod between its pegs, from above.
 fn peg_figure(rod: &[Point], fixtures: &Fixtures) -> Figure {
     let outline = |points: &[Point]| {
         let points = points.iter();

@@ -1,4 +1,4 @@
-//! Plan of a deployment, and the rod in a picture.
+//! Plan of a deployment, and detection of the rod in a picture.
 
 use super::look::Seen;
 use super::motion::DeployMotion;
@@ -14,7 +14,7 @@ pub struct DeployPlan {
     pub arm: usize,
     /// The motion.
     pub motion: DeployMotion,
-    /// Greatest speed of the hand on the way to it, m/s.
+    /// Greatest speed of the hand on the way to the rod, m/s.
     pub approach_speed: f64,
     /// The pattern, as given.
     pub name: String,
@@ -22,11 +22,11 @@ pub struct DeployPlan {
     pub pattern: Vec<Point>,
     /// The path along which the rod is laid: the pattern with lead-in and lead-out.
     pub path: LaidPath,
-    /// The rod, as it is estimated.
+    /// The rod with its estimated properties.
     pub rod: DeployedRod,
     /// Colour of the rod.
     pub colour: ColourRule,
-    /// Pegs between which it is laid, in the frame of the pattern, if there are any.
+    /// Pegs in the frame of the pattern, if there are any.
     pub fixtures: Option<Fixtures>,
 }
 
@@ -36,14 +36,15 @@ impl DeployPlan {
         self.path.points[0].position
     }
 
-    /// The rod in a picture.
+    /// Detects the rod in a picture.
     pub fn seen(&self, picture: &RgbImage, cell: &Cell) -> Result<Seen, VisionError> {
         let (frame, radius) = (&self.motion.frame, self.rod.radius);
         Seen::of(picture, cell, frame, radius, &self.colour)
     }
 
-    /// The part of the rod in the picture. Where its end leaves the picture, or a long rest fell from the gripper, perhaps upon
-    /// itself, only the path along which it was laid must be seen.
+    /// Compares the visible length of the rod with its real length. Only the path along which it
+    /// was laid must be visible if its end is outside the picture, or if a long remainder fell
+    /// from the gripper and may lie in a heap.
     pub fn seen_length(&self, seen: &Seen, rod: &[Point]) -> Result<SeenLength, VisionError> {
         let length = SeenLength::of(rod, self.rod.length);
         let laid = self.path.points.last().map_or(0.0, |point| point.s);

@@ -27,11 +27,11 @@ pub struct DeployRecord {
     pub pattern: String,
     /// Numbers of the motion.
     pub motion: PlanReport,
-    /// Length of the rod in the picture, and its own.
+    /// Length of the rod in the picture, and its real length.
     pub seen_length: Option<SeenLength>,
     /// Distances from the pattern.
     pub score: Option<DeployScore>,
-    /// The pegs that the rod passes as its pattern does; `None` where there are none.
+    /// The pegs that the rod passes on the same side as its pattern; `None` if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pegs: Option<PassedPegs>,
 }

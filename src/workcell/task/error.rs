@@ -1,4 +1,4 @@
-//! Failures of the steps of a task, which end the task early.
+//! Failures of steps, which end a task early.
 
 use super::stage::Stage;
 use crate::cell::PlanError;
@@ -15,7 +15,7 @@ pub enum WorkError {
     /// Interruption by the user; all arms hold.
     #[error("interrupted; the arm holds")]
     Interrupted,
-    /// The picture does not show the rod from end to end: nothing is scored.
+    /// The picture does not show the rod from end to end, so that it is not scored.
     #[error("not seen whole: {0}")]
     NotSeenWhole(String),
     /// A file could not be read or written.
@@ -54,7 +54,7 @@ impl From<FoldError> for WorkError {
     }
 }
 
-/// Early end of a task, with the step.
+/// Early end of a task, with the step in which it happened.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.in_words())]
 pub struct TaskError {

@@ -1,4 +1,4 @@
-//! A rod on the table in a picture of the camera, as a curve in the frame of its pattern.
+//! Finds a rod on the table in a picture of the camera, as a curve in the frame of its pattern.
 
 use super::error::WorkError;
 use super::workplace::Workplace;
@@ -10,7 +10,7 @@ use rodlab_vision::{
     overlay, trace, whole_rod,
 };
 
-/// Least distance from the border of a picture at which an end counts as seen, pixels.
+/// Least distance from the border of a picture at which an end counts as visible, pixels.
 const BORDER: f64 = 2.0;
 
 /// The strands of a picture, and the camera that saw them.
@@ -18,16 +18,17 @@ pub struct Seen {
     /// The strands.
     pub trace: Trace,
     camera: Camera,
-    /// From the cell to the frame of the pattern, and the height of the centreline in the cell, m.
+    /// Transformation from the cell to the frame of the pattern, and height of the centreline in
+    /// the cell, m.
     to_frame: Pose,
     height: f64,
 }
 
 impl Seen {
-    /// Finds rods of a radius, m, and a colour on the table in a picture.
+    /// Finds rods with a given radius, m, and colour on the table in a picture.
     ///
     /// # Errors
-    /// No strand is seen, or the picture has another size than the camera.
+    /// No strand is found, or the picture has another size than the camera.
     pub fn of(
         picture: &RgbImage,
         cell: &Cell,
@@ -59,7 +60,7 @@ impl Seen {
     /// Writes the picture with the strands, `overlay.png`, and the strands, `centrelines.csv`.
     ///
     /// # Errors
-    /// They cannot be written.
+    /// A file cannot be written.
     pub fn write(&self, picture: &RgbImage, at: &Workplace<'_>) -> Result<(), WorkError> {
         let shown = encode_picture(&overlay(picture, &self.trace));
         at.write("overlay.png", &shown)?;
@@ -70,8 +71,8 @@ impl Seen {
         )
     }
 
-    /// The longest strand in the frame of the pattern, m, from the end that is nearer to `start`, with the closed ones that it
-    /// crosses: there is one rod.
+    /// The longest strand in the frame of the pattern, m, from the end that is nearer to `start`,
+    /// joined with the closed strands that it crosses. The picture must show a single rod.
     ///
     /// # Errors
     /// A pixel shows no point of the table.
@@ -79,7 +80,7 @@ impl Seen {
         self.curve(self.longest_index(), start)
     }
 
-    /// Whether the longest strand, from the end that is nearer to `start`, runs out of the picture.
+    /// Whether the longest strand, from the end that is nearer to `start`, leaves the picture.
     ///
     /// # Errors
     /// A pixel shows no point of the table.
@@ -99,8 +100,9 @@ impl Seen {
         Ok(self.pixels(index, start)?.last().is_some_and(is_at_border))
     }
 
-    /// Strands in the picture, pixels, with their widths, pixels, one for each rod by where it begins, each from there: the longest
-    /// where there is one rod, otherwise those that begin nearest. Fewer if the picture has fewer strands.
+    /// Strands in the picture and their widths, pixels: one for each rod, from the start of the
+    /// rod. A single rod is the longest strand; several rods are the strands that begin nearest to
+    /// `starts`. Fewer are returned if the picture has fewer strands.
     ///
     /// # Errors
     /// A pixel shows no point of the table.
@@ -120,7 +122,7 @@ impl Seen {
         strands.collect()
     }
 
-    /// The strand that begins nearest to a place, except for some.
+    /// The strand that begins nearest to `start`, except the strands in `but`.
     fn nearest_index(&self, start: Point, but: &[usize]) -> Result<Option<usize>, VisionError> {
         let mut nearest: Option<(f64, usize)> = None;
         for (index, strand) in self.trace.strands.iter().enumerate() {
@@ -148,7 +150,8 @@ impl Seen {
         index
     }
 
-    /// The strand that begins nearest to `start` in the same frame, m, from there.
+    /// The strand that begins nearest to `start`, in the frame of the pattern, m, from its nearer
+    /// end.
     ///
     /// # Errors
     /// A pixel shows no point of the table.
@@ -168,7 +171,7 @@ impl Seen {
         pixels.map(|pixel| self.place(pixel)).collect()
     }
 
-    /// The same, pixels.
+    /// A strand in the picture, pixels, from the end that is nearer to `start`.
     fn pixels(&self, index: usize, start: Point) -> Result<Vec<Point>, VisionError> {
         let Trace {
             strands, crossings, ..
@@ -184,7 +187,7 @@ impl Seen {
         Ok(whole_rod(strands, crossings, index, away[1] < away[0]))
     }
 
-    /// The place of a pixel in the frame of the pattern, m.
+    /// Converts a pixel to a place in the frame of the pattern, m.
     pub fn place(&self, pixel: Point) -> Result<Point, VisionError> {
         let place = self.camera.on_table(pixel)?;
         let place = self.to_frame * nalgebra::Point3::new(place.x, place.y, self.height);

@@ -1,4 +1,4 @@
-//! Tasks of the robot cell, which join plan, cell, camera and results.
+//! Tasks of the robot cell. They combine plan, cell, camera and results.
 //!
 //! | file | what |
 //! |---|---|

@@ -24,12 +24,13 @@ pub struct MotionRequest<'a> {
     pub margin: f64,
 }
 
-/// Parts of a rod that is longer than its pattern, of which the first is laid that the arm can lay.
+/// Fractions of the spare length of a rod that is longer than its pattern. The largest one that
+/// the arm can lay is used.
 const SPARE_PARTS: [f64; 3] = [1.0, 0.5, 0.0];
 
 /// A planned motion.
 pub struct DeployMotion {
-    /// The joints while the rod is laid.
+    /// Joint trajectory while the rod is laid.
     pub laying: JointTrajectory,
     /// Its numbers.
     pub report: PlanReport,
@@ -38,8 +39,9 @@ pub struct DeployMotion {
 }
 
 impl MotionRequest<'_> {
-    /// Plans how an arm lays a rod along a path that fits the room on the table: of a rod that is longer than its pattern, the arm
-    /// lays as much as it can. The other results of the path are returned with the motion.
+    /// Plans how an arm lays a rod along a path that fits the room on the table. If the rod is
+    /// longer than its pattern, the arm lays as much of the rest as it can. Returns the motion
+    /// with the other results of `path`.
     ///
     /// # Errors
     /// No path exists, or the arm cannot follow it.
@@ -85,7 +87,8 @@ impl MotionRequest<'_> {
     }
 }
 
-/// The place at which the middle of a pattern, m, lies in the middle of the table; `None` without a table.
+/// The place that puts the middle of a pattern, m, in the middle of the table; `None` without a
+/// table.
 pub fn middle_of_table(cell: &Cell, pattern: &[Point]) -> Option<Place> {
     let table = cell.table?;
     let first = pattern.first()?;

@@ -19,7 +19,7 @@ pub enum Status {
     Running,
     /// Done.
     Finished,
-    /// It was carried out, but the camera does not show the whole rod: nothing is scored.
+    /// Carried out but not scored, since the camera does not show the whole rod.
     NotSeenWhole,
     /// Failed.
     Failed,
@@ -41,12 +41,12 @@ impl Status {
     }
 }
 
-/// Record of any task, with which `manifest.json` begins.
+/// Record common to all tasks, with which `manifest.json` begins.
 #[derive(Clone, Debug, Serialize)]
 pub struct TaskHead {
     /// Version of the program.
     pub version: &'static str,
-    /// As it was called.
+    /// Command line of the task.
     pub command_line: Vec<String>,
     /// Time of the start.
     pub start: jiff::Timestamp,
@@ -54,17 +54,17 @@ pub struct TaskHead {
     pub end: Option<jiff::Timestamp>,
     /// Status.
     pub status: Status,
-    /// Reason of an early end.
+    /// Reason for an early end.
     pub error: Option<String>,
     /// State of the cell after an early end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stopped: Option<Stopped>,
-    /// Steps that were done, with the time that each took, s, on the clock of this machine.
+    /// Completed steps with their durations, s, on the clock of this machine.
     pub times_s: Vec<(Stage, f64)>,
 }
 
 impl TaskHead {
-    /// Of a task that is planned now, by a command line.
+    /// Record of a task that is planned now, with its command line.
     pub fn planned(command_line: Vec<String>) -> Self {
         Self {
             version: VERSION,
@@ -78,7 +78,7 @@ impl TaskHead {
         }
     }
 
-    /// It ended now, early where there is an error.
+    /// Records that the task has ended now; early if there is an error.
     pub fn ended(&mut self, error: Option<&TaskError>) {
         self.end = Some(jiff::Timestamp::now());
         self.error = error.map(ToString::to_string);
@@ -91,12 +91,12 @@ impl TaskHead {
     }
 }
 
-/// Record of a task beside that of any task.
+/// Record of a specific task, in addition to the common record.
 pub trait TaskRecord: Serialize {
-    /// The report, with the pictures that are in a directory.
+    /// Builds the report, with the pictures in a directory.
     fn report(&self, head: &TaskHead, directory: &Path) -> Report;
 
-    /// JSON answer; `None` if it is the whole manifest.
+    /// JSON answer of the command; `None` if it is the whole manifest.
     fn answer(&self) -> Option<serde_json::Value> {
         None
     }
@@ -105,7 +105,7 @@ pub trait TaskRecord: Serialize {
 /// Writes `manifest.json`.
 ///
 /// # Errors
-/// It cannot be written.
+/// The file cannot be written.
 pub fn write_manifest<R: Serialize + ?Sized>(
     record: &R,
     directory: &Path,
@@ -115,7 +115,7 @@ pub fn write_manifest<R: Serialize + ?Sized>(
     write_whole(&directory.join(MANIFEST), &text)
 }
 
-/// The picture with the rod that was found in it, and its caption.
+/// File name and caption of the picture with the detected rod.
 pub const OVERLAY: (&str, &str) = (
     "overlay.png",
     "Picture of the camera, with the rod that was found",
@@ -125,7 +125,7 @@ pub const OVERLAY: (&str, &str) = (
 pub struct Report {
     title: String,
     rows: Vec<(String, String)>,
-    /// The text behind the table, Markdown.
+    /// The text after the table, Markdown.
     pub text: String,
 }
 
@@ -144,7 +144,7 @@ impl Report {
         self.rows.push((name.to_owned(), value.into()));
     }
 
-    /// The table in aligned columns, with the title before it.
+    /// The table in aligned columns, after the title.
     pub fn table(&self) -> String {
         let width = |(name, _): &(String, String)| name.chars().count();
         let widest = self.rows.iter().map(width).max().unwrap_or(0);
@@ -153,7 +153,7 @@ impl Report {
         format!("{}\n{}", self.title, rows.collect::<String>())
     }
 
-    /// All of it as Markdown.
+    /// The whole report as Markdown.
     pub fn markdown(&self) -> String {
         let rows = self.rows.iter();
         let rows = rows.map(|(name, value)| format!("| {name} | {} |\n", escape_markdown(value)));
@@ -165,10 +165,10 @@ impl Report {
         )
     }
 
-    /// Writes `report.md`, and `report.html`, which holds its pictures.
+    /// Writes `report.md`, and `report.html` with embedded pictures.
     ///
     /// # Errors
-    /// They cannot be written.
+    /// A file cannot be written.
     pub fn write(&self, directory: &Path) -> Result<(), ResultsError> {
         self.write_text(directory)?;
         let picture = |name: &str| std::fs::read(directory.join(name)).ok();
@@ -179,12 +179,12 @@ impl Report {
     /// Writes `report.md` alone.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be written.
     pub fn write_text(&self, directory: &Path) -> Result<(), ResultsError> {
         write_whole(&directory.join("report.md"), self.markdown().as_bytes())
     }
 
-    /// Adds rows to the table: the status of a task, and the reason of an early end.
+    /// Adds rows to the table: the status of a task, and the reason for an early end.
     pub fn head(&mut self, head: &TaskHead) {
         self.row("status", head.status.in_words());
         if let Some(error) = &head.error {
@@ -195,7 +195,8 @@ impl Report {
         }
     }
 
-    /// Adds rows to the table: the time that each step took, s. A virtual cell may be faster or slower than its own clock.
+    /// Adds rows to the table: the duration of each step, s. A virtual cell may be faster or
+    /// slower than its own clock.
     pub fn times(&mut self, head: &TaskHead) {
         for (stage, time) in &head.times_s {
             let time = format!("{time:.1} s by the clock of this machine");
@@ -217,12 +218,12 @@ impl Report {
         );
     }
 
-    /// Adds the 3-D page of a motion, with the words of the link.
+    /// Adds a link, with the given text, to the 3-D page of a motion.
     pub fn page(&mut self, words: &str) {
         self.text += &format!("\n[{words}](cell.html)\n");
     }
 
-    /// Adds the pictures that are in a directory.
+    /// Adds those of the named pictures that exist in a directory.
     pub fn pictures<N: AsRef<str>>(
         &mut self,
         directory: &Path,

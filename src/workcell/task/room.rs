@@ -1,4 +1,4 @@
-//! Room for a rod: on the table, and in the picture of the camera.
+//! Room for a rod on the table and in the picture of the camera.
 
 use crate::cell::Cell;
 use nalgebra::Point3;
@@ -10,7 +10,8 @@ const EDGE: f64 = 0.02;
 /// Least distance from the edge of the picture, pixels.
 const BORDER: f64 = 20.0;
 
-/// Whether a place of a pattern, m, whose frame lies in a cell is on the table and in the picture of the camera, where there are.
+/// Whether a place of a pattern, m, is on the table and in the picture of the camera, if there are
+/// a table and a camera. `frame` is the frame of the pattern in the cell.
 pub fn is_in_room(cell: &Cell, frame: &Pose, place: Point) -> bool {
     let place = frame * Point3::new(place.x, place.y, 0.0);
     let is_on_table = cell.table.is_none_or(|table| {

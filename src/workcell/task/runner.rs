@@ -1,4 +1,4 @@
-//! The runner of any task: step by step, with one record of the progress.
+//! Runs any task step by step, and records its progress.
 
 use super::error::{TaskError, WorkError};
 use super::record::{Report, Status, TaskHead, TaskRecord, write_manifest};
@@ -30,7 +30,7 @@ struct Manifest<'a, R> {
 }
 
 impl<T: Task> TaskRun<T> {
-    /// A task that was planned now, by a command line.
+    /// Creates the run of a task that was planned now, with its command line.
     pub fn planned(task: T, command_line: Vec<String>) -> Self {
         Self {
             head: TaskHead::planned(command_line),
@@ -46,15 +46,15 @@ impl<T: Task> TaskRun<T> {
         }
     }
 
-    /// Contents of `report.md`, with the pictures that are in a directory.
+    /// Contents of `report.md`, with the pictures in a directory.
     pub fn report(&self, directory: &Path) -> Report {
         self.task.record().report(&self.head, directory)
     }
 
-    /// Writes `manifest.json` and `report.md` as they are now.
+    /// Writes `manifest.json` and `report.md` with the current state.
     ///
     /// # Errors
-    /// They cannot be written.
+    /// A file cannot be written.
     pub fn note(&self, directory: &Path) -> Result<(), ResultsError> {
         write_manifest(&self.manifest(), directory)?;
         self.report(directory).write_text(directory)
@@ -63,7 +63,7 @@ impl<T: Task> TaskRun<T> {
     /// Writes `manifest.json`, the figures, and the report with its page.
     ///
     /// # Errors
-    /// They cannot be written.
+    /// A file cannot be written.
     pub fn conclude(&self, directory: &Path) -> Result<Report, ResultsError> {
         write_manifest(&self.manifest(), directory)?;
         self.task.write_figures(directory)?;
@@ -72,10 +72,10 @@ impl<T: Task> TaskRun<T> {
         Ok(report)
     }
 
-    /// Carries out its steps; the directory always holds the progress.
+    /// Carries out the steps of the task. The directory always contains the current progress.
     ///
     /// # Errors
-    /// A step failed: arms hold.
+    /// A step failed; the arms hold.
     pub fn carry_out(&mut self, at: &Workplace<'_>) -> Result<(), TaskError> {
         self.head.status = Status::Running;
         self.head.stopped = None;
@@ -110,7 +110,7 @@ impl<T: Task> TaskRun<T> {
         Ok(())
     }
 
-    /// State of the cell in a stage.
+    /// State in which the cell is left if a stage ends early.
     fn left_in(&self, stage: &Stage, cell: &Cell) -> Stopped {
         let arms = self.task.arms().into_iter();
         let hands: Vec<HandPlace> = arms.map(|arm| HandPlace::of(cell, arm)).collect();
@@ -159,7 +159,7 @@ mod tests {
         }
     }
 
-    /// Three steps that count, of which the last one fails.
+    /// A task with three counted steps; the last one fails.
     struct Counting(Counts);
 
     impl Task for Counting {

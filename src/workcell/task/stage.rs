@@ -6,19 +6,20 @@ use std::borrow::Cow;
 /// Name and description of a step, for records and reports.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stage {
-    /// Its name in records.
+    /// Name in records.
     pub name: Cow<'static, str>,
     /// Description: "going to the first point".
     pub words: Cow<'static, str>,
-    /// Advice after a task that ended in it.
+    /// Advice after a task that ended in this stage.
     pub next: &'static str,
 }
 
 impl Stage {
-    /// The name of steps in which a rod is laid.
+    /// Name of the steps in which a rod is laid.
     pub const LAY: &'static str = "lay";
 
-    /// A stage by its name, its description, and the advice after a task that ended in it.
+    /// Creates a stage from its name, its description, and the advice after a task that ended in
+    /// it.
     pub const fn new(name: &'static str, words: &'static str, next: &'static str) -> Self {
         Self {
             name: Cow::Borrowed(name),

@@ -21,7 +21,7 @@ pub struct Step<T: ?Sized> {
 }
 
 impl<T> Step<T> {
-    /// A step that does something.
+    /// Creates a step from its stage and its function.
     pub fn new(
         stage: &Stage,
         act: impl Fn(&mut T, &Workplace<'_>) -> Result<(), WorkError> + 'static,
@@ -32,7 +32,7 @@ impl<T> Step<T> {
         }
     }
 
-    /// Carries it out.
+    /// Carries out the step.
     ///
     /// # Errors
     /// The step failed.
@@ -41,35 +41,35 @@ impl<T> Step<T> {
     }
 }
 
-/// A task that was planned. A step keeps what later steps and the record need in it.
+/// A planned task. Steps store data for later steps and for the record in it.
 pub trait Task: Sized {
-    /// Its record in the manifest and in the report.
+    /// Record of the task in the manifest and the report.
     type Record: TaskRecord;
 
-    /// Most frames of the page of its motion.
+    /// Largest number of frames of the page of its motion.
     const FRAMES: usize = 400;
 
-    /// Its record so far.
+    /// The record so far.
     fn record(&self) -> &Self::Record;
 
-    /// Indices of its arms.
+    /// Indices of the arms.
     fn arms(&self) -> Vec<usize>;
 
-    /// The motion that is shown before anything moves; `None` where nothing moves.
+    /// The motion that is shown before anything moves; `None` if there is no motion.
     ///
     /// # Errors
     /// The motion cannot be planned.
     fn motion(&self, cell: &Cell) -> Result<Option<JointTrajectory>, PlanError>;
 
-    /// Its steps, one after the other. A task that is resumed leaves out those that are done.
+    /// Steps in sequence. A resumed task omits completed steps.
     fn steps(&self) -> Vec<Step<Self>>;
 
-    /// Paths along which rods are laid, in the order in which they are, the first by the first arm.
+    /// Paths of the rods in the order in which they are laid; the first arm lays the first rod.
     fn paths(&self) -> Vec<LaidAlong<'_>> {
         Vec::new()
     }
 
-    /// Advice after the task ended in a stage.
+    /// Advice after the task ended in a given stage.
     fn next_step(&self, stage: &Stage) -> String {
         stage.next.into()
     }
@@ -77,7 +77,7 @@ pub trait Task: Sized {
     /// Writes the files of a plan that is not carried out.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// A file cannot be written.
     fn write_plan(&self, _: &Cell, _: &Path) -> Result<(), ResultsError> {
         Ok(())
     }
@@ -85,7 +85,7 @@ pub trait Task: Sized {
     /// Writes the figures of the results.
     ///
     /// # Errors
-    /// They cannot be written.
+    /// A figure cannot be written.
     fn write_figures(&self, _: &Path) -> Result<(), ResultsError> {
         Ok(())
     }

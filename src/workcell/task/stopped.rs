@@ -5,7 +5,7 @@ use rodlab_planning::plan::deployment::GripperPose;
 use rodlab_robot::Pose;
 use serde::Serialize;
 
-/// The state in which a task was left.
+/// State of the cell and the rods after an early end.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stopped {
     /// Step that was in progress.
@@ -40,7 +40,7 @@ pub struct HandPlace {
 }
 
 impl HandPlace {
-    /// The hand of an arm, by what its driver reports now.
+    /// The hand of an arm at the joint positions that its driver reports now.
     pub fn of(cell: &Cell, arm: usize) -> Self {
         let known = &cell.arms[arm];
         let joints = cell.stands(arm);
@@ -58,7 +58,7 @@ impl HandPlace {
 
 /// The path along which a rod is laid.
 pub struct LaidAlong<'a> {
-    /// The gripper along it.
+    /// Poses of the gripper along the path.
     pub poses: &'a [GripperPose],
     /// The frame of the path in the cell.
     pub frame: Pose,
@@ -67,12 +67,12 @@ pub struct LaidAlong<'a> {
 }
 
 impl LaidAlong<'_> {
-    /// The length of the path.
+    /// The length of the path, m.
     fn length(&self) -> f64 {
         self.poses.last().map_or(0.0, |pose| pose.s)
     }
 
-    /// Returns the state in which nothing of the rod, or all of it, is laid.
+    /// Returns the state in which either the whole rod or nothing is laid.
     pub fn whole(&self, lies: bool) -> LaidLength {
         let path_m = self.length();
         LaidLength {
@@ -81,7 +81,8 @@ impl LaidAlong<'_> {
         }
     }
 
-    /// As far as the pose that is nearest to a hand, turns weighed by the gravito-bending length: a path may cross itself.
+    /// Length laid up to the pose that is nearest to a hand. Since a path may cross itself,
+    /// rotations count too, weighted by the gravito-bending length.
     pub fn until(&self, hand: &HandPlace) -> LaidLength {
         let laid_m = hand.pose.and_then(|pose| {
             let here = self.frame.inverse() * pose;
@@ -130,7 +131,7 @@ mod tests {
     use super::*;
     use nalgebra::{UnitQuaternion, Vector3};
 
-    /// Poses along a square of 10 cm that ends where it begins; the hand turns at its corners.
+    /// Poses along a closed square of 10 cm; the hand turns at its corners.
     fn square() -> Vec<GripperPose> {
         let turn = |side: u32| f64::from(side) * std::f64::consts::FRAC_PI_2;
         let mut position = Vector3::zeros();
@@ -167,7 +168,7 @@ mod tests {
             frame,
             unit: 0.03,
         };
-        // The first and the last pose are at the same place.
+        // The first and the last pose have the same position but different orientations.
         for index in [0, 7, 25, 40] {
             let GripperPose {
                 s,

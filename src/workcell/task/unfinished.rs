@@ -1,6 +1,8 @@
-//! Tasks that did not finish: the next one with the same arm is refused until the user has inspected it.
+//! Tasks that did not finish. The next task with the same arm is rejected until the user has
+//! inspected the arm.
 //!
-//! A mark in a file of the user records it, since a task that was killed can record nothing.
+//! A mark file in the user's state directory records such a task, since a killed task can record
+//! nothing.
 
 use super::error::WorkError;
 use crate::cell::Cell;
@@ -9,7 +11,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Digits of the hash that names a mark.
+/// Number of digits of the hash that names a mark.
 const DIGITS: usize = 16;
 
 /// The mark of a task.
@@ -21,7 +23,8 @@ pub struct Unfinished {
 }
 
 impl Unfinished {
-    /// The mark of a task with an arm of a cell, whose results lie in a directory. It is known by what moves the arm.
+    /// The mark of a task with an arm of a cell and the results directory of the task. The driver
+    /// of the arm identifies it.
     pub fn of(cell: &Cell, arm: usize, directory: &Path) -> Self {
         let moved_by = format!("{:?}", cell.arms[arm].driver);
         let hash = blake3::hash(moved_by.as_bytes()).to_hex();
@@ -32,7 +35,7 @@ impl Unfinished {
         }
     }
 
-    /// The results directory of the task that left a mark.
+    /// The results directory of the task that left the mark, if any.
     pub fn left(&self) -> Option<String> {
         fs::read_to_string(&self.file).ok()
     }

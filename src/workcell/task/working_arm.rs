@@ -1,4 +1,4 @@
-//! An arm at work: its motions and grips, with the log of each motion in a folder.
+//! Motions and grips of an arm in a task, with a log folder for each motion.
 
 use super::error::WorkError;
 use super::workplace::Workplace;
@@ -15,7 +15,7 @@ const SETTLING: Duration = Duration::from_secs(3);
 /// An arm of a cell that does a task.
 #[derive(Clone, Copy)]
 pub struct WorkingArm<'a> {
-    /// Its cell and directory; the folders of its motions are in the directory.
+    /// Cell and directory of the task; each motion has a folder in the directory.
     pub at: &'a Workplace<'a>,
     /// Index of the arm.
     pub arm: usize,
@@ -31,18 +31,20 @@ pub enum Grip {
 }
 
 impl WorkingArm<'_> {
-    /// Streams a motion, of this arm or with others. A folder of that name has its trajectory and log.
+    /// Streams a motion of this arm, or of this arm and others. Writes its trajectory and log to a
+    /// folder `name`.
     ///
     /// # Errors
-    /// It cannot be done, or was not: all was commanded to hold.
+    /// The motion cannot be done, or failed; all arms were commanded to hold.
     pub fn follow(&self, name: &str, motion: &JointTrajectory) -> Result<(), WorkError> {
         self.stream(name, motion, None)
     }
 
-    /// The same with something in the gripper, which must not slip out where the cell file names the joint of its fingers.
+    /// Streams a motion with an object in the gripper. Fails if the object slips out, which is
+    /// detected if the cell file names the joint of the fingers.
     ///
     /// # Errors
-    /// As [`Self::follow`], or it slipped out.
+    /// Errors of [`Self::follow`], or the object slipped out.
     pub fn carry(&self, name: &str, motion: &JointTrajectory) -> Result<(), WorkError> {
         let fingers = self.at.cell.fingers(self.arm).map_err(WorkError::Failed)?;
         if fingers.as_ref().is_some_and(|fingers| !fingers.hold()) {
@@ -82,29 +84,30 @@ impl WorkingArm<'_> {
         }
     }
 
-    /// Moves to joints, each straight from its current position, the hand at `speed`, m/s, at most.
+    /// Moves to joint positions along a straight line in joint space. The hand moves at `speed`,
+    /// m/s, at most.
     ///
     /// # Errors
-    /// As [`Self::follow`].
+    /// Errors of [`Self::follow`].
     pub fn go(&self, name: &str, joints: &[f64], speed: f64) -> Result<(), WorkError> {
         let way = self.way_to(joints, speed)?;
         way.map_or(Ok(()), |way| self.follow(name, &way))
     }
 
-    /// The same with something in the gripper, as [`Self::carry`].
+    /// Moves to joint positions with an object in the gripper, see [`Self::carry`].
     ///
     /// # Errors
-    /// As [`Self::carry`].
+    /// Errors of [`Self::carry`].
     pub fn lead(&self, name: &str, joints: &[f64], speed: f64) -> Result<(), WorkError> {
         let way = self.way_to(joints, speed)?;
         way.map_or(Ok(()), |way| self.carry(name, &way))
     }
 
-    /// Moves to its posture at rest, so that the camera sees the result. If something is in the way the arm stays: the work is
-    /// done.
+    /// Moves the arm home, so that the camera sees the result. If something is in the way, the arm
+    /// stays where it is, since the work is done.
     ///
     /// # Errors
-    /// The motion started, and did not finish.
+    /// The motion started, but did not finish.
     pub fn go_home(&self, name: &str, speed: f64) -> Result<(), WorkError> {
         let Some(way) = self.way_to(&self.at.cell.arms[self.arm].home, speed)? else {
             return Ok(());
@@ -122,7 +125,7 @@ impl WorkingArm<'_> {
         way.map_err(WorkError::failed)
     }
 
-    /// Closes or opens its gripper.
+    /// Closes or opens the gripper.
     ///
     /// # Errors
     /// The arm has no gripper, or the gripper failed.
@@ -142,19 +145,20 @@ impl WorkingArm<'_> {
         })
     }
 
-    /// Opens its gripper, and waits until the released rod or sheet is at rest, as [`Self::rest`].
+    /// Opens the gripper, and waits until the released rod or sheet is at rest, see
+    /// [`Self::rest`].
     ///
     /// # Errors
-    /// The gripper did not open, or the user interrupts the task.
+    /// The gripper did not open, or the user interrupted the task.
     pub fn let_go(&self) -> Result<(), WorkError> {
         self.grip(Grip::Open)?;
         self.rest(SETTLING)
     }
 
-    /// Waits for `duration`, on the clock of the robot where that keeps one.
+    /// Waits for `duration`, on the clock of the robot if it has one.
     ///
     /// # Errors
-    /// The user interrupts the task.
+    /// The user interrupted the task.
     pub fn rest(&self, duration: Duration) -> Result<(), WorkError> {
         self.at
             .cell
@@ -162,7 +166,7 @@ impl WorkingArm<'_> {
         self.at.check()
     }
 
-    /// Pose of its hand in the cell, as its driver reports it.
+    /// Pose of the hand in the cell, at the joint positions that the driver reports.
     ///
     /// # Errors
     /// The driver does not report.

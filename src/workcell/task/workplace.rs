@@ -1,4 +1,4 @@
-//! Workplace of a task: the cell, camera and directory of its steps.
+//! Workplace of the steps of a task: the cell, its camera, and the results directory.
 
 use super::error::WorkError;
 use super::unfinished::Unfinished;
@@ -13,23 +13,24 @@ use std::time::Duration;
 /// Longest wait for a picture.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// A cell, a directory, and whether the task continues.
+/// A cell, a directory, and the request to interrupt the task.
 #[derive(Clone, Copy)]
 pub struct Workplace<'a> {
     /// The cell.
     pub cell: &'a Cell,
     /// Directory of the results.
     pub directory: &'a Path,
-    /// Whether manifest and report are written there, too.
+    /// Whether manifest and report are written to the directory, too.
     pub is_recorded: bool,
-    /// Marks of arms whose task has started, if they are marked.
+    /// Marks of the arms of the task, if arms are marked.
     pub marks: &'a [Unfinished],
     /// Whether an interruption was requested.
     pub is_interrupted: &'a dyn Fn() -> bool,
 }
 
 impl<'a> Workplace<'a> {
-    /// In a cell of the program's own: without marks, records and interruptions.
+    /// A workplace in a cell that only this program uses: without marks, records and
+    /// interruptions.
     pub fn alone(cell: &'a Cell, directory: &'a Path) -> Self {
         Self {
             cell,
@@ -42,7 +43,7 @@ impl<'a> Workplace<'a> {
 }
 
 impl Workplace<'_> {
-    /// Whether the task continues.
+    /// Checks whether the task may continue.
     ///
     /// # Errors
     /// An interruption was requested.
@@ -65,15 +66,15 @@ impl Workplace<'_> {
     /// Writes a file of the results.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be written.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), WorkError> {
         Ok(write_whole(&self.directory.join(name), bytes)?)
     }
 
-    /// The next picture of the camera.
+    /// Takes the next picture of the camera.
     ///
     /// # Errors
-    /// The cell has no camera, it has no source, or no picture arrives.
+    /// The cell has no camera, the camera has no source, or no picture arrives.
     pub fn look(&self) -> Result<RgbImage, WorkError> {
         let missing = |what: &str| WorkError::failed(what);
         let camera = self.cell.camera.as_ref();
@@ -94,7 +95,7 @@ impl Workplace<'_> {
         }
     }
 
-    /// The same, written to a file of the results.
+    /// Takes a picture and writes it to a file of the results.
     ///
     /// # Errors
     /// No picture arrives, or it cannot be written.

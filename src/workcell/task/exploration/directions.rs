@@ -1,4 +1,4 @@
-//! Lists of directions (κ, τ, ω).
+//! Lists of unit directions (κ, τ, ω).
 
 use rodlab_robot::{TableError, read_table};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -6,14 +6,17 @@ use std::path::Path;
 
 /// Largest number of directions of a list.
 const MOST: usize = 100_000;
-/// Least κ of a unit direction. The force along a straight rod depends on its stretch alone, which clamps cannot set so exactly.
+/// Least κ of a unit direction. A straight rod carries a force that depends on its stretch only,
+/// and clamps cannot set the stretch exactly enough.
 const LEAST_CURVATURE: f64 = 1e-3;
 
-/// Reads the directions of a table with the columns `kappa`, `tau` and `omega`, of any length except zero; other columns are ignored;
-/// returns unit vectors. `boundary.csv` of the experiment `helix-stability` is such a table.
+/// Reads directions from a table with the columns `kappa`, `tau` and `omega`, and returns unit
+/// vectors. A row may have any length except zero. Other columns are ignored. `boundary.csv` of
+/// the experiment `helix-stability` is such a table.
 ///
 /// # Errors
-/// A column is missing, a number is invalid, a direction has no length or no curvature, or there are none, or too many.
+/// A column is missing, a number is invalid, a direction has no length or no curvature, or the
+/// number of directions is zero or too large.
 pub fn read_directions(path: &Path) -> Result<Vec<[f64; 3]>, TableError> {
     let fault = |line: Option<u64>, message: String| TableError {
         path: path.to_owned(),
@@ -64,9 +67,11 @@ pub fn read_directions(path: &Path) -> Result<Vec<[f64; 3]>, TableError> {
     .collect()
 }
 
-/// Directions with κ > 0 and τ > 0, evenly spread: those of the thesis, which takes (κ, −τ, −ω) for the mirror image of (κ, τ, ω).
+/// Evenly spread directions with κ > 0 and τ > 0, as in the thesis, in which (κ, −τ, −ω) is the
+/// mirror image of (κ, τ, ω).
 ///
-/// Equal areas: the height κ is uniformly distributed, and the angle about its axis follows the golden section.
+/// To cover equal areas, the height κ is uniformly distributed, and the angle about its axis
+/// follows the golden section.
 pub fn quarter_sphere(count: usize) -> Vec<[f64; 3]> {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     let direction = |k: usize| {
@@ -98,14 +103,15 @@ mod tests {
             assert!((kappa * kappa + tau * tau + omega * omega - 1.0).abs() < 1e-12);
             assert!(*kappa > 0.0 && *tau > 0.0);
         }
-        // The mean of a quarter of a sphere lies at (1/2, 1/2, 0).
+        // The mean of a quarter of a sphere is (1/2, 1/2, 0).
         let mean = [0, 1, 2].map(|k| directions.iter().map(|d| d[k]).sum::<f64>() / 328.0);
         assert!(
             (mean[0] - 0.5).abs() < 1e-3 && (mean[1] - 0.5).abs() < 5e-3,
             "{mean:?}"
         );
         assert!(mean[2].abs() < 5e-3, "{mean:?}");
-        // No two are near each other: as many points on a square grid would be 0.098 apart.
+        // No two directions are close: the spacing of as many points on a square grid would be
+        // 0.098.
         let near = |k: usize, other: usize| {
             let pairs = directions[k].iter().zip(&directions[other]);
             pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()

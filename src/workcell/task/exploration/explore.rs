@@ -1,4 +1,5 @@
-//! Plan of an exploration, and whether an earlier task with the same plan left a rod clamped.
+//! Plan of an exploration, and detection of a rod that an earlier run of the same plan left
+//! clamped.
 
 use super::ray::{Ray, RayRequest};
 use super::record::ExplorationPlan;
@@ -31,23 +32,24 @@ pub struct Exploration {
     pub approach_speed: f64,
     /// Colour of the markers.
     pub colour: ColourRule,
-    /// Whether pictures of instabilities are kept.
+    /// Whether pictures of instabilities are saved.
     pub keeps_pictures: bool,
 }
 
-/// Reason why an exploration cannot begin.
+/// Reason why an exploration cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum ExploreError {
-    /// The cell lacks something, the rod cannot be held straight, or the directory holds something else.
+    /// The cell lacks something, the rod cannot be held straight, or the directory contains other
+    /// results.
     #[error("{0}")]
     Input(String),
-    /// The rows of an earlier one cannot be read.
+    /// The rows of an earlier exploration cannot be read.
     #[error(transparent)]
     Results(#[from] ResultsError),
 }
 
 impl Exploration {
-    /// Its plan in the manifest.
+    /// The plan as it is written to the manifest.
     pub fn plan(&self, cell: &Cell) -> ExplorationPlan {
         let rod = &self.rod;
         ExplorationPlan {
@@ -61,7 +63,7 @@ impl Exploration {
         }
     }
 
-    /// Joints of the arm where it holds the straight rod.
+    /// Joint positions in which the arm holds the straight rod.
     ///
     /// # Errors
     /// The cell has no chuck or no camera, or the arm does not reach the end of the straight rod.
@@ -97,7 +99,7 @@ impl Exploration {
         }
     }
 
-    /// The ray of a direction, the first one being 0.
+    /// The ray of a direction; directions are counted from 0.
     pub fn ray(&self, cell: &Cell, start: &[f64], direction: usize) -> Ray {
         let request = RayRequest {
             cell,
@@ -110,7 +112,7 @@ impl Exploration {
         request.plan(Helix::from(self.directions[direction]))
     }
 
-    /// A motion over points of the joints of arm and chuck; `None` where there is only one.
+    /// A motion along joint positions of arm and chuck; `None` if there is only one point.
     pub fn motion(
         &self,
         cell: &Cell,
@@ -125,7 +127,7 @@ impl Exploration {
         Ok(Some(motion?))
     }
 
-    /// The row of a direction that was searched, the first one being 0.
+    /// The row of a direction that was searched; directions are counted from 0.
     pub fn row(
         &self,
         index: usize,
@@ -157,7 +159,8 @@ impl Exploration {
     }
 }
 
-/// Whether a rod is clamped already, as an earlier task with the same plan states in its manifest.
+/// Whether a rod is already clamped, according to the manifest of an earlier task with the same
+/// plan.
 pub fn is_clamped(directory: &Path, plan: &ExplorationPlan) -> Result<bool, ExploreError> {
     let refused = |what: &str| {
         Err(ExploreError::Input(format!(
@@ -175,7 +178,7 @@ pub fn is_clamped(directory: &Path, plan: &ExplorationPlan) -> Result<bool, Expl
     let Ok(manifest) = serde_json::from_slice::<serde_json::Value>(&text) else {
         return refused("holds something else");
     };
-    // Numbers as they are read back.
+    // Compare the numbers as they are read back from JSON.
     let plan = serde_json::to_string(plan).expect("names and numbers are JSON values");
     let plan: serde_json::Value = serde_json::from_str(&plan).expect("as it was written");
     if manifest["plan"] != plan {

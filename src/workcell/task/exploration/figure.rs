@@ -1,16 +1,16 @@
-//! Figures of an exploration: measurements and theory.
+//! Figures of an exploration: measurement against theory.
 
 use super::row::ExplorationRow;
 use rodlab_engine::mechanics::kirchhoff::{Helix, critical_distance};
 use rodlab_files::figure::{Curve, Figure, LinePlot, Look, line_plots, plot_to_scale};
 use std::f64::consts::FRAC_PI_2;
 
-/// Directions of the curve of theory in the section ω = 0.
+/// Number of directions of the theoretical curve in the section ω = 0.
 const CURVE: usize = 181;
-/// ω up to which a direction lies in the section ω = 0.
+/// Largest |ω| of a direction in the section ω = 0.
 const FLAT: f64 = 1e-9;
 
-/// Distances found over those of theory, with the line on which both are the same.
+/// Measured distances over theoretical distances, with the line of equality.
 pub fn found_and_theory(rows: &[ExplorationRow]) -> Figure {
     let found = rows
         .iter()
@@ -34,7 +34,8 @@ pub fn is_section(rows: &[ExplorationRow]) -> bool {
     rows.iter().all(|row| row.omega.abs() < FLAT)
 }
 
-/// The section ω = 0 of the stable helices by theory, with what was found in unit directions with |ω| up to `near`.
+/// The section ω = 0: theoretical region of stable helices, and measurements in unit directions
+/// with |ω| up to `near`.
 pub fn section_figure(rows: &[ExplorationRow], near: f64) -> Figure {
     let theory = (0..CURVE).map(|k| {
         let (sine, cosine) = libm::sincos(FRAC_PI_2 * k as f64 / (CURVE - 1) as f64);

@@ -1,9 +1,10 @@
-//! The stability of helical rods, explored by an arm and a chuck (thesis 6.2 and 6.3).
+//! Stability of helical rods, explored by an arm and a chuck (thesis 6.2 and 6.3).
 //!
-//! For each direction of (κ, τ, ω) the clamps of a rod are led outwards along its ray, on which the rod is a helix that turns ever
-//! farther; the camera takes a picture at each step. Where the markers deviate from those of the helix, the rod has lost its
-//! stability. The arm goes back along the ray until it is a helix again, finds the place by finer steps, and returns to the straight
-//! rod.
+//! For each direction (κ, τ, ω), arm and chuck move the clamps of a rod outwards along the ray of
+//! this direction. The rod is a helix with growing κ, τ and ω there. The camera takes a picture at
+//! each step. If the markers deviate from those of the helix, the rod has lost its stability. The
+//! arm then returns along the ray until the rod is a helix again, locates the instability in finer
+//! steps, and returns to the straight rod.
 
 mod directions;
 mod explore;

@@ -1,4 +1,4 @@
-//! The joints along a ray of (κ, τ, ω), up to the last point that can be followed.
+//! Joint positions along a ray of (κ, τ, ω), up to the last point that the arm can follow.
 
 use crate::cell::{Cell, HandPathRequest};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
@@ -9,14 +9,14 @@ use std::f64::consts::FRAC_PI_4;
 
 /// Distance ‖(κ, τ, ω)‖ between points of a ray.
 pub const SPACING: f64 = 0.01;
-/// Number of points of a ray between two checks of the clearance of the rod.
+/// Number of points of a ray between two clearance checks of the rod.
 const STRIDE: usize = 10;
-/// Number of points of the rod that are checked.
+/// Number of points along the rod that are checked.
 const BALLS: usize = 50;
-/// Parts of the rod next to its clamps that are always near them.
+/// Fraction of the rod next to each clamp that is not checked, since the clamp is always near.
 const CLAMPED: f64 = 0.1;
-/// Turns of the helix about its first tangent, in units of 45°, in the order in which they are tried: none changes the clamps of the
-/// straight rod, nor stability.
+/// Turns of the helix about its first tangent, in units of 45°, in the order in which they are
+/// tried. None changes the clamps of the straight rod or the stability.
 const ROLLS: [i32; 8] = [0, 2, -2, 4, 1, -1, 3, -3];
 
 /// Request for a ray.
@@ -27,7 +27,7 @@ pub struct RayRequest<'a> {
     pub arm: usize,
     /// The rod.
     pub rod: &'a ClampedRod,
-    /// Joints of the arm where the rod is straight.
+    /// Joint positions in which the arm holds the straight rod.
     pub start: &'a [f64],
     /// Distance ‖(κ, τ, ω)‖ at which the ray ends.
     pub farthest: f64,
@@ -35,36 +35,38 @@ pub struct RayRequest<'a> {
     pub margin: f64,
 }
 
-/// A ray that can be followed.
+/// A ray along which the arm can move.
 #[derive(Clone, Debug)]
 pub struct Ray {
     /// The unit vector (κ, τ, ω).
     pub direction: Helix,
     /// Angle by which the helix is turned about its first tangent, rad.
     pub roll: f64,
-    /// Joints of the arm and the angle of the chuck, every [`SPACING`] from the straight rod on.
+    /// Joint positions of the arm and angle of the chuck every [`SPACING`], from the straight rod
+    /// on.
     pub points: Vec<Vec<f64>>,
-    /// Reason why it ends before its farthest distance.
+    /// Reason why the ray ends before its farthest distance.
     pub limit: Option<String>,
 }
 
 impl Ray {
-    /// Distance ‖(κ, τ, ω)‖ to which it can be followed.
+    /// Distance ‖(κ, τ, ω)‖ to which the arm can follow the ray.
     pub fn reach(&self) -> f64 {
         (self.points.len() - 1) as f64 * SPACING
     }
 
-    /// Distance at which it loses stability in theory, if there is one.
+    /// Distance at which the rod loses stability in theory, if there is one.
     pub fn theory(&self) -> Option<f64> {
         critical_distance(&self.direction).map(|critical| critical.distance)
     }
 
-    /// The helix at a point.
+    /// The helix at a point of the ray.
     pub fn helix(&self, index: usize) -> Helix {
         self.direction.scaled(index as f64 * SPACING)
     }
 
-    /// Positions in the cell of the points of the rod at `places` over its length, as long as it is the helix of a point.
+    /// Positions in the cell of points of the rod while it is the helix of a point of the ray.
+    /// `places` are fractions of the length of the rod.
     pub fn places(
         &self,
         cell: &Cell,
@@ -79,7 +81,8 @@ impl Ray {
         places.iter().map(|part| place(part).coords).collect()
     }
 
-    /// The point whose joints are nearest to some, with the largest difference of a joint, rad or m.
+    /// The point of the ray whose joints are nearest to `joints`, with the largest difference of a
+    /// joint, rad or m.
     pub fn nearest(&self, joints: &[f64]) -> (usize, f64) {
         let away = |point: &[f64]| {
             let pairs = point.iter().zip(joints);
@@ -93,7 +96,8 @@ impl Ray {
 }
 
 impl RayRequest<'_> {
-    /// The ray in a direction of length 1, with the helix turned about its first tangent such that it can be followed farthest.
+    /// The ray in a direction of length 1. The helix is turned about its first tangent so that the
+    /// arm can follow the ray as far as possible.
     pub fn plan(&self, direction: Helix) -> Ray {
         let mut best: Option<Ray> = None;
         for roll in ROLLS {
@@ -164,7 +168,7 @@ impl RayRequest<'_> {
         ray
     }
 
-    /// Ends a ray where the rod comes too near to something.
+    /// Ends a ray before the rod comes too near to something.
     fn keep_clear(&self, ray: &mut Ray) {
         let surroundings = self.cell.surroundings();
         let mut postures = surroundings.homes();

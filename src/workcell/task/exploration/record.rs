@@ -9,7 +9,7 @@ use rodlab_files::results::{ResultsError, write_whole};
 use serde::Serialize;
 use std::path::Path;
 
-/// Plan of an exploration; a task that resumes it must have the same.
+/// Plan of an exploration; a task resumes an exploration only if both plans are equal.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ExplorationPlan {
     /// Title of the cell.
@@ -35,7 +35,7 @@ pub struct ExplorationRecord {
     pub is_clamped: bool,
     /// Plan of the exploration.
     pub plan: ExplorationPlan,
-    /// Results against theory.
+    /// Comparison of the results with theory.
     pub summary: ExplorationSummary,
     /// The rows of the directions that were explored.
     #[serde(skip)]
@@ -52,7 +52,7 @@ const FIGURES: [(&str, &str); 2] = [
 ];
 
 impl ExplorationRecord {
-    /// Takes over rows.
+    /// Replaces the rows and the summary.
     pub fn take(&mut self, rows: Vec<ExplorationRow>) {
         self.summary = ExplorationSummary::of(&rows);
         self.rows = rows;
@@ -61,7 +61,7 @@ impl ExplorationRecord {
     /// Writes the figures.
     ///
     /// # Errors
-    /// They cannot be written.
+    /// A figure cannot be written.
     pub fn write_figures(&self, directory: &Path) -> Result<(), ResultsError> {
         if self.summary.buckled == 0 {
             return Ok(());

@@ -1,4 +1,4 @@
-//! A row for each direction that was explored, and the summary of all.
+//! One row for each explored direction, and a summary of all.
 
 use rodlab_files::results::{ResultsError, read_whole_rows};
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ pub const TABLE: &str = "exploration.csv";
 pub enum Found {
     /// The rod left the helix.
     Buckles,
-    /// The rod was the helix as far as the arm could lead it.
+    /// The rod stayed a helix as far as the arm could move it.
     StaysHelix,
     /// Failure; `limit` holds the reason.
     Failed,
@@ -32,23 +32,24 @@ pub struct ExplorationRow {
     pub omega: f64,
     /// Outcome.
     pub outcome: Found,
-    /// Largest distance at which it was measured to be the helix before the instability.
+    /// Largest distance before the instability at which the measured rod was the helix.
     pub stable: f64,
-    /// Distance at which it was the helix no longer; empty where it always was.
+    /// Distance at which the rod was no longer the helix; empty if it always was.
     pub lost: Option<f64>,
-    /// The middle between both: where stability is lost.
+    /// Measured distance of the instability: the middle between `stable` and `lost`.
     pub found: Option<f64>,
-    /// The same by the conjugate points of the smooth rod without weight; empty where there are none up to 100.
+    /// Distance of the instability from the conjugate points of the smooth rod without weight;
+    /// empty if there are none up to 100.
     pub theory: Option<f64>,
     /// found/theory − 1.
     pub relative_difference: Option<f64>,
-    /// Distance to which the arm can lead it.
+    /// Distance to which the arm can move the clamps.
     pub reach: f64,
-    /// Reason for that limit; empty if it is the largest distance of the request.
+    /// Reason for the limit `reach`; empty if it is the largest distance of the request.
     pub limit: String,
-    /// Number of looks.
+    /// Number of pictures that were measured.
     pub looks: usize,
-    /// Time that it took, s.
+    /// Wall time of the search, s.
     pub wall_time_s: f64,
 }
 
@@ -82,25 +83,27 @@ pub fn read_rows(directory: &Path) -> Result<Vec<ExplorationRow>, ResultsError> 
     Ok(read_whole_rows(&directory.join(TABLE))?.rows)
 }
 
-/// Results against theory.
+/// Comparison of the results with theory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ExplorationSummary {
     /// Number of directions explored.
     pub directions: usize,
     /// Number of directions in which the rod buckled.
     pub buckled: usize,
-    /// Number of directions in which theory predicts an instability within reach, and none was seen.
+    /// Number of directions in which theory predicts an instability within reach, but none was
+    /// observed.
     pub missed: usize,
-    /// Mean of |found/theory − 1| over those that buckled; empty without any.
+    /// Mean of |found/theory − 1| over the directions in which the rod buckled; empty if there are
+    /// none.
     pub mean_relative_error: Option<f64>,
-    /// Their standard deviation.
+    /// Standard deviation of |found/theory − 1|.
     pub deviation_of_relative_error: Option<f64>,
     /// The largest.
     pub largest_relative_error: Option<f64>,
 }
 
 impl ExplorationSummary {
-    /// That of rows.
+    /// Summarizes rows.
     pub fn of(rows: &[ExplorationRow]) -> Self {
         let errors = rows.iter().filter_map(|row| row.relative_difference);
         let errors: Vec<f64> = errors.map(f64::abs).collect();

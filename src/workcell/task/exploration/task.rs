@@ -1,4 +1,4 @@
-//! Exploration of one direction after the other, resumed after an early end.
+//! Explores one direction after another. Resumes after an early end.
 
 use super::explore::{Exploration, ExploreError, is_clamped};
 use super::ray::Ray;
@@ -18,20 +18,20 @@ use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
 
-/// Tolerance of a joint on a ray, rad or m.
+/// Tolerance within which joints count as on a ray, rad or m.
 const ON_RAY: f64 = 0.05;
 
 const APPROACH: Stage = Stage::new("approach", "going to the end of the straight rod", NEXT);
 const TAKE: Stage = Stage::new("take", "clamping the rod", NEXT);
 const RETURN: Stage = Stage::new("return", "going back to the straight rod", NEXT);
-/// Advice after an early end in any of them.
+/// Advice after an early end in any stage.
 const NEXT: &str =
     "inspect arm, chuck and rod, then run the same command again; finished directions are kept";
 
 /// An exploration in progress.
 pub struct ExplorationTask {
     exploration: Exploration,
-    /// Joints of the arm where it holds the straight rod.
+    /// Joint positions in which the arm holds the straight rod.
     start: Vec<f64>,
     record: ExplorationRecord,
 }
@@ -60,7 +60,7 @@ impl Task for ExplorationTask {
         vec![self.exploration.arm]
     }
 
-    /// That along the first direction.
+    /// The motion along the first direction.
     fn motion(&self, cell: &Cell) -> Result<Option<JointTrajectory>, PlanError> {
         let first = self.ray(cell, 0);
         let Exploration { search, .. } = &self.exploration;
@@ -122,11 +122,11 @@ impl Task for ExplorationTask {
 }
 
 impl ExplorationTask {
-    /// The task in a cell, resumed where an earlier one with the same plan ended in a directory. In a cell that is `new` no rod is
-    /// clamped.
+    /// Creates the task in a cell, or resumes an earlier task with the same plan from its
+    /// directory. If the cell `is_new`, no rod is clamped.
     ///
     /// # Errors
-    /// It cannot begin.
+    /// The task cannot start.
     pub fn new(
         exploration: Exploration,
         cell: &Cell,
@@ -198,7 +198,7 @@ impl ExplorationTask {
         Ok(())
     }
 
-    /// Leads a rod that is clamped already back along its ray.
+    /// Returns a clamped rod along its ray to the straight state.
     fn straighten(&mut self, at: &Workplace<'_>) -> Result<(), WorkError> {
         let joints = self.joints(at.cell)?;
         let direction = self.record.rows.len();
@@ -213,7 +213,7 @@ impl ExplorationTask {
         }
         let walker = self.walker(at);
         walker.return_from(&ray, joints)?;
-        // It may have snapped meanwhile, or may have to be taken again.
+        // The rod may have snapped meanwhile, or may have to be gripped again.
         walker.take_anew()
     }
 

@@ -1,4 +1,4 @@
-//! Motions along a ray, pictures from there, and the search for the instability.
+//! Moves along a ray, takes pictures, and searches for the instability.
 
 use super::ray::{Ray, SPACING};
 use crate::task::error::WorkError;
@@ -10,15 +10,16 @@ use serde::Serialize;
 
 /// Smallest and largest number of pixels of a marker.
 const MARKER_AREA: [usize; 2] = [6, 2000];
-/// Search radius of a marker, over the length of the rod.
+/// Search radius of a marker, as a fraction of the length of the rod.
 const GATE: f64 = 0.1;
-/// Part of the markers that must be found: where fewer are, the rod is not where the helix would be.
+/// Fraction of the markers that must be found. With fewer, the rod is not at the place of the
+/// helix.
 const FOUND: f64 = 0.5;
 /// Distance below which joints count as at their target, rad or m.
 const THERE: f64 = 1e-4;
 /// Rest of the arm after a step before the camera takes a picture, s.
 const REST: f64 = 0.3;
-/// The folder of the newest motion.
+/// Folder of the last motion.
 pub const LOG: &str = "motion";
 
 /// Settings of the search for the instability.
@@ -26,13 +27,15 @@ pub const LOG: &str = "motion";
 pub struct SearchSteps {
     /// Distance ‖(κ, τ, ω)‖ between pictures on the way out.
     pub step: f64,
-    /// The same where the instability has been passed once.
+    /// Distance between pictures after the instability has been passed once.
     pub precision: f64,
-    /// Mean distance of the markers from the helix, over the length of the rod, above which the rod is not a helix.
+    /// Mean distance of the markers from the helix, as a fraction of the length of the rod, above
+    /// which the rod is not a helix.
     pub deviation: f64,
-    /// Greatest speed of the hand on the way out, m/s, and ten times that in rad/s, which bounds the chuck, too.
+    /// Greatest speed of the hand on the way out, m/s. Ten times that number, rad/s, limits the
+    /// rotation of hand and chuck.
     pub speed: f64,
-    /// The same on the way back.
+    /// Greatest speed of the hand on the way back, m/s.
     pub return_speed: f64,
 }
 
@@ -43,11 +46,12 @@ pub struct Look {
     pub look: usize,
     /// Distance ‖(κ, τ, ω)‖ of the clamps.
     pub distance: f64,
-    /// Mean distance of the markers from those of the helix, over the length of the rod; empty where too few were found.
+    /// Mean distance of the markers from those of the helix, as a fraction of the length of the
+    /// rod; empty if too few were found.
     pub deviation: Option<f64>,
     /// Markers that were found near their places.
     pub markers: usize,
-    /// Whether the rod is that helix.
+    /// Whether the rod is the expected helix.
     pub is_helix: bool,
 }
 
@@ -64,20 +68,20 @@ pub struct Searched {
     pub lost_picture: Option<Picture>,
 }
 
-/// A picture with what was found in it.
+/// A picture with the markers that were found in it.
 #[derive(Clone, Debug)]
 pub struct Picture {
     /// As it came.
     pub pixels: RgbImage,
-    /// All spots of the colour of markers.
+    /// All spots with the colour of markers.
     pub spots: Vec<Point>,
-    /// Their distances from the expected places.
+    /// Distances of the markers from their expected places.
     pub errors: MarkerErrors,
 }
 
-/// An arm and a chuck on a ray.
+/// Moves an arm and a chuck along a ray.
 pub struct Walker<'a> {
-    /// The arm. Its motions are logged, each over the one before.
+    /// The arm. The log of each motion replaces the one before.
     pub arm: WorkingArm<'a>,
     /// The rod.
     pub rod: &'a ClampedRod,
@@ -88,10 +92,11 @@ pub struct Walker<'a> {
 }
 
 impl Walker<'_> {
-    /// Searches along a ray from its first point on, and returns there.
+    /// Searches along a ray from its first point, and returns there.
     ///
     /// # Errors
-    /// A motion or a picture fails, and all arms were commanded to hold; or the rod does not become straight again.
+    /// A motion or a picture fails and all arms were commanded to hold, or the rod does not become
+    /// straight again.
     pub fn search(&self, ray: &Ray) -> Result<Searched, WorkError> {
         let mut walk = Walk {
             walker: self,
@@ -112,7 +117,8 @@ impl Walker<'_> {
         })
     }
 
-    /// Moves from the current joints to a point of a ray, over the points between, and rests there.
+    /// Moves from the current joints to the start of a ray, through the points between, and rests
+    /// there.
     ///
     /// # Errors
     /// The motion fails.
@@ -122,7 +128,7 @@ impl Walker<'_> {
             return Ok(());
         }
         let mut points = vec![joints];
-        // The nearest point may lie farther out.
+        // The nearest point may be farther out on the ray.
         points.extend(ray.points[..index].iter().rev().cloned());
         if index == 0 {
             points.push(ray.points[0].clone());
@@ -130,7 +136,7 @@ impl Walker<'_> {
         self.stream(&points, self.steps.return_speed)
     }
 
-    /// The hand lets the straight rod go, which turns out of its twist, and takes it again.
+    /// Opens the gripper, so that the straight rod untwists, and closes it again.
     ///
     /// # Errors
     /// The gripper does not move.
@@ -160,7 +166,8 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// The last point of the ray at which the rod is the helix, and the next one, at which it is not.
+    /// Searches outwards; returns the last point of the ray at which the rod is the helix, and the
+    /// next one, at which it is not.
     fn outwards(&mut self) -> Result<(usize, Option<usize>), WorkError> {
         let SearchSteps {
             step, precision, ..
@@ -184,8 +191,8 @@ impl Walk<'_> {
         })
     }
 
-    /// Returns to the straight rod. A rod that snapped is clamped again there: it retains twist, apparently whole turns,
-    /// which a straight rod does not show.
+    /// Returns to the straight rod. A rod that snapped is gripped again there. It retains twist,
+    /// apparently whole turns, which a straight rod does not show.
     fn straighten(&mut self, has_snapped: bool) -> Result<(), WorkError> {
         self.go(0)?;
         if !self.look()? {
@@ -199,7 +206,8 @@ impl Walk<'_> {
         }
     }
 
-    /// Advances in steps of so many points until the rod is not a helix, or the ray ends; returns the last point with a helix.
+    /// Advances in steps of `points` points until the rod is not a helix, or the ray ends. Returns
+    /// the last point with a helix if the rod lost it.
     fn advance(&mut self, points: usize) -> Result<Option<usize>, WorkError> {
         let last = self.ray.points.len() - 1;
         while self.at < last {
@@ -232,7 +240,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Whether the rod is the helix that it should be.
+    /// Takes a picture; returns whether the rod is the expected helix.
     fn look(&mut self) -> Result<bool, WorkError> {
         let walker = self.walker;
         walker.arm.at.check()?;
@@ -253,7 +261,7 @@ impl Walk<'_> {
     }
 }
 
-/// A picture of the rod at a point of a ray, compared with the markers of the helix there.
+/// Compares a picture of the rod at a point of a ray with the markers of the helix there.
 fn compare(
     walker: &Walker<'_>,
     ray: &Ray,
@@ -281,8 +289,9 @@ fn compare(
     })
 }
 
-/// Mean distance of the markers that were found from their places, over the length of the rod; `None` where too few were. A
-/// marker that another one hides, as where the rod crosses itself in the picture, is ignored.
+/// Mean distance of the markers that were found from their expected places, as a fraction of the
+/// length of the rod; `None` if too few were found. Hidden markers are ignored, such as those
+/// where the rod crosses itself in the picture.
 fn deviation(errors: &MarkerErrors, length: f64) -> Option<f64> {
     let found: Vec<f64> = errors.metres.iter().flatten().copied().collect();
     let enough = found.len() as f64 >= FOUND * errors.metres.len() as f64;

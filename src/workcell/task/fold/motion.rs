@@ -5,9 +5,9 @@ use crate::cell::{Cell, Place, PlanError, PlanReport, PlanRequest};
 use nalgebra::{Translation3, Vector3};
 use rodlab_robot::{JointTrajectory, Pose};
 
-/// Place of the hand before the edge, in the frame of the sheet, m: behind it and above.
+/// Place of the hand before the edge, in the frame of the sheet, m: behind the edge and above it.
 const READY: [f64; 2] = [-0.04, 0.02];
-/// Rise of the hand after it has released the edge, m.
+/// Height by which the hand rises after it has released the edge, m.
 const RISE: f64 = 0.05;
 /// Points per second of the plan.
 const RATE: u32 = 100;
@@ -30,11 +30,11 @@ pub struct FoldMotionRequest<'a> {
 /// The planned motions.
 #[derive(Clone, Debug)]
 pub struct FoldMotion {
-    /// To the edge, from in front of it.
+    /// Motion to the edge, from in front of it.
     pub reaching: JointTrajectory,
     /// The parts of the fold.
     pub parts: Vec<JointTrajectory>,
-    /// Numbers of the whole.
+    /// Numbers of the whole motion.
     pub report: PlanReport,
 }
 
@@ -42,7 +42,7 @@ impl FoldMotionRequest<'_> {
     /// Plans the motions along a path.
     ///
     /// # Errors
-    /// It cannot be followed.
+    /// The arm cannot follow the path.
     pub fn plan(&self, way: &FoldWay) -> Result<FoldMotion, PlanError> {
         let edge = way.hands(0)[0];
         let [behind, above] = READY;
@@ -78,10 +78,11 @@ impl FoldMotionRequest<'_> {
         })
     }
 
-    /// A motion along poses of the hand in the frame of the sheet, from joints that have it at the first of them.
+    /// A motion along poses of the hand in the frame of the sheet, from joint positions at the
+    /// first pose.
     ///
     /// # Errors
-    /// It cannot be followed.
+    /// The arm cannot follow the poses.
     pub fn onwards(&self, from: &[f64], hands: &[Pose]) -> Result<JointTrajectory, PlanError> {
         let path: Vec<Pose> = hands.iter().map(|hand| self.frame * hand).collect();
         self.cell
@@ -91,20 +92,20 @@ impl FoldMotionRequest<'_> {
     /// The motion by which the hand rises after the release.
     ///
     /// # Errors
-    /// It cannot be done.
+    /// The hand cannot rise.
     pub fn rising(&self, from: &[f64]) -> Result<JointTrajectory, PlanError> {
         self.cell.rising(self.arm, RISE, from, self.speed, RATE)
     }
 }
 
-/// The direction over a sheet, its x axis, from the x axis of the cell, rad.
+/// Angle from the x axis of the cell to the x axis of the sheet, rad.
 pub fn heading(frame: &Pose) -> f64 {
     let over = frame.rotation * Vector3::x();
     libm::atan2(over.y, over.x)
 }
 
 impl FoldMotion {
-    /// All of it, one after the other.
+    /// The whole motion: all parts in sequence.
     pub fn whole(&self) -> JointTrajectory {
         let mut whole = self.reaching.clone();
         for part in &self.parts {

@@ -21,13 +21,14 @@ pub struct FoldRecord {
     pub algorithm: String,
     /// Number of parts of the path; the camera takes a picture after each.
     pub parts: usize,
-    /// Whether they are replanned if the sheet has slid.
+    /// Whether the parts are replanned if the sheet has slid.
     pub closed_loop: bool,
-    /// Numbers of the motion as it was planned before.
+    /// Numbers of the motion that was planned before anything moved.
     pub motion: PlanReport,
-    /// Measured middle of the edge of the sheet, x and y in the cell, m, and direction over the sheet, degrees.
+    /// Measured middle of the edge of the sheet, x and y in the cell, m, and direction of the x
+    /// axis of the sheet, degrees.
     pub sheet_place: Option<[f64; 3]>,
-    /// Measurements of the camera after each part.
+    /// Measurement by the camera after each part.
     pub looks: Vec<Look>,
     /// Score of the fold.
     pub score: Option<FoldScore>,

@@ -7,38 +7,41 @@ use serde::Serialize;
 pub struct Look {
     /// The part, from 1.
     pub part: usize,
-    /// Position of the edge, by the joints of the arm, in the frame of the sheet, m: along the fold and up.
+    /// Position of the edge from the joint positions of the arm, in the frame of the sheet, m:
+    /// along the fold and up.
     pub edge_m: [f64; 2],
-    /// Slide of the free end in the direction of the fold, m, if it is seen.
+    /// Slide of the free end in the direction of the fold, m, if the end is visible.
     pub slid_m: Option<f64>,
     /// Whether the next part is replanned.
     pub is_planned_anew: bool,
 }
 
-/// Score of a fold, before the gripper opened. Lengths that the camera did not see at the end are `None`: the edge lay over the
-/// free end, which may have slid anywhere under it.
+/// Score of a fold before the gripper opens. Lengths are `None` if the free end was hidden at the
+/// end: it may have slid anywhere under the edge.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FoldScore {
     /// Slide of the free end in the direction of the fold at the end, m.
     pub sliding_m: Option<f64>,
-    /// Slide when the free end was seen last, m.
+    /// Slide when the free end was last visible, m.
     pub last_seen_sliding_m: f64,
-    /// The part after which it was seen last, from 1.
+    /// The part after which the free end was last visible, from 1.
     pub last_seen_part: usize,
-    /// Largest slide that was seen, m.
+    /// Largest observed slide, m.
     pub largest_sliding_m: f64,
     /// Whether the edge covers the free end after the fold, so that the camera no longer sees that end.
     pub is_end_hidden: bool,
     /// Distance by which the edge was moved in the direction of the fold, from the joint positions of the arm, m.
     pub edge_m: f64,
-    /// Distance along the sheet from its edge to the crease, if it is pressed half a crease target behind the edge, m.
+    /// Distance along the sheet from its edge to the crease, m, if the crease is pressed half a
+    /// crease target behind the edge.
     pub fold_length_m: Option<f64>,
-    /// Excess of that over half the crease target, m.
+    /// Difference between the fold length and half the crease target, m.
     pub fold_length_error_m: Option<f64>,
 }
 
 impl FoldScore {
-    /// Score from the measurements of a sheet, with the target of its edge, m; `None` if its end was never seen.
+    /// Computes the score from the measurements of a sheet and the target of its edge, m; `None`
+    /// if the free end was never visible.
     pub fn of(looks: &[Look], target: f64) -> Option<Self> {
         let last = looks.last()?;
         let seen = looks.iter().filter(|look| look.slid_m.is_some());
@@ -59,7 +62,7 @@ impl FoldScore {
     }
 }
 
-/// Looks as a table.
+/// Measurements as a table.
 pub fn looks_csv(looks: &[Look]) -> String {
     let mut text = String::from("part,edge_x_m,edge_z_m,slid_m,planned_anew\n");
     for look in looks {
@@ -71,7 +74,7 @@ pub fn looks_csv(looks: &[Look]) -> String {
     text
 }
 
-/// A look at an edge at x, m, on the table.
+/// A measurement with the edge on the table at x, m.
 #[cfg(test)]
 pub fn look(part: usize, x: f64, slid_m: Option<f64>) -> Look {
     Look {
@@ -103,7 +106,8 @@ mod tests {
 
     #[test]
     fn a_free_end_under_the_edge_has_no_place_and_the_fold_no_length() {
-        // Replanned for a sheet that has slid by 28 mm, the edge reaches 28 mm beyond its target, wherever the end went since.
+        // The path was replanned for a slide of 28 mm, so that the edge reaches 28 mm beyond its
+        // target, wherever the free end is since then.
         let looks = [
             look(1, 0.1, Some(-1e-3)),
             look(2, 0.25, Some(28e-3)),

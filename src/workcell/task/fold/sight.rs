@@ -1,4 +1,5 @@
-//! Measurement of a sheet by the camera of a cell: its place, the slide of its free end, whether its edge has slipped away.
+//! Measures a sheet with the camera of a cell: its place, the slide of its free end, and whether
+//! its edge has slipped away.
 
 use crate::cell::Cell;
 use image::RgbImage;
@@ -10,41 +11,41 @@ use rodlab_vision::{
     find_sheet,
 };
 
-/// Tolerance of its sides against those of its file, over its length.
+/// Tolerance of the side lengths against those in the file, relative.
 const SIDES: f64 = 0.03;
-/// Search radius of the free end, m: more than a held sheet slides.
+/// Search radius of the free end, m: a held sheet slides less.
 const REACH: f64 = 0.1;
-/// An edge that is seen as near as this to the free end may hide it, m: two pixels or so.
+/// The edge may hide the free end if it appears nearer to it than this, m: about two pixels.
 const COVER: f64 = 1.5e-3;
-/// Part of the sides beside a corner that is measured.
+/// Range of each side that is measured next to a corner, as fractions.
 const BESIDE_CORNER: [f64; 2] = [0.02, 0.45];
-/// Positions over the width of a sheet that are checked for paper where there should be none.
+/// Positions across a sheet, as fractions of its width, at which the absence of paper is checked.
 const ACROSS: [f64; 5] = [-0.3, -0.15, 0.0, 0.15, 0.3];
 
 /// Detector of a sheet.
 pub struct Sight {
     /// The camera, locating on the upper side of the sheet.
     camera: Camera,
-    /// Height of the middle of the lying sheet in the cell, m.
+    /// Height of the middle of the lying sheet above the origin of the cell, m.
     height: f64,
     colour: ColourRule,
     paper: Paper,
     crease: Crease,
 }
 
-/// A free end that was seen.
+/// A visible free end.
 #[derive(Clone, Debug)]
 pub struct SeenEnd {
     /// Slide in the direction of the fold, m.
     pub slid: f64,
     /// Rotation about the vertical, rad: zero for a sheet that slides straight.
     pub turned: f64,
-    /// Its edges in the picture, pixels.
+    /// Edges of the free end in the picture, pixels.
     pub edges: Vec<[Point; 2]>,
 }
 
 impl Sight {
-    /// Prepares to look for a sheet that lies on the table of a cell.
+    /// Creates the detector for a sheet on the table of a cell.
     ///
     /// # Errors
     /// A message: the cell has no camera.
@@ -65,11 +66,11 @@ impl Sight {
         })
     }
 
-    /// Finds the sheet and its frame in the cell: the origin in the middle of its edge, x over it, in that of its directions that is
-    /// nearest to `heading`, rad.
+    /// Finds the sheet and its frame in the cell. The origin is in the middle of an edge; x points
+    /// across the sheet, in the direction of a side that is nearest to `heading`, rad.
     ///
     /// # Errors
-    /// No sheet is seen, or one of another size.
+    /// No sheet is found, or its size differs from the file.
     pub fn find(&self, picture: &RgbImage, heading: f64) -> Result<(Pose, Sheet), VisionError> {
         self.camera.check_size(picture.width(), picture.height())?;
         let locate = |pixel: Point| self.camera.on_table(pixel);
@@ -131,10 +132,11 @@ impl Sight {
         }
     }
 
-    /// Slide of the free end in the direction of the fold, expected at `near`, m, of a sheet with a known frame.
+    /// Measures the slide of the free end of a sheet with a known frame in the direction of the
+    /// fold. `near`, m, is its expected value.
     ///
     /// # Errors
-    /// It is not seen there.
+    /// The free end is not found.
     pub fn end(&self, picture: &RgbImage, frame: &Pose, near: f64) -> Result<SeenEnd, VisionError> {
         let back = frame.inverse();
         let locate = |pixel: Point| {
@@ -169,10 +171,11 @@ impl Sight {
         })
     }
 
-    /// Whether an edge at a place in the frame of the sheet, m, may hide the measured part of a free end that has slid by a distance, m.
+    /// Whether the edge may hide the measured part of a free end that has slid by `slid`, m. The
+    /// place of the edge is in the frame of the sheet, m.
     pub fn is_end_hidden(&self, frame: &Pose, edge: Vector3<f64>, slid: f64) -> bool {
         let eye = frame.inverse() * Point3::from(self.camera.pose.translation.vector);
-        // Where the camera sees it on the table.
+        // Place on the table at which the camera sees the edge.
         let seen = edge.x + (edge.x - eye.x) * edge.z / (eye.z - edge.z);
         let length = self.paper.sheet(self.crease).length;
         let beside = match self.crease {
@@ -182,7 +185,7 @@ impl Sight {
         seen > length + slid - beside - COVER
     }
 
-    /// The edges at the free end of a sheet that has not slid, in its frame.
+    /// The edges at the free end of a sheet that has not slid, in the frame of the sheet.
     fn free_end(&self) -> Vec<[Point; 2]> {
         let length = self.paper.sheet(self.crease).length;
         if self.crease == Crease::Diagonal {
@@ -198,7 +201,7 @@ impl Sight {
         vec![[-half, half].map(|y| Point::new(length, y))]
     }
 
-    /// An edge in the picture, with the sheet on its right.
+    /// An edge in the picture, from one end to the other with the sheet on its right.
     fn in_picture(&self, frame: &Pose, ends: [Point; 2]) -> Result<[Point; 2], VisionError> {
         let pixel = |place: Point| {
             let place = frame * Point3::new(place.x, place.y, 0.0);
@@ -214,10 +217,11 @@ impl Sight {
         Ok(if is_right { [from, to] } else { [to, from] })
     }
 
-    /// Whether paper lies at x in the frame of a sheet, m, where its edge lay before it was lifted.
+    /// Whether the picture shows paper at x in the frame of a sheet, m. The edge lay there before
+    /// it was lifted.
     ///
     /// # Errors
-    /// The colour cannot be applied, or the place is out of the picture.
+    /// The colour cannot be applied, or the place is outside the picture.
     pub fn is_paper_at(
         &self,
         picture: &RgbImage,
@@ -261,7 +265,8 @@ mod tests {
         Sight::new(&gantry(), PAPER, crease, &ColourRule::Background).unwrap()
     }
 
-    /// A flat sheet of 0.2 m by `length` whose frame is moved by `slid` along its x axis.
+    /// A picture of a flat sheet of 0.2 m by `length` whose frame is moved by `slid` along its x
+    /// axis.
     fn picture(sight: &Sight, frame: &Pose, length: f64, slid: f64) -> RgbImage {
         let back = frame.inverse();
         let is_diagonal = sight.crease == Crease::Diagonal;
@@ -311,7 +316,7 @@ mod tests {
             let askew = picture(&sight, &(known * turned), 0.2, 0.0);
             let seen = sight.end(&askew, &known, 0.0).unwrap();
             assert!((seen.turned - 0.04).abs() < 2e-3, "{crease:?} {seen:?}");
-            // The same square seen from the other side is the same sheet the other way round.
+            // From the opposite side the same square is found with its frame turned by π.
             let turned = sight.find(&picture(&sight, &known, 0.2, 0.0), std::f64::consts::PI);
             let turned = known.inverse() * turned.unwrap().0;
             assert!((turned.rotation.angle() - std::f64::consts::PI).abs() < 2e-3);
@@ -325,10 +330,11 @@ mod tests {
             sight(crease).is_end_hidden(&known, Vector3::new(x, 0.0, z), -0.01)
         };
         assert!(hidden(Crease::Half, 0.19, 2e-4) && !hidden(Crease::Half, 0.185, 2e-4));
-        // The camera is 1.6 m above the middle of the table, 0.1 m from the edge where it lay: what is 10 cm high is seen 5 mm
-        // farther away.
+        // The camera is 1.6 m above the middle of the table and 0.1 m from the initial place of
+        // the edge: a point at a height of 10 cm appears 5 mm farther away.
         assert!(hidden(Crease::Half, 0.185, 0.1) && !hidden(Crease::Half, 0.18, 0.1));
-        // Along a diagonal the sides beside the corner are looked at, as far as 45 % of half of it.
+        // For a diagonal fold, the sides next to the corner are measured up to 45 % of half the
+        // diagonal.
         let corner = 0.2 * std::f64::consts::SQRT_2 - 0.01;
         assert!(hidden(Crease::Diagonal, corner - 0.06, 2e-4));
         assert!(!hidden(Crease::Diagonal, corner - 0.07, 2e-4));
@@ -345,7 +351,7 @@ mod tests {
         assert!(sight.is_paper_at(&flat, &known, 0.03).unwrap());
         let gone = picture(&sight, &known, 0.14, 0.06);
         assert!(!sight.is_paper_at(&gone, &known, 0.03).unwrap());
-        // Its end is found where it is, unless that is far from where it should be.
+        // The end is found at its place, unless it is far from its expected place.
         for near in [0.0, 0.05] {
             let seen = sight.end(&gone, &known, near).unwrap();
             assert!(seen.slid.abs() < 2e-4, "{seen:?}");

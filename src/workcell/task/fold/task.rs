@@ -1,4 +1,4 @@
-//! A sheet folded by an arm, measured after each part and scored.
+//! Folds a sheet with an arm, measures it after each part, and scores it.
 
 use super::motion::{FoldMotion, FoldMotionRequest, heading};
 use super::record::FoldRecord;
@@ -18,15 +18,16 @@ use rodlab_robot::{JointTrajectory, Pose};
 use rodlab_vision::{ColourRule, edges_overlay, encode_picture, sheet_overlay};
 use std::time::Duration;
 
-/// Time of rest of a sheet before a picture is taken.
+/// Time for which the sheet rests before a picture is taken.
 const REST: Duration = Duration::from_millis(300);
 /// Resolution of the slide in a picture, m: a smaller slide is ignored.
 const LEAST_SLIDING: f64 = 3e-4;
-/// Largest rotation of the free end about the vertical, rad: at its ends a sheet of 21 cm has then slid by 5 mm.
+/// Largest rotation of the free end about the vertical, rad; the ends of a side of 21 cm have then
+/// slid by 5 mm.
 const MOST_ASKEW: f64 = 0.05;
-/// The edge must have come so far along the fold, m, before it shows that nothing lies where it lay.
+/// Travel of the edge along the fold, m, after which no paper may lie at its first place.
 const CLEARLY_AWAY: f64 = 0.04;
-/// Distance at which the absence of paper is checked, m: the bulge of a loop in the picture.
+/// Margin for the check that no paper is left, m: a loop bulges by less in the picture.
 const BULGE: f64 = 0.015;
 
 const LOOK: Stage = Stage::new("look", "locating the sheet", UNTOUCHED);
@@ -37,7 +38,8 @@ const SCORE: Stage = Stage::new("score", "scoring", HELD);
 const LET_GO: Stage = Stage::new("let-go", "releasing the edge", HELD);
 const RETREAT: Stage = Stage::new("retreat", "going out of the picture", LET_LIE);
 const LOOK_AGAIN: Stage = Stage::new("look-again", "looking again", LET_LIE);
-/// Advice after stages before the sheet is taken, while it is held, and after it was released.
+/// Advice after the stages before the sheet is gripped; further ones for a sheet that is held, and
+/// after its release.
 const UNTOUCHED: &str = "the sheet was not touched: inspect the arm and the camera, then run the command again with --checked";
 const HELD: &str = "the gripper may hold the sheet: inspect the arm, open the gripper and lay the sheet flat, then run the command \
                     again with --checked";
@@ -60,7 +62,8 @@ pub struct FoldPlan {
     pub request: FoldRequest,
     /// Whether its parts are replanned if the sheet has slid.
     pub is_closed_loop: bool,
-    /// Expected frame of the sheet: of the directions of the sheet the nearest to that of this frame is used.
+    /// Expected frame of the sheet. The measured frame uses the direction of a side that is
+    /// nearest to that of this frame.
     pub frame: Pose,
     /// Colour of the paper.
     pub colour: ColourRule,
@@ -72,13 +75,13 @@ pub struct FoldPlan {
     pub margin: f64,
 }
 
-/// A sheet that is folded, measured after each part and scored.
+/// A task that folds a sheet, measures it after each part, and scores the fold.
 pub struct FoldTask {
     plan: FoldPlan,
-    /// The motions of the sheet where it is expected.
+    /// The motions for the expected place of the sheet.
     expected: Option<FoldMotion>,
     record: FoldRecord,
-    /// State of the sheet, once it was seen.
+    /// State of the sheet, after it was found.
     folding: Option<Folding>,
 }
 
@@ -86,16 +89,16 @@ pub struct FoldTask {
 struct Folding {
     sight: Sight,
     frame: Pose,
-    /// Measured offset of its free end before anything moved, against its file, m.
+    /// Measured offset of its free end before anything moved, from the length in the file, m.
     zero: f64,
     way: FoldWay,
     motion: FoldMotion,
-    /// The joints where the last motion ended.
+    /// Joint positions at the end of the last motion.
     last: Vec<f64>,
 }
 
 impl FoldPlan {
-    /// The motions of a sheet that lies somewhere in a cell.
+    /// Plans motions for a sheet at a given place in a cell.
     fn motions<'a>(&self, cell: &'a Cell, frame: Pose) -> FoldMotionRequest<'a> {
         FoldMotionRequest {
             cell,
@@ -106,7 +109,7 @@ impl FoldPlan {
         }
     }
 
-    /// The motions of a sheet that lies where it is expected.
+    /// The motions for the expected place of the sheet.
     ///
     /// # Errors
     /// The arm cannot follow the path.
@@ -116,7 +119,7 @@ impl FoldPlan {
 }
 
 impl FoldTask {
-    /// A plan in a cell, with the motions that are expected, if they are to be shown.
+    /// Creates the task from a plan in a cell, with the expected motions if they are to be shown.
     pub fn new(cell: &Cell, plan: FoldPlan, expected: Option<FoldMotion>) -> Self {
         let motion = expected.as_ref().map(|motion| motion.report.clone());
         Self {
@@ -188,7 +191,7 @@ impl FoldTask {
         self.folding.as_ref().expect("the sheet was seen")
     }
 
-    /// Locates the sheet, and plans its path from there.
+    /// Locates the sheet, and plans its path from its measured place.
     fn find(&mut self, at: &Workplace<'_>) -> Result<(), WorkError> {
         let plan = &self.plan;
         let sight = Sight::new(at.cell, plan.paper, plan.crease, &plan.colour)?;
@@ -212,7 +215,7 @@ impl FoldTask {
         Ok(())
     }
 
-    /// Leads the edge part by part, and takes a picture after each.
+    /// Moves the edge part by part, and takes a picture after each part.
     fn fold(&mut self, at: &Workplace<'_>) -> Result<(), WorkError> {
         let arm = WorkingArm {
             at,
@@ -246,7 +249,7 @@ impl FoldTask {
         Ok(())
     }
 
-    /// The motion of a part, replanned if the sheet has slid.
+    /// The motion of a part; it is replanned if the sheet has slid.
     fn next_part(&mut self, part: usize, cell: &Cell) -> Result<JointTrajectory, WorkError> {
         let Self {
             plan,
@@ -291,7 +294,8 @@ impl FoldTask {
         let before = looks.iter().rev().find_map(|look| look.slid_m);
         let before = before.unwrap_or(0.0);
         if edge.x > CLEARLY_AWAY {
-            // A sheet that is held turns back no farther than half way between its edge and where its edge would lie flat.
+            // The fold line of a held sheet is at most half way between the edge and the place of
+            // the edge on the flat sheet.
             let place = 0.5 * (edge.x + before) - BULGE;
             let sight = &folding.sight;
             if sight.is_paper_at(&picture, &folding.frame, place)? {
@@ -317,13 +321,14 @@ impl FoldTask {
     }
 }
 
-/// The joints at the end of a motion.
+/// Joint positions at the end of a motion.
 fn end(motion: &JointTrajectory) -> &[f64] {
     &motion.points[motion.points.len() - 1]
 }
 
 impl Folding {
-    /// The free end, which was seen to have slid by `before`, m; `None` where the edge lies over it.
+    /// Measures the free end, whose last measured slide was `before`, m; `None` if the edge hides
+    /// it.
     fn see_end(
         &self,
         picture: &RgbImage,

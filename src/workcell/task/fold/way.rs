@@ -1,4 +1,4 @@
-//! The path of the edge of a sheet in parts, each of which is replanned if the sheet has slid.
+//! Path of the edge of a sheet in parts; each part is replanned if the sheet has slid.
 
 use crate::cell::sums;
 use nalgebra::Translation3;
@@ -6,10 +6,11 @@ use rodlab_planning::plan::fold::{Algorithm, FoldError, FoldPlanner, FoldPose, F
 use rodlab_robot::Pose;
 use std::sync::Arc;
 
-/// Clearance above the lower layer when an arm lays an edge down, m: nothing is pressed with its accuracy.
+/// Clearance above the lower layer when an arm lays an edge down, m, since an arm is not accurate
+/// enough to press the layers together.
 const CLEARANCE: f64 = 1e-4;
 
-/// Request for a fold.
+/// Request for the path of a fold.
 #[derive(Clone, Copy, Debug)]
 pub struct FoldRequest {
     /// The sheet in the direction of the fold.
@@ -29,14 +30,14 @@ pub struct FoldRequest {
 pub struct FoldWay {
     request: FoldRequest,
     planner: Arc<FoldPlanner>,
-    /// Poses of each part on the sheet, in L_gb; each begins where the one before ends.
+    /// Poses of the edge in each part, in L_gb; each part begins at the end of the previous one.
     parts: Vec<Vec<FoldPose>>,
     /// Estimated slide of the sheet during each part, m.
     slid: Vec<f64>,
 }
 
 impl FoldWay {
-    /// Plans a path.
+    /// Plans the path of a fold.
     ///
     /// # Errors
     /// The target cannot be reached.
@@ -59,8 +60,8 @@ impl FoldWay {
         self.parts.len()
     }
 
-    /// Poses of the hand in a part, in the frame of the sheet: its origin is the middle of the edge of the flat sheet, half a
-    /// thickness below which the table is; x is over the sheet, z up.
+    /// Poses of the hand in a part, in the frame of the sheet. The origin is the middle of the
+    /// edge of the flat sheet, half a thickness above the table; x points across the sheet, z up.
     pub fn hands(&self, part: usize) -> Vec<Pose> {
         let unit = self.request.sheet.gravito_bending_length;
         let slid = self.slid[part];
@@ -74,10 +75,10 @@ impl FoldWay {
         self.parts[part].iter().map(hand).collect()
     }
 
-    /// Replans a part: after the one before it the sheet has slid by so much in total, m.
+    /// Replans a part. `slid` is the total slide of the sheet after the part before, m.
     ///
     /// # Errors
-    /// No path continues from there.
+    /// No path continues from the current state.
     pub fn replan(&mut self, part: usize, slid: f64) -> Result<(), FoldError> {
         let ends = [part - 1, part].map(|part| self.parts[part][self.parts[part].len() - 1]);
         let unit = self.request.sheet.gravito_bending_length;
@@ -88,7 +89,7 @@ impl FoldWay {
         Ok(())
     }
 
-    /// Keeps a part as it was planned, on a sheet with the same estimated slide as during the one before it.
+    /// Keeps the planned path of a part, and copies the estimated slide of the part before.
     pub fn keep(&mut self, part: usize) {
         self.slid[part] = self.slid[part - 1];
     }

@@ -1,8 +1,9 @@
-//! The motions of both arms, put together one after the other.
+//! Combines the motions of both arms in sequence.
 //!
-//! Between grips both arms move in one motion, and at grips both are at rest. While an end is led to where it must go under, the other
-//! arm comes from above to the strand there; it lifts the strand, waits until the end has passed, and puts it down; it rises,
-//! and goes to the next strand or home.
+//! Between grips both arms move in one motion. While a gripper opens or closes, both arms are at
+//! rest. While an end is moved to the place where it must pass under a strand, the other arm comes
+//! from above to this strand. It lifts the strand, waits until the end has passed, and puts the
+//! strand down. It then rises, and moves to the next strand or home.
 
 use super::plan::{KnotPlan, Lead, PlannedRod};
 use super::request::{RATE, TieMotionRequest};
@@ -13,48 +14,52 @@ use nalgebra::Translation3;
 use rodlab_planning::plan::tying::GripperPoses;
 use rodlab_robot::{JointTrajectory, Pose, subdivide};
 
-/// Height above a strand of a hand that approaches or has released it, m.
+/// Height above a strand at which a hand approaches it, or to which it rises after the release, m.
 const RISE: f64 = 0.06;
-/// Rest between the motion of one arm and that of the other, s: their messages arrive at slightly different times.
+/// Rest between the motions of the two arms, s, since their messages arrive at slightly different
+/// times.
 const REST: f64 = 0.3;
 /// Length below which a path is ignored, m.
 const NO_WAY: f64 = 1e-6;
-/// Times of a schedule nearer than this are the same, s.
+/// Times of a schedule that differ by less than this count as equal, s.
 const SAME: f64 = 1e-6;
 /// Spacing of the points by which the length of a path is computed, m.
 const SPACING: f64 = 1e-3;
 
 /// Motions by which a rod is laid.
 pub struct Laying {
-    /// Both arms, while the one that lays comes from home; `None` for the first rod, which it approaches from its current joints.
+    /// Motion of both arms while the laying arm comes from home; `None` for the first rod, which
+    /// that arm approaches from its current joints.
     pub approach: Option<JointTrajectory>,
-    /// The arm that lays, while it does.
+    /// Motion of the laying arm while it lays the rod.
     pub motion: JointTrajectory,
-    /// Both arms, while that one returns home after the release; `None` for the last rod, whose end it leads then.
+    /// Motion of both arms while the laying arm returns home after the release; `None` for the
+    /// last rod, whose end that arm then leads.
     pub parting: Option<JointTrajectory>,
 }
 
 /// A motion of both arms between two grips.
 pub struct Stretch {
-    /// Name of its folder.
+    /// Name of the folder of the motion.
     pub name: String,
     /// The motion.
     pub motion: JointTrajectory,
-    /// Gripper, of the first arm or the second, with its action after the motion.
+    /// Arm (0 or 1) and command of the grip after the motion.
     pub then: Option<(usize, Grip)>,
 }
 
-/// Motions of both arms while they are put together.
+/// The motions of both arms during planning.
 pub struct Choreography<'a> {
     request: &'a TieMotionRequest<'a>,
     frame: Pose,
     both: TwoArms<'a>,
-    /// Motions that were put together.
+    /// Completed motions.
     pub done: Vec<JointTrajectory>,
 }
 
 impl<'a> Choreography<'a> {
-    /// Motions that start with the first arm, in given joints, where the first rod is laid, and the second one at home.
+    /// Starts with the first arm in given joints, at the start of the first rod, and the second
+    /// arm at home.
     pub fn from(request: &'a TieMotionRequest<'a>, frame: Pose, first: Vec<f64>) -> Self {
         let joints = [first, request.home(1).clone()];
         Self {
@@ -67,7 +72,7 @@ impl<'a> Choreography<'a> {
 }
 
 impl Choreography<'_> {
-    /// The rods are laid.
+    /// Plans how the rods are laid.
     ///
     /// # Errors
     /// An arm cannot follow its path.
@@ -111,7 +116,8 @@ impl Choreography<'_> {
         Ok(layings)
     }
 
-    /// Ends are led and strands lifted; the arm that holds an end at last.
+    /// Plans how ends are led and strands lifted. Returns the motions, and the arm that holds an
+    /// end at last.
     ///
     /// # Errors
     /// An arm cannot follow its path.
@@ -166,7 +172,7 @@ impl Choreography<'_> {
         Ok((last, stretches))
     }
 
-    /// The motions put together so far as one motion; the next one begins where it ends.
+    /// Returns the motions since the last call as one motion; the next one begins at its end.
     pub fn ended(&mut self) -> JointTrajectory {
         self.both.rest(REST);
         let joints = [0, 1].map(|which| self.both.joints(which).to_vec());
@@ -184,12 +190,12 @@ impl Choreography<'_> {
         }
     }
 
-    /// Moves one arm, while the other one rests.
+    /// Moves one arm while the other one rests.
     fn go(&mut self, which: usize, ways: &[JointTrajectory]) {
         self.go_both(which, [ways, &[]]);
     }
 
-    /// Moves an arm and the other one.
+    /// Moves both arms, each along its own paths.
     fn go_both(&mut self, which: usize, [ways, others]: [&[JointTrajectory]; 2]) {
         self.both.go(match which {
             0 => [ways, others],
@@ -197,7 +203,8 @@ impl Choreography<'_> {
         });
     }
 
-    /// An arm that goes along some ways first comes from above to the first of some poses of its hand, in the cell.
+    /// Appends to the paths `before` of an arm an approach from above to the first of `poses` of
+    /// its hand, in the cell.
     fn to_what_lies(
         &self,
         which: usize,
@@ -217,7 +224,7 @@ impl Choreography<'_> {
     /// Raises an arm after its release, and moves it home.
     ///
     /// # Errors
-    /// The hand cannot rise, or the arm cannot return.
+    /// The hand cannot rise, or the arm cannot return home.
     pub fn homewards(&mut self, which: usize) -> Result<(), PlanError> {
         let mut ways = vec![self.raised(which)?];
         let home = self.straight(which, last_of(&ways[0]), self.request.home(which))?;
@@ -230,7 +237,7 @@ impl Choreography<'_> {
         self::poses(poses).map(|pose| self.frame * pose).collect()
     }
 
-    /// The end led between two times of the schedule, from where the arm is.
+    /// Plans how an arm leads the end between two times of the schedule, from its current joints.
     fn led(
         &self,
         which: usize,
@@ -240,7 +247,8 @@ impl Choreography<'_> {
         self.timed(which, &between(&lead.end, times), times)
     }
 
-    /// A path along poses from the current joints of the arm with a given duration, or a longer one where that would be too fast.
+    /// A path along poses from the current joints of the arm. The motion takes the given duration,
+    /// or longer if that would be too fast.
     fn timed(
         &self,
         which: usize,
@@ -257,14 +265,15 @@ impl Choreography<'_> {
         Ok(way.into_iter().collect())
     }
 
-    /// The hand of an arm rises from where it is.
+    /// Raises the hand of an arm from its current pose.
     fn raised(&self, which: usize) -> Result<JointTrajectory, PlanError> {
         let TieMotionRequest { cell, speed, .. } = *self.request;
         let from = self.both.joints(which);
         cell.rising(self.request.arms[which], RISE, from, speed, RATE)
     }
 
-    /// An arm that holds nothing goes from joints to joints, each straight.
+    /// Moves an arm that holds nothing between two joint positions, along a straight line in joint
+    /// space.
     fn straight(
         &self,
         which: usize,
@@ -306,7 +315,7 @@ fn laying(planned: &PlannedRod) -> impl Iterator<Item = Pose> {
     poses.map(|pose| Pose::from_parts(Translation3::from(pose.position), pose.rotation))
 }
 
-/// All poses of the gripper that lays a rod while it holds it.
+/// All poses of the gripper that lays a rod, while it holds the rod.
 pub fn held(knot: &KnotPlan, number: usize) -> Vec<Pose> {
     let is_held_on = number + 1 == knot.rods.len();
     let lead = knot.leads.first().filter(|_| is_held_on);

@@ -1,5 +1,6 @@
-//! A knot tied by two arms (thesis 5.5.6): one lays a rod and leads its end, the other one lifts the strands under which it goes. Of
-//! two rods each arm lays one and leads its end, while the other one lifts strands.
+//! Two arms tie a knot (thesis 5.5.6). One arm lays a rod and leads its end; the other one lifts
+//! the strands under which the end passes. With two rods, each arm lays one and leads its end,
+//! while the other arm lifts strands.
 
 mod choreography;
 mod motion;

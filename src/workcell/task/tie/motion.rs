@@ -8,24 +8,26 @@ use crate::cell::{PlanError, PlanReport};
 use crate::task::room::is_in_room;
 use rodlab_robot::{FAR, JointTrajectory, Pose, pose};
 
-/// Number of points of a motion between those at which the clearance of the arms is checked.
+/// Number of points of a motion between two clearance checks of the arms.
 const STRIDE: usize = 5;
 
 /// The planned motions.
 pub struct TieMotion {
-    /// The rods are laid, one after the other, the first by the first arm.
+    /// Motions that lay the rods in sequence; the first arm lays the first rod.
     pub layings: Vec<Laying>,
-    /// Ends are led and strands lifted.
+    /// Motions that lead ends and lift strands.
     pub stretches: Vec<Stretch>,
-    /// Arm that holds an end then, and the motion of both arms while it returns home after the release.
+    /// Arm that holds an end after the last stretch, and the motion of both arms while it returns
+    /// home after the release.
     pub last: usize,
     /// See `last`.
     pub retreat: JointTrajectory,
-    /// All of that as one motion of both arms, for the page.
+    /// All motions as one motion of both arms, for the page.
     pub whole: JointTrajectory,
     /// Numbers of the path of the first arm.
     pub report: PlanReport,
-    /// Least distance of both from each other and from anything else, m; 0.2 means 0.2 or more.
+    /// Least distance of the arms from each other and from anything else, m; 0.2 stands for 0.2 or
+    /// more.
     pub least_clearance: f64,
     /// The frame of the patterns in the cell.
     pub frame: Pose,
@@ -35,7 +37,8 @@ impl TieMotion {
     /// Plans all motions.
     ///
     /// # Errors
-    /// A pattern leaves table or picture, an arm cannot follow its path, or something comes too near to something else.
+    /// A pattern leaves the table or the picture, an arm cannot follow its path, or something
+    /// comes too near to something else.
     pub fn plan(request: &TieMotionRequest<'_>, knot: &KnotPlan) -> Result<Self, PlanError> {
         let (first, report) = request.best(0, held(knot, 0), request.place)?;
         let frame = pose(report.place_position, report.place_quaternion);
@@ -64,7 +67,7 @@ impl TieMotion {
     }
 }
 
-/// Rods must lie on the table, and be seen.
+/// Checks that rods are on the table and visible to the camera.
 fn in_room(request: &TieMotionRequest<'_>, frame: &Pose, knot: &KnotPlan) -> Result<(), PlanError> {
     let mut points = knot.rods.iter().flat_map(|planned| planned.points());
     let outside = points.find(|point| !is_in_room(request.cell, frame, *point));
@@ -77,7 +80,7 @@ fn in_room(request: &TieMotionRequest<'_>, frame: &Pose, knot: &KnotPlan) -> Res
     })
 }
 
-/// Least distance of the arms to each other and to anything else along a motion of both.
+/// Least distance of the arms to each other and to anything else during a motion of both.
 fn clearance(request: &TieMotionRequest<'_>, motion: &JointTrajectory) -> Result<f64, String> {
     let surroundings = request.cell.surroundings();
     let mut postures = surroundings.homes();

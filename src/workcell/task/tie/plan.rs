@@ -1,4 +1,4 @@
-//! Plan of two grippers with one rod, or with two, in the frame of the patterns.
+//! Plan of the motions of two grippers with one or two rods, in the frame of the patterns.
 
 use nalgebra::Vector3;
 use rodlab_engine::mechanics::rotation;
@@ -10,16 +10,16 @@ use rodlab_planning::plan::tying::{
     GripperPoses, Handling, LiftPath, Passage, Place, Schedule, TiedRod, TyingTask,
 };
 
-/// Distance of points of patterns, m.
+/// Spacing of points of patterns, m.
 const SPACING: f64 = 5e-3;
 
-/// A rod that is laid.
+/// Plan of a rod that is laid.
 pub struct PlannedRod {
     /// The rod.
     pub rod: DeployedRod,
-    /// Its whole pattern, the path of its end included.
+    /// The whole pattern of the rod, including the path of its end.
     pub pattern: Pattern,
-    /// Poses of the gripper that lays it.
+    /// Poses of the gripper that lays the rod.
     pub laying: Vec<GripperPose>,
 }
 
@@ -31,9 +31,9 @@ impl PlannedRod {
     }
 }
 
-/// Motion of the end of a rod. Times are counted from its start, s.
+/// Motion of the end of a rod. Times are relative to the start of this motion, s.
 pub struct Lead {
-    /// Schedule of the end, and of the lifts of strands.
+    /// Schedule of the end and of the lifts of strands.
     pub schedule: Schedule,
     /// Poses of the gripper that leads the end.
     pub end: GripperPoses,
@@ -43,18 +43,20 @@ pub struct Lead {
 
 /// Plan of the grippers.
 pub struct KnotPlan {
-    /// The rods, in the order in which they are laid: the first by the first arm, the second by the second.
+    /// The rods in the order in which they are laid: the first by the first arm, the second by the
+    /// second.
     pub rods: Vec<PlannedRod>,
-    /// The crossings, in the order in which rods reach them again.
+    /// The crossings in the order in which the rods reach them for the second time.
     pub passages: Vec<Passage>,
-    /// Ends that are led, in the order in which they are: that of the last rod first, which its gripper holds still.
+    /// Motions of the ends in sequence. The end of the last rod is first, since its gripper still
+    /// holds it.
     pub leads: Vec<Lead>,
-    /// The knot that was drawn; `None` where it depends on how ends are joined.
+    /// The knot of the patterns; `None` if it depends on how the ends are joined.
     pub drawn: Option<KnotInvariants>,
 }
 
 impl KnotPlan {
-    /// The plan of rods with the crossings of their patterns.
+    /// Creates the plan from rods and the crossings of their patterns.
     pub fn new(rods: Vec<PlannedRod>, passages: Vec<Passage>) -> Self {
         let deployed: Vec<DeployedRod> = rods.iter().map(|planned| planned.rod).collect();
         let handling = Handling::usual(&deployed);
@@ -103,19 +105,19 @@ impl KnotPlan {
         }
     }
 
-    /// Strands that are lifted.
+    /// Number of strands that are lifted.
     pub fn lifts(&self) -> usize {
         self.leads.iter().map(|lead| lead.lifts.len()).sum()
     }
 
-    /// Duration of tying by its schedules, s.
+    /// Duration of tying according to the schedules, s.
     pub fn duration(&self) -> f64 {
         let leads = self.leads.iter();
         leads.map(|lead| lead.schedule.duration()).sum()
     }
 }
 
-/// A hand at the end of a rod that lies.
+/// Pose of a hand at the end of a lying rod.
 fn lying(point: &PatternPoint, radius: f64) -> (Vector3<f64>, nalgebra::UnitQuaternion<f64>) {
     let yaw = rotation::from_vector(point.angle * Vector3::z());
     (point.position.push(radius), yaw)

@@ -13,21 +13,22 @@ use std::path::Path;
 pub struct TieRecord {
     /// Title of the cell.
     pub cell: String,
-    /// Names of the arm that lays the first rod, and of the other one.
+    /// Names of the arms: the one that lays the first rod, then the other one.
     pub arms: [String; 2],
     /// The patterns, as given.
     pub patterns: Vec<String>,
-    /// Passes of the rods over or under their crossings when they reach them again.
+    /// Whether rods pass over or under at crossings that they reach for the second time.
     pub passes: Vec<Pass>,
-    /// The knot that was drawn; `null` where it depends on how ends are joined.
+    /// The knot of the patterns; `null` if it depends on how the ends are joined.
     pub drawn: Option<KnotInvariants>,
-    /// Strands that are lifted.
+    /// Number of strands that are lifted.
     pub lifts: usize,
     /// Numbers of the path of the first arm.
     pub motion: PlanReport,
-    /// Duration of all motions from the first laying on, grips left out, s.
+    /// Duration of all motions from the first laying on, without grips, s.
     pub duration_s: f64,
-    /// Least distance of both arms from each other and from anything else, m; 0.2 means 0.2 or more.
+    /// Least distance of both arms from each other and from anything else, m; 0.2 stands for 0.2
+    /// or more.
     pub least_clearance_m: f64,
     /// Outcome of the knot.
     pub score: Option<TieScore>,

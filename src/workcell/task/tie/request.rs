@@ -10,13 +10,13 @@ pub const RATE: u32 = 100;
 pub struct TieMotionRequest<'a> {
     /// The cell.
     pub cell: &'a Cell,
-    /// Indices of the arm that lays the first rod, and of the other one.
+    /// Indices of the arms: the one that lays the first rod, then the other one.
     pub arms: [usize; 2],
     /// Place of the frame of the patterns in the cell.
     pub place: Place,
     /// Greatest speed of a hand that holds the rod, m/s.
     pub speed: f64,
-    /// The same of one that holds nothing, m/s.
+    /// Greatest speed of a hand that holds nothing, m/s.
     pub free_speed: f64,
     /// Least distance to anything else, m.
     pub margin: f64,
@@ -28,10 +28,11 @@ impl TieMotionRequest<'_> {
         &self.cell.arms[self.arms[which]].home
     }
 
-    /// The best joints at the first pose of a path that one of the arms is to follow, and its numbers.
+    /// The best joint positions at the first pose of a path for one of the arms, and the numbers
+    /// of the plan.
     ///
     /// # Errors
-    /// The arm cannot follow it.
+    /// The arm cannot follow the path.
     pub fn best(
         &self,
         which: usize,

@@ -1,11 +1,11 @@
-//! The knot that was seen, compared with the one that was drawn.
+//! Compares the observed knot with the knot of the patterns.
 
 use super::sight::{SeenCrossing, SeenKnot};
 use rodlab_planning::knot::KnotInvariants;
 use rodlab_vision::SeenLength;
 use serde::Serialize;
 
-/// Invariants of a curve without a knot.
+/// Invariants of an unknotted curve.
 const NO_KNOT: KnotInvariants = KnotInvariants {
     determinant: 1,
     signature: 0,
@@ -14,22 +14,24 @@ const NO_KNOT: KnotInvariants = KnotInvariants {
 /// Outcome of a knot.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TieScore {
-    /// Whether the knot that was drawn is tied; `null` where the picture does not decide. If the pattern has no knot, it is `false`.
+    /// Whether the knot of the patterns is tied; `null` if the picture does not show it. If the
+    /// patterns have no knot, it is `false`.
     pub tied: Option<bool>,
-    /// Reason why the picture does not decide.
+    /// Reason why the picture does not show whether the knot is tied.
     pub undecided: Option<String>,
-    /// The knot that was drawn; `null` where it depends on how ends are joined.
+    /// The knot of the patterns; `null` if it depends on how the ends are joined.
     pub drawn: Option<KnotInvariants>,
-    /// The knot that was seen; `null` where it depends on how ends are joined, or is not decided.
+    /// The observed knot; `null` if it depends on how the ends are joined, or if the picture does
+    /// not show it.
     pub seen: Option<KnotInvariants>,
-    /// Length of each rod as it was seen, m.
+    /// Observed length of each rod, m.
     pub seen_lengths_m: Vec<f64>,
-    /// Their crossings.
+    /// Observed crossings of the rods.
     pub crossings: Vec<SeenCrossing>,
 }
 
 impl TieScore {
-    /// The score of rods that are seen whole, along whose patterns a knot was drawn.
+    /// Computes the score from rods that are completely visible and the knot of their patterns.
     pub fn of(rods: &SeenKnot, drawn: Option<KnotInvariants>) -> Self {
         let (seen, undecided) = match rods.knot() {
             Ok(knot) => (knot, None),
@@ -48,7 +50,7 @@ impl TieScore {
         }
     }
 
-    /// Whether it is tied, as text.
+    /// Returns as text whether the knot is tied.
     pub fn in_words(&self) -> String {
         match (self.tied, &self.undecided) {
             (Some(true), _) => "tied as drawn".into(),
@@ -62,7 +64,7 @@ impl TieScore {
     }
 }
 
-/// Message that rods of some lengths, m, are not seen whole; `None` if they are.
+/// Message that rods with given lengths, m, are not completely visible; `None` if they are.
 pub fn not_seen_whole(rods: &SeenKnot, lengths: &[f64]) -> Option<String> {
     if rods.curves.len() < lengths.len() {
         return Some(format!(
@@ -77,7 +79,7 @@ pub fn not_seen_whole(rods: &SeenKnot, lengths: &[f64]) -> Option<String> {
         .map(|length| length.to_string())
 }
 
-/// A knot as text.
+/// Returns a knot as text.
 pub fn knot_in_words(knot: Option<KnotInvariants>) -> String {
     match knot {
         Some(NO_KNOT) => "none: determinant 1, signature 0".into(),

@@ -1,4 +1,4 @@
-//! Rods in a picture of the camera, with the order of strands at crossings, and their knot.
+//! Rods in a picture of the camera, the order of strands at their crossings, and their knot.
 
 use crate::cell::sums;
 use crate::task::look::Seen;
@@ -10,14 +10,16 @@ use rodlab_planning::knot::KnotInvariants;
 use rodlab_vision::{Passage, Point, Strand, StrandCrossing, VisionError, find_crossings};
 use serde::Serialize;
 
-/// Least confidence in the order of strands at a crossing: below, both orders are tried. Pictures of the virtual cell give 0.2 to 0.9.
+/// Least confidence in the order of strands at a crossing. Below it both orders are tried.
+/// Pictures of the virtual cell give confidences of 0.2 to 0.9.
 const SURE: f64 = 0.1;
-/// Largest number of uncertain crossings: both orders of each are tried.
+/// Largest number of uncertain crossings, since both orders of each are tried.
 const MOST_UNSURE: usize = 8;
-/// Height of a strand that passes over a crossing, over the length of the rod; its value is arbitrary.
+/// Height of a strand that passes over a crossing, relative to the length of the rod; its value is
+/// arbitrary.
 const HEIGHT: f64 = 0.01;
 
-/// A place along a rod that was seen.
+/// A place along an observed rod.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
 pub struct SeenPlace {
     /// Number of the rod, from 1.
@@ -26,29 +28,31 @@ pub struct SeenPlace {
     pub at_m: f64,
 }
 
-/// A crossing that was seen.
+/// An observed crossing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SeenCrossing {
-    /// Both places that cross, that of the lower number first, or, of one rod, that which is nearer to its start.
+    /// The two places that cross: the rod with the lower number first; on one rod, the place
+    /// nearer to its start first.
     pub places: [SeenPlace; 2],
-    /// Where, in the frame of the pattern, m.
+    /// Position in the frame of the pattern, m.
     pub position_m: [f64; 2],
-    /// Whether the second place lies over the first.
+    /// Whether the strand of the second place is on top.
     pub over: bool,
-    /// Confidence in that order: 0 for a guess.
+    /// Confidence in the order of the strands: 0 for a guess.
     pub confidence: f64,
 }
 
-/// Rods that were seen.
+/// Observed rods.
 pub struct SeenKnot {
-    /// The rods in the frame of the pattern, m.
+    /// Curves of the rods in the frame of the pattern, m.
     pub curves: Vec<Vec<Point>>,
-    /// Their crossings.
+    /// Crossings of the rods.
     pub crossings: Vec<SeenCrossing>,
 }
 
 impl SeenKnot {
-    /// The rods in a picture that begin at `starts`, m; fewer if the picture has fewer strands.
+    /// Finds the rods in a picture that begin at `starts`, m; fewer if the picture has fewer
+    /// strands.
     ///
     /// # Errors
     /// A pixel shows no point of the table.
@@ -86,10 +90,10 @@ impl SeenKnot {
             .collect()
     }
 
-    /// Their knot: `Ok(None)` where it depends on how the ends are joined.
+    /// The knot of the rods: `Ok(None)` if it depends on how the ends are joined.
     ///
     /// # Errors
-    /// A message: the picture does not decide.
+    /// A message: the picture does not show the knot.
     pub fn knot(&self) -> Result<Option<KnotInvariants>, String> {
         let numbered = self.crossings.iter().enumerate();
         let unsure: Vec<usize> = numbered
@@ -128,7 +132,8 @@ impl SeenKnot {
         places.collect::<Vec<_>>().join(" and ")
     }
 
-    /// The knot where the second place of each crossing lies over the first, or under it.
+    /// The knot if the second place of each crossing is on top where `over` is true, and below
+    /// otherwise.
     fn knot_with(&self, over: &[bool]) -> Option<KnotInvariants> {
         let high = HEIGHT * self.lengths().iter().sum::<f64>();
         let placed = self.curves.iter().enumerate().map(|(index, curve)| {
@@ -181,7 +186,7 @@ fn in_metres(
     })
 }
 
-/// Lengths along a curve, m.
+/// Cumulative lengths along a curve, m.
 fn lengths(curve: &[Point]) -> Vec<f64> {
     let pairs = curve.windows(2);
     sums(pairs.map(|pair| (pair[1] - pair[0]).norm()))
@@ -191,7 +196,8 @@ fn lengths(curve: &[Point]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// A rod along the trefoil of the repository, which passes its crossings so.
+    /// A rod along the trefoil of the repository, with the given order and confidence at each
+    /// crossing.
     fn trefoil(passes: [(bool, f64); 3]) -> SeenKnot {
         use rodlab_planning::plan::pattern::{PatternSource, chosen_stroke, crossings, read_svg};
         let svg = include_str!("../../../../scenarios/patterns/trefoil.svg");
@@ -236,10 +242,10 @@ mod tests {
         let alternating = [true, false, true];
         assert_eq!(seen(alternating, [1.0; 3]), invariants(3, -2));
         assert_eq!(seen([true; 3], [1.0; 3]), invariants(1, 0));
-        // With the other order at one crossing the curve is unknotted.
+        // The middle crossing is uncertain; with its other order the curve is unknotted.
         let words = seen(alternating, [1.0, 0.01, 1.0]).unwrap_err();
         assert!(words.contains("does not show"), "{words}");
-        // All of it lies over or under, independently of the first crossing.
+        // The order at two crossings does not matter here, whatever the order at the first one is.
         let mut loose = trefoil([(true, 0.0), (true, 1.0), (true, 1.0)]);
         loose.crossings.truncate(1);
         assert_eq!(loose.knot(), invariants(1, 0));

@@ -1,4 +1,4 @@
-//! A knot tied by two arms, seen and scored.
+//! A task that ties a knot with two arms, takes a picture and scores it.
 
 use super::motion::TieMotion;
 use super::plan::KnotPlan;
@@ -25,7 +25,7 @@ const LET_GO: Stage = Stage::new("let-go", "letting it go", HELD);
 const RETREAT: Stage = Stage::new("retreat", "going out of the picture", LET_LIE);
 const LOOK: Stage = Stage::new("look", "looking", LET_LIE);
 const SCORE: Stage = Stage::new("score", "scoring", LET_LIE);
-/// Advice after stages in which a rod is held, and after all were released.
+/// Advice after stages in which a rod is held; another one after all rods were released.
 const HELD: &str = "a gripper may hold a rod: inspect both arms, open their grippers and take the rods off the table, then run the \
                     command again with --checked; tying starts from the beginning";
 const LET_LIE: &str = "the rods are released: inspect both arms and the camera; `rodlab trace` with the camera shows the rods on the \
@@ -33,7 +33,7 @@ const LET_LIE: &str = "the rods are released: inspect both arms and the camera; 
 
 /// Plan of a knot in a cell.
 pub struct TiePlan {
-    /// Indices of the arm that lays the first rod, and of the other one.
+    /// Indices of the arms: the one that lays the first rod, then the other one.
     pub arms: [usize; 2],
     /// The patterns, as given.
     pub names: Vec<String>,
@@ -47,16 +47,16 @@ pub struct TiePlan {
     pub colour: ColourRule,
 }
 
-/// A knot that is tied, seen and scored.
+/// A task that ties a knot, takes a picture and scores it.
 pub struct TieTask {
     plan: TiePlan,
     record: TieRecord,
-    /// The picture of the knot, once it is tied.
+    /// The picture of the tied knot.
     picture: Option<RgbImage>,
 }
 
 impl TieTask {
-    /// A task from its plan in a cell.
+    /// Creates the task from its plan in a cell.
     pub fn new(cell: &Cell, plan: TiePlan) -> Self {
         let TiePlan { motion, knot, .. } = &plan;
         Self {
@@ -77,7 +77,7 @@ impl TieTask {
         }
     }
 
-    /// One of the arms.
+    /// One of the two arms.
     fn arm<'a>(&self, which: usize, at: &'a Workplace<'a>) -> WorkingArm<'a> {
         WorkingArm {
             at,
@@ -85,7 +85,7 @@ impl TieTask {
         }
     }
 
-    /// The folder of a motion of a rod.
+    /// Name of the folder for a motion of a rod.
     fn named(&self, what: &str, number: usize) -> String {
         match self.plan.motion.layings.len() {
             1 => what.to_owned(),
@@ -118,7 +118,7 @@ impl TieTask {
             .carry(&self.named("laying", number), motion)
     }
 
-    /// Leads ends and lifts strands.
+    /// Leads the ends and lifts the strands.
     fn tie(&self, at: &Workplace<'_>) -> Result<(), WorkError> {
         for stretch in &self.plan.motion.stretches {
             self.follow(&stretch.name, &stretch.motion, at)?;
@@ -137,7 +137,7 @@ impl TieTask {
         motion: &JointTrajectory,
         at: &Workplace<'_>,
     ) -> Result<(), WorkError> {
-        // The first arm marks itself.
+        // The call below marks the first arm.
         at.mark(self.plan.arms[1])?;
         self.arm(0, at).follow(name, motion)
     }
@@ -151,7 +151,8 @@ impl TieTask {
         } = &self.plan;
         let picture = self.picture.take().expect("a picture was taken");
         let rods = &drawn.rods;
-        // Of rods of several radii the picture is located on the middle of the first.
+        // With rods of different radii, pixels are located at the height of the first rod's
+        // centreline.
         let radius = rods[0].rod.radius;
         let seen = Seen::of(&picture, at.cell, &motion.frame, radius, colour)?;
         seen.write(&picture, at)?;

@@ -1,22 +1,22 @@
-//! Motions of two arms on one clock: both move, or one while the other rests.
+//! Motions of two arms on one clock: both move, or one moves while the other rests.
 
 use crate::cell::Cell;
 use rodlab_robot::JointTrajectory;
 
-/// Time between points, s.
+/// Time step between points, s.
 const STEP: f64 = 0.01;
 
-/// A motion of two arms that grows.
+/// A motion of two arms to which motions are appended.
 pub struct TwoArms<'a> {
     cell: &'a Cell,
     arms: [usize; 2],
-    /// Joint positions of each at its end.
+    /// Joint positions of each arm at the end of the motion.
     joints: [Vec<f64>; 2],
     points: Vec<Vec<f64>>,
 }
 
 impl<'a> TwoArms<'a> {
-    /// A motion that begins with joints of each arm.
+    /// Starts a motion at given joint positions of each arm.
     pub fn from(cell: &'a Cell, arms: [usize; 2], joints: [Vec<f64>; 2]) -> Self {
         let points = vec![joints.concat()];
         Self {
@@ -27,12 +27,13 @@ impl<'a> TwoArms<'a> {
         }
     }
 
-    /// Current joint positions of one of both arms.
+    /// Joint positions of one arm at the end of the motion.
     pub fn joints(&self, which: usize) -> &[f64] {
         &self.joints[which]
     }
 
-    /// Appends paths of each arm, one after the other, from its last joints, with points each 10 ms; the arm that finishes first rests.
+    /// Appends paths of each arm in sequence, from its last joints, with a point every 10 ms. The
+    /// arm that finishes first rests.
     pub fn go(&mut self, ways: [&[JointTrajectory]; 2]) {
         let points = ways.map(|ways| {
             let points = ways.iter().flat_map(|way| &way.points);
@@ -49,7 +50,7 @@ impl<'a> TwoArms<'a> {
         }
     }
 
-    /// Both rest for a time, s.
+    /// Both arms rest for a time, s.
     pub fn rest(&mut self, time: f64) {
         let count = (time / STEP).ceil() as usize;
         let joints = self.joints.concat();
@@ -70,7 +71,7 @@ impl<'a> TwoArms<'a> {
     }
 }
 
-/// Motions of the same columns, one after the other.
+/// Joins motions with the same columns in sequence.
 pub fn joined<'a>(motions: impl IntoIterator<Item = &'a JointTrajectory>) -> JointTrajectory {
     let mut motions = motions.into_iter();
     let mut whole = motions.next().expect("a motion").clone();
@@ -110,7 +111,7 @@ mod tests {
         assert!((at(last)[1] - homes[1][0] + 0.2).abs() < 1e-9);
         assert_eq!(at(short.points.len() + 1)[0], at(last)[0]);
         assert!(at(short.points.len() + 1)[1] > at(last)[1]);
-        // It may be streamed as it is.
+        // The motion passes the checks of a stream.
         cell.prepare_stream(std::slice::from_ref(&whole)).unwrap();
         let twice = joined([&whole, &whole]);
         assert_eq!(twice.points.len(), 2 * whole.points.len());
