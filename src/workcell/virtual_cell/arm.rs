@@ -1,15 +1,16 @@
-//! An arm that follows joint trajectories as a real one does: late, a little behind, within its limits.
+//! A simulated arm that follows joint trajectories like a real one: with latency, with lag, and
+//! within its limits.
 
 use crate::cell::Arm;
 use rodlab_robot::{Chain, PartTrajectory, Pose};
 
-/// Joints farther than this, rad or m, from where they should be end a motion.
+/// Largest distance of a joint from its setpoint, rad or m; beyond it the motion fails.
 const PATH_TOLERANCE: f64 = 0.3;
 /// Distance of a joint from the last point within which the point is reached, rad or m.
 const GOAL_TOLERANCE: f64 = 2e-3;
-/// Time after the last point in which they must have, s.
+/// Time after the last point within which all joints must reach it, s.
 const SETTLING: f64 = 1.0;
-/// Tolerance of a trajectory beyond the speed limit of a joint, for rounding in its numbers.
+/// Largest speed in a trajectory, relative to the limit of a joint; it allows for rounding.
 const SPEED_MARGIN: f64 = 1.05;
 
 /// Response of an arm to commands.
@@ -17,12 +18,12 @@ const SPEED_MARGIN: f64 = 1.05;
 pub struct Response {
     /// Time from a command to the first motion, s.
     pub latency: f64,
-    /// Time constant by which joints run behind, s: at the speed v they are v × this from where they should be.
+    /// Time constant of the lag, s: at the speed v, a joint is v × `lag` behind its setpoint.
     pub lag: f64,
 }
 
 impl Default for Response {
-    /// Twenty milliseconds each, as arms with position controllers have.
+    /// Twenty milliseconds each, typical for arms with position controllers.
     fn default() -> Self {
         Self {
             latency: 0.02,
@@ -36,21 +37,21 @@ impl Default for Response {
 pub enum Ended {
     /// At the last point.
     There,
-    /// A joint left the path (−4), or did not reach the last point (−5).
+    /// A joint left its path (−4), or did not reach the last point (−5).
     Broken(Refusal),
 }
 
-/// Reason why a goal is rejected, or was aborted.
+/// Reason why a goal is rejected or was aborted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
-    /// Error code of the result; −1 for an impossible goal, −2 for other joints.
+    /// Error code of the result; −1 for an impossible goal, −2 for wrong joints.
     pub code: i64,
     /// Message.
     pub words: String,
 }
 
 impl Refusal {
-    /// Refusal of an impossible goal, with a message.
+    /// Rejects an impossible goal with a message.
     pub fn invalid(words: impl Into<String>) -> Self {
         Self {
             code: -1,
@@ -71,13 +72,13 @@ pub struct SimulatedArm {
     held: Vec<f64>,
     speeds: Vec<f64>,
     goal: Option<(PartTrajectory, f64)>,
-    /// A goal that came less than the latency ago, and when.
+    /// A new goal that is still within its latency, and its time of arrival.
     next: Option<(PartTrajectory, f64)>,
     frozen: Option<usize>,
 }
 
 impl SimulatedArm {
-    /// An arm of a cell, at home.
+    /// Creates an arm of a cell in its home posture.
     pub fn new(arm: &Arm, response: Response) -> Self {
         Self {
             name: arm.name.clone(),
@@ -93,28 +94,28 @@ impl SimulatedArm {
         }
     }
 
-    /// Names of its joints.
+    /// Names of the joints.
     pub fn names(&self) -> Vec<&str> {
         let joints = self.chain.joints.iter();
         joints.map(|joint| joint.name.as_str()).collect()
     }
 
-    /// Their positions, rad or m.
+    /// Positions of the joints, rad or m.
     pub fn joints(&self) -> &[f64] {
         &self.joints
     }
 
-    /// Pose of its hand in the cell.
+    /// Pose of the hand in the cell.
     pub fn hand(&self) -> Pose {
         self.base * self.chain.hand(&self.joints)
     }
 
-    /// Whether it follows a trajectory.
+    /// Whether the arm follows a trajectory.
     pub fn is_moving(&self) -> bool {
         self.goal.is_some() || self.next.is_some()
     }
 
-    /// Refuses to clamp or hand over a rod while the arm moves.
+    /// Fails if the arm moves, since a rod cannot be clamped or handed over then.
     ///
     /// # Errors
     /// It moves.
@@ -125,11 +126,12 @@ impl SimulatedArm {
         }
     }
 
-    /// Takes a trajectory, to be followed from `now`, s, in place of the current one. One that begins later leads the joints to its
-    /// first point from where the one before has led them.
+    /// Accepts a trajectory that replaces the current one from `now`, s. If its first point is
+    /// later, the joints move there from the last setpoint of the previous trajectory.
     ///
     /// # Errors
-    /// Other joints, no points, times that do not grow, positions or speeds beyond the limits.
+    /// The joints differ, there are no points, times do not increase, or positions or speeds
+    /// exceed the limits.
     pub fn take(&mut self, given: PartTrajectory, now: f64) -> Result<(), Refusal> {
         let trajectory = self.in_order(given)?;
         let times = &trajectory.times;
@@ -161,7 +163,7 @@ impl SimulatedArm {
         Ok(())
     }
 
-    /// The same trajectory with the joints in the order of the chain.
+    /// The trajectory with its joints in the order of the chain.
     fn in_order(&self, given: PartTrajectory) -> Result<PartTrajectory, Refusal> {
         let names = self.names();
         let place = |name| given.joints.iter().position(|joint| joint == name);
@@ -183,13 +185,13 @@ impl SimulatedArm {
         })
     }
 
-    /// Ends the motion where the arm is.
+    /// Ends the motion at the current position.
     pub fn stop(&mut self) {
         (self.goal, self.next) = (None, None);
         self.held.clone_from(&self.joints);
     }
 
-    /// Stops a joint for good: that which moves fastest.
+    /// Stops the fastest joint permanently; returns its name.
     pub fn freeze(&mut self) -> &str {
         let speeds = self.speeds.iter().enumerate();
         let fastest = speeds.max_by(|one, other| one.1.total_cmp(other.1));
@@ -198,7 +200,7 @@ impl SimulatedArm {
         &self.chain.joints[joint].name
     }
 
-    /// Advances by `step` to the time `now`, s; returns the end of a motion.
+    /// Advances by `step` to the time `now`, s; returns how a motion ended, if it did.
     pub fn advance(&mut self, now: f64, step: f64) -> Option<Ended> {
         let latency = self.response.latency;
         let elapsed = |begin: f64| now - begin - latency;
@@ -282,7 +284,8 @@ mod tests {
         SimulatedArm::new(&gantry().arms[0], Response::default())
     }
 
-    /// Follows to the end; returns the largest distance of the first joint from where it should be, and the end.
+    /// Follows a trajectory to its end; returns the largest distance of the first joint from its
+    /// setpoint, and how the motion ended.
     fn follow(arm: &mut SimulatedArm, trajectory: &PartTrajectory) -> (f64, Ended) {
         arm.take(trajectory.clone(), 0.0).unwrap();
         let mut worst: f64 = 0.0;
@@ -301,7 +304,7 @@ mod tests {
     fn an_arm_comes_to_the_last_point_and_is_behind_by_latency_and_lag() {
         let (behind, ended) = follow(&mut arm(), &ramp(2.0));
         assert_eq!(ended, Ended::There);
-        // 5 cm/s, 40 ms late: 2 mm; in steps of 5 ms a little less.
+        // 5 cm/s with a delay of 40 ms: 2 mm; slightly less in steps of 5 ms.
         assert!((1.5e-3..2.1e-3).contains(&behind), "{behind}");
     }
 
@@ -331,7 +334,7 @@ mod tests {
             let ended = arm.advance(now, STEP);
             let speed = (arm.joints()[0] - before) / STEP;
             if (0.2..1.9).contains(&now) {
-                // 5 cm/s; the way from where the joints are begins a little behind.
+                // 5 cm/s; at the start of the new trajectory the joints lag slightly.
                 assert!((0.04..0.06).contains(&speed), "{speed} at {now}");
                 steps += 1;
             }

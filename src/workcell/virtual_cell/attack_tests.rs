@@ -1,4 +1,5 @@
-//! Hostile clients: for any message, others are served, answers are short, and the server continues.
+//! Hostile clients: for any message, the server keeps running, serves other clients, and sends
+//! short answers.
 
 use super::VirtualCell;
 use crate::test_cells::{gantry, settings};
@@ -17,7 +18,8 @@ type Client = WebSocket<MaybeTlsStream<TcpStream>>;
 const PATIENCE: Duration = Duration::from_secs(20);
 const ACTION: &str = "/gantry/follow_joint_trajectory";
 
-/// Runs an attack against a gantry; a well-behaved client is served afterwards, and the server has not failed.
+/// Runs an attack against a gantry; checks that a well-behaved client is served afterwards, and
+/// that the server has not failed.
 fn attacked(attack: impl FnOnce(SocketAddr)) {
     let is_over = AtomicBool::new(false);
     std::thread::scope(|scope| {
@@ -29,7 +31,7 @@ fn attacked(attack: impl FnOnce(SocketAddr)) {
             cell.serve(&|| is_over.load(Ordering::Relaxed)).unwrap();
         });
         let address = address.recv().unwrap();
-        // The server must end even where the attack panics.
+        // The server must end even if the attack panics.
         let attacked = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
             attack(address);
             is_served(address);
@@ -56,13 +58,13 @@ fn subscribe(client: &mut Client, topic: &str) {
     send(client, &json!({ "op": "subscribe", "topic": topic }));
 }
 
-/// The words of the complaint that comes next.
+/// The text of the next complaint.
 fn refused(client: &mut Client) -> String {
     let message = wait_for(client, complaint);
     message["msg"].as_str().unwrap().to_owned()
 }
 
-/// The next message for which something holds.
+/// The next message for which `what` returns a value.
 fn wait_for(client: &mut Client, what: impl Fn(&Value) -> bool) -> Value {
     let begin = Instant::now();
     while begin.elapsed() < PATIENCE {
@@ -77,7 +79,7 @@ fn wait_for(client: &mut Client, what: impl Fn(&Value) -> bool) -> Value {
     panic!("no answer");
 }
 
-/// A new client receives the clock.
+/// Checks that a new client receives the clock.
 fn is_served(address: SocketAddr) {
     let mut client = connect(address);
     subscribe(&mut client, "/clock");
@@ -108,7 +110,7 @@ fn result_of(id: &str) -> impl Fn(&Value) -> bool {
 #[test]
 fn connections_that_are_not_used_take_no_place_from_others() {
     attacked(|address| {
-        // Half handshakes, and noise.
+        // Incomplete handshakes and random bytes.
         let starts: [&[u8]; 2] = [b"GET / HTTP/1.1\r\nHost: x", &[0xff; 64]];
         let half = |start: &&[u8]| {
             let mut stream = TcpStream::connect(address).unwrap();
@@ -141,7 +143,7 @@ fn floods_and_nonsense_do_not_keep_others_waiting() {
                             1 => Message::Binary(vec![0; 1000].into()),
                             _ => Message::text("{"),
                         };
-                        // One that does not read its answers is cut.
+                        // A client that does not read its answers is disconnected.
                         if client.send(message).is_err() {
                             break;
                         }
@@ -165,7 +167,7 @@ fn floods_and_nonsense_do_not_keep_others_waiting() {
             let answer = wait_for(&mut client, complaint);
             assert!(answer.to_string().len() < 2000);
         }
-        // A frame that announces a terabyte ends its connection only.
+        // A frame that announces a terabyte ends only its own connection.
         let mut stream = TcpStream::connect(address).unwrap();
         let handshake = format!(
             "GET / HTTP/1.1\r\nHost: {address}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
@@ -219,7 +221,7 @@ fn goals_and_subscriptions_without_end_are_answered_and_bounded() {
         }
         let words = refused(&mut client);
         assert!(words.contains("at most 64"), "{words}");
-        // One that never reads.
+        // A client that never reads.
         subscribe(&mut client, "/camera/image_raw");
         is_served(address);
     });

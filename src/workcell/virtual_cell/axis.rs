@@ -1,17 +1,18 @@
-//! External axes of a virtual cell: they follow joint trajectories as arms do.
+//! External axes of a virtual cell; they follow joint trajectories as arms do.
 
 use crate::cell::{Arm, Axis, Cell, Driver};
 use nalgebra::Vector3;
 use rodlab_robot::{Chain, Joint, JointKind, Motion, Pose, Segment};
 
-/// Indices of the axes that a virtual cell moves: those with a driver of kind `rosbridge`. They count after the arms.
+/// Indices of the axes that a virtual cell moves: those with a driver of kind `rosbridge`. As
+/// moving parts they are numbered after the arms.
 pub fn served_axes(cell: &Cell) -> impl Iterator<Item = usize> + '_ {
     let axes = cell.axes.iter().enumerate();
     let served = axes.filter(|(_, axis)| matches!(axis.driver, Some(Driver::Rosbridge { .. })));
     served.map(|(index, _)| index)
 }
 
-/// An axis as an arm of one joint, at zero.
+/// An axis as an arm with one joint, at zero.
 pub fn as_arm(axis: &Axis) -> Arm {
     let joint = Joint {
         name: axis.name.clone(),
@@ -45,7 +46,7 @@ pub fn as_arm(axis: &Axis) -> Arm {
     }
 }
 
-/// The arms of a cell, then its axes that are served.
+/// The arms of a cell, then its served axes.
 pub fn moving_parts(cell: &Cell) -> Vec<Arm> {
     let arms = cell.arms.iter().cloned();
     arms.chain(served_axes(cell).map(|axis| as_arm(&cell.axes[axis])))

@@ -1,4 +1,4 @@
-//! A virtual cell that is served in the process of the task in it.
+//! A virtual cell that runs in the process of its task.
 
 use super::server::{ServeError, VirtualCell};
 use super::settings::{ANY_PORT, Settings};
@@ -7,11 +7,12 @@ use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Longest silence of a driver: a hard step of the simulation takes longer than the limit for a robot.
+/// Longest silence of a driver. A difficult step of the simulation may take longer than the limit
+/// for a robot.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Carries out work with a cell that is served meanwhile, whose drivers and camera connect to it; returns its result, and the cell as it was
-/// left.
+/// Serves a cell while `work` runs, with drivers and camera connected to it. Returns the result of
+/// the work, and the final state of the cell.
 ///
 /// # Errors
 /// The cell cannot be served, or its simulation failed.
@@ -40,7 +41,7 @@ pub fn with_cell<T>(
     Ok((done, served))
 }
 
-/// Ends a server, also where the work with it panics.
+/// Stops a server when dropped, even if the work panics.
 struct Over<'a>(&'a AtomicBool);
 
 impl Drop for Over<'_> {
@@ -49,7 +50,7 @@ impl Drop for Over<'_> {
     }
 }
 
-/// Lets the drivers and the camera of a cell find its server.
+/// Sets the address of the server in the drivers and the camera of a cell.
 fn point_to(cell: &mut Cell, server: &str) {
     let arms = cell.arms.iter_mut().map(|arm| &mut arm.driver);
     let axes = cell.axes.iter_mut().map(|axis| &mut axis.driver);

@@ -1,4 +1,4 @@
-//! The camera of a virtual cell: pictures of the table, made in a thread of its own.
+//! The camera of a virtual cell: pictures of the table, rendered in a separate thread.
 
 use super::message::published;
 use super::sheet_picture::{SeenSheet, SheetView};
@@ -11,17 +11,19 @@ use rodlab_vision::{Camera, Point, RenderOptions, RenderedRod, render};
 use serde_json::{Value, json};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-/// Colours of the rod and of a second one, and of the table.
+/// Colours of the rod and of a second rod.
 const RODS: [[u8; 3]; 2] = [[205, 60, 70], [90, 190, 80]];
+/// Colour of the table.
 const TABLE: [f64; 3] = [40.0, 44.0, 48.0];
 /// Colour of pegs.
 const PEG: [f64; 3] = [120.0, 122.0, 126.0];
-/// Length and radius of a marker, m, and its colour.
+/// Length and radius of a marker, m.
 const MARKER: [f64; 2] = [7e-3, 3.5e-3];
+/// Colour of a marker.
 const MARKER_COLOUR: [u8; 3] = [50, 95, 235];
-/// Points of a rendered rod over its radius.
+/// Spacing of the points of a rendered rod, relative to its radius.
 const SPACING: f64 = 0.5;
-/// Most points of a rendered rod.
+/// Largest number of points of a rendered rod.
 const MOST_POINTS: usize = 50_000;
 /// Distance from the camera below which objects are out of focus, m.
 const NEAREST: f64 = 0.2;
@@ -29,17 +31,17 @@ const NEAREST: f64 = 0.2;
 /// Visible objects.
 #[derive(Default)]
 pub struct Scenery {
-    /// Nodes of each rod, of two at most, and its radius, m.
+    /// Nodes of each rod (two at most), m, and its radius, m.
     pub rods: Vec<(Vec<Vector3>, f64)>,
-    /// Positions of markers along the first, over its length.
+    /// Positions of markers along the first rod, as fractions of its length.
     pub markers: Vec<f64>,
     /// A sheet.
     pub sheet: Option<SeenSheet>,
-    /// Axes of pegs, up to the middle of their round tops, and their radii, m.
+    /// Axes of pegs, up to the centre of their round tops, and their radii, m.
     pub pegs: Vec<([Vector3; 2], f64)>,
 }
 
-/// Takes pictures, one at a time, in a thread of their own.
+/// Takes pictures, one at a time, in a separate thread.
 pub struct PictureTaker {
     camera: Camera,
     taken: u64,
@@ -47,7 +49,7 @@ pub struct PictureTaker {
 }
 
 impl PictureTaker {
-    /// For a camera.
+    /// Creates a picture taker for a camera.
     pub fn new(camera: Camera) -> Self {
         Self {
             camera,
@@ -56,12 +58,12 @@ impl PictureTaker {
         }
     }
 
-    /// Whether a picture is being made.
+    /// Whether a picture is being rendered.
     pub fn is_busy(&self) -> bool {
         self.under_way.is_some()
     }
 
-    /// Begins a picture for a topic, with a stamp.
+    /// Starts a picture for a topic, with a time stamp.
     pub fn begin(&mut self, scenery: Scenery, topic: &str, stamp: Value) {
         let camera = self.camera;
         self.taken += 1;
@@ -71,12 +73,12 @@ impl PictureTaker {
         self.under_way = Some(receiver);
         std::thread::spawn(move || {
             let picture = picture(&camera, scenery, number);
-            // This fails only if the receiver is gone.
+            // Sending fails only if the receiver no longer exists.
             let _ = sender.send(message(&picture, &topic, number, &stamp));
         });
     }
 
-    /// The message with the picture that is done.
+    /// The message with the picture, once it is finished.
     pub fn finished(&mut self) -> Option<String> {
         let received = self.under_way.as_ref()?.try_recv();
         if received != Err(TryRecvError::Empty) {
@@ -86,13 +88,13 @@ impl PictureTaker {
     }
 }
 
-/// The picture of the camera; `number` is the seed of its noise.
+/// Renders the picture of the camera; `number` is the seed of its noise.
 fn picture(camera: &Camera, scenery: Scenery, number: u64) -> RgbImage {
     let mut options = RenderOptions {
         seed: number,
         ..RenderOptions::default()
     };
-    // What has markers hangs in the air: its shadow is all but gone.
+    // A rod with markers hangs in the air, where its shadow is almost invisible.
     if !scenery.markers.is_empty() {
         options.shadow = 0.0;
     }
@@ -138,7 +140,7 @@ fn peg_tops(camera: &Camera, pegs: &[([Vector3; 2], f64)]) -> Vec<(Point, f64)> 
     tops.collect()
 }
 
-/// A sleeve about the point of a curve that lies `place` of its length from its start.
+/// A marker: a sleeve around the point of a curve at the fraction `place` of its length.
 fn marker(points: &[Vector3], place: f64) -> Vec<Vector3> {
     let pairs = points.windows(2);
     let lengths = sums(pairs.map(|pair| (pair[1] - pair[0]).norm()));
@@ -148,7 +150,7 @@ fn marker(points: &[Vector3], place: f64) -> Vec<Vector3> {
     within.map(|(point, _)| *point).collect()
 }
 
-/// The part of the rod from its start that is not too near to the camera.
+/// The part of the rod from its start up to the first point that is too near to the camera.
 fn visible(camera: &Camera, points: Vec<Vector3>) -> Vec<Vector3> {
     let depth = |point: &Vector3| camera.pose.inverse_transform_point(&(*point).into()).z;
     points
@@ -221,7 +223,7 @@ mod tests {
         let points = fine(&nodes, 1e-3);
         let mut steps = points.windows(2).map(|pair| (pair[1] - pair[0]).norm());
         assert!(steps.all(|step| step <= 1.01e-3));
-        // Chords are 1.2e-4 m off; the direction at both ends is undefined.
+        // Chords deviate by 1.2e-4 m; the direction at both ends is undefined.
         let inner = &points[20..points.len() - 20];
         let off = inner.iter().map(|point| (point.norm() - 0.1).abs());
         assert!(off.fold(0.0, f64::max) < 1e-6);

@@ -1,4 +1,4 @@
-//! A rod between the chuck and a hand of a virtual cell: clamped at both ends, led and twisted.
+//! A rod between the chuck and a hand of a virtual cell: clamped at both ends, moved and twisted.
 
 use super::axis::served_axes;
 use super::grip::Grip;
@@ -13,28 +13,31 @@ use rodlab_lab::run::PreparedRun;
 use rodlab_robot::{Pose, distance_and_angle};
 use std::path::Path;
 
-/// Largest distance of the hand from the end of the straight rod at the hand-over, over the length of the rod, and rotation, rad:
-/// a person bends it by so much.
+/// Largest distance of the hand from the end of the straight rod at the hand-over, relative to the
+/// length of the rod, and largest rotation, rad: the user can bend the rod by that much.
 const REACH: [f64; 2] = [0.05, 0.2];
-/// Index of the clamp of the chuck, and of that of the hand.
+/// Index of the clamp of the chuck.
 const CHUCK: usize = 0;
+/// Index of the clamp of the hand.
 const HAND: usize = 1;
 
-/// Rods of one kind, one after the other, for a chuck to hold.
+/// Supplies rods of one kind, one after another, to a chuck.
 pub struct ChuckedSupply {
     rod: ClampedRod,
     prepared: PreparedRun,
     /// Pose of the chuck in the cell.
     chuck: Pose,
-    /// Index of the moving part that turns it: the arms, then the axes that are served.
+    /// Index of the moving part that turns the chuck: arms are counted first, then the served
+    /// axes.
     part: usize,
 }
 
 impl ChuckedSupply {
-    /// Rods as a file describes them, for the chuck of a cell; `None` where it has none.
+    /// Reads the description of the rods from a file, for the chuck of a cell; `None` if the cell
+    /// has no chuck.
     ///
     /// # Errors
-    /// The file cannot be read, or is wrong; or the axis of the chuck is not served.
+    /// The file cannot be read, or is invalid, or the axis of the chuck is not served.
     pub fn new(file: &Path, cell: &Cell) -> Result<Option<Self>, RodError> {
         let Some(chuck) = cell.chuck else {
             return Ok(None);
@@ -57,13 +60,13 @@ impl ChuckedSupply {
         }))
     }
 
-    /// Pose of the hand at the straight rod, in the frame of the chuck.
+    /// Pose of the hand at the end of the straight rod, in the frame of the chuck.
     fn end(&self) -> Pose {
         Pose::translation(self.rod.length, 0.0, 0.0)
     }
 
-    /// A straight rod whose end is handed to a hand, at the time `now`, s. `hand` is a pose in the cell, `angle` that of the
-    /// chuck, rad.
+    /// Hands the end of a straight rod to a hand at the time `now`, s. `hand` is the pose of the
+    /// hand in the cell, `angle` the angle of the chuck, rad.
     ///
     /// # Errors
     /// A message: the hand is not at the end of the straight rod, or the rod cannot be simulated.
@@ -91,7 +94,7 @@ impl ChuckedSupply {
     }
 }
 
-/// The chuck of a cell, with the rod in it.
+/// The chuck of a cell, with its rod.
 pub struct Chuck {
     supply: ChuckedSupply,
     rod: Option<ChuckedRod>,
@@ -103,7 +106,7 @@ impl Chuck {
         Self { supply, rod: None }
     }
 
-    /// Index of the moving part that turns it.
+    /// Index of the moving part that turns the chuck.
     pub fn part(&self) -> usize {
         self.supply.part
     }
@@ -114,7 +117,7 @@ impl Chuck {
         grip.map(|grip| grip.holder)
     }
 
-    /// Clamps a new rod between chuck and the hand of an arm, where that holds none.
+    /// Clamps a new rod between the chuck and the hand of an arm that holds none.
     ///
     /// # Errors
     /// A message: the hand is not at the end of the straight rod, or the rod cannot be simulated.
@@ -125,10 +128,10 @@ impl Chuck {
         Ok(())
     }
 
-    /// The hand lets go.
+    /// Releases the rod from the hand.
     ///
     /// # Errors
-    /// The simulation refuses.
+    /// The simulation rejects the release.
     pub fn let_go(&mut self) -> Result<(), SimulationError> {
         let Some(rod) = &mut self.rod else {
             return Ok(());
@@ -137,10 +140,11 @@ impl Chuck {
         grip.map_or(Ok(()), |grip| rod.simulation.release(grip.clamp))
     }
 
-    /// Advances the rod to `now`, s, with the hand of the arm that took it and the chuck; returns whether it has reached that time.
+    /// Advances the rod towards `now`, s, clamped by the chuck and by the hand of the arm that
+    /// took it. Returns whether the simulation has reached that time.
     ///
     /// # Errors
-    /// The rod finds no step.
+    /// The simulation of the rod finds no step.
     pub fn lead(
         &mut self,
         hand: impl Fn(usize) -> Pose,
@@ -161,7 +165,7 @@ impl Chuck {
         Some(nodes.map(in_cell).collect())
     }
 
-    /// The rod as it was made.
+    /// The rod in its initial state.
     pub fn rod(&self) -> &ClampedRod {
         &self.supply.rod
     }
@@ -170,20 +174,22 @@ impl Chuck {
 /// A rod in simulation, in the frame of the chuck.
 struct ChuckedRod {
     simulation: Simulation,
-    /// Grip of the hand on it, while it holds it.
+    /// Grip of the hand on the rod, while it holds the rod.
     grip: Option<Grip>,
-    /// Angle of the chuck when the rod was clamped, and the last one, rad.
+    /// Angle of the chuck when the rod was clamped, rad.
     first_angle: f64,
+    /// Last angle of the chuck, rad.
     last_angle: f64,
-    /// Until when its clamps lead it, s of the simulation.
+    /// Time of the simulation up to which the motion of its clamps is set, s.
     led_until: f64,
-    /// Time at which it was handed over, s.
+    /// Time of the hand-over, s.
     begin: f64,
 }
 
 impl ChuckedRod {
-    /// Advances towards the time `now`, s; returns whether it has reached it. Hard steps take long: then it must be called again, with
-    /// the same clamps, so that others need not wait.
+    /// Advances towards the time `now`, s, and returns whether the simulation has reached it. A
+    /// difficult step takes long. The method then returns `false`, so that the server can do other
+    /// work, and must be called again with the same clamps.
     fn advance(
         &mut self,
         hand: impl Fn(usize) -> Pose,
@@ -204,7 +210,7 @@ impl ChuckedRod {
         advance_for_a_while(&mut self.simulation, until)
     }
 
-    /// From the last angle of the chuck to the next.
+    /// Rotation of the clamp from the last angle of the chuck to the next.
     fn turn(&self, from: f64, angle: f64, until: f64) -> Motion {
         let knots = [(from, self.last_angle), (until, angle)];
         let knots = knots.map(|(time, angle)| (time, angle - self.first_angle));
@@ -223,14 +229,14 @@ mod tests {
     use rodlab_engine::mechanics::kirchhoff::{Helix, critical_distance};
     use rodlab_lab::experiment::ClampPoses;
 
-    /// The cell with a chuck and the wire that come with the program.
+    /// Rods for the chuck of a cell, with the wire that comes with the program.
     fn supply() -> ChuckedSupply {
         let wire = test_cells::file("scenarios/rods/nitinol_wire.toml");
         let supply = ChuckedSupply::new(&wire, &test_cells::cell("helix_gantry"));
         supply.unwrap().unwrap()
     }
 
-    /// Mean distance of the nodes from the helix over the length.
+    /// Mean distance of the nodes from the helix relative to the length.
     fn error(rod: &ChuckedRod, helix: &Helix, length: f64) -> f64 {
         let nodes = rod.simulation.positions();
         let edges = (nodes.len() - 1) as f64;
@@ -241,7 +247,8 @@ mod tests {
         away.sum::<f64>() / nodes.len() as f64
     }
 
-    /// Leads a straight rod along a ray in small steps to distances, and gives its error at each.
+    /// Moves a straight rod along a ray in small steps, and returns its error at each of the
+    /// distances.
     fn errors_along(direction: [f64; 3], distances: &[f64]) -> Vec<f64> {
         let supply = supply();
         let rod = &supply.rod;
@@ -271,7 +278,7 @@ mod tests {
         for direction in [[1.0, 1.0, -1.0], [1.0, 0.3, 0.6]] {
             let critical = critical_distance(&Helix::from(direction)).unwrap().distance;
             let errors = errors_along(direction, &[0.9, 1.05].map(|part| part * critical));
-            // Its weight bends it a little.
+            // The weight bends the rod slightly.
             assert!(errors[0] < 0.006, "{direction:?}: {errors:?}");
             assert!(errors[1] > 0.03, "{direction:?}: {errors:?}");
         }

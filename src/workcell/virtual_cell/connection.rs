@@ -1,4 +1,4 @@
-//! One client of a virtual cell: a WebSocket that never waits, with bounds on all that comes and goes.
+//! One client of a virtual cell: a non-blocking WebSocket with limits on all input and output.
 
 use super::pace::Pace;
 use super::subscription::{Subscription, Wish};
@@ -15,21 +15,23 @@ use tungstenite::http::StatusCode;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
-/// Largest message of a client, bytes: a long trajectory of many joints.
+/// Largest message of a client, bytes: enough for a long trajectory of many joints.
 const LARGEST_MESSAGE: usize = 32 << 20;
-/// Most that waits for a client that reads slowly, bytes: a picture and a few seconds of reports.
+/// Largest number of bytes that wait for a client that reads slowly: a picture and a few seconds
+/// of reports.
 const MOST_WAITING: usize = 32 << 20;
 /// Longest time for the handshake of a client.
 const HANDSHAKE: Duration = Duration::from_secs(2);
-/// Most messages that are taken of a client at a time, of any kind, and bytes after which no further one is taken.
+/// Largest number of messages of any kind that are read from a client at a time.
 const AT_A_TIME: usize = 32;
+/// Number of bytes after which no more messages are read at a time.
 const BYTES_AT_A_TIME: usize = 1 << 20;
-/// Silence of a client without subscriptions after which its place may go to another one.
+/// Time after which a silent client without subscriptions may lose its place to another client.
 const IDLE: Duration = Duration::from_secs(1);
-/// Most subscriptions of a client.
+/// Largest number of subscriptions of a client.
 const MOST_TOPICS: usize = 64;
 
-/// Lets clients in that name the token as the path of the server.
+/// Accepts only clients that send the token as the path of the server.
 #[derive(Clone)]
 struct Doorkeeper {
     token: Option<String>,
@@ -43,7 +45,8 @@ impl Callback for Doorkeeper {
     ) -> Result<Response, ErrorResponse> {
         let path = request.uri().path().trim_start_matches('/');
         let is_known = self.token.as_ref().is_none_or(|token| {
-            // As long for a token that is nearly right as for any other of its length.
+            // The comparison takes the same time for an almost correct token as for any other of
+            // that length.
             let pairs = token.bytes().zip(path.bytes());
             let differences = pairs.fold(0, |sum, (one, other)| sum | (one ^ other));
             token.len() == path.len() && differences == 0
@@ -69,17 +72,18 @@ pub struct Connection {
     pub id: u64,
     link: Link,
     since: Instant,
-    /// Time of its last message.
+    /// Time of the client's last message.
     heard: Instant,
     topics: BTreeMap<String, Subscription>,
-    /// Progress of a client that has subscribed the clock.
+    /// Progress of a client that has subscribed to the clock.
     pace: Option<Pace>,
-    /// Whether something of the last message still waits.
+    /// Whether some of the last message still waits to be sent.
     is_full: bool,
 }
 
 impl Connection {
-    /// A client that has connected; if the server has a token, the client must present it. `None` if it has disconnected already.
+    /// Accepts a client that has connected. If the server has a token, the client must present it.
+    /// `None` if the client has already disconnected.
     pub fn accept(id: u64, stream: TcpStream, token: Option<&str>) -> Option<Self> {
         let prepared = stream.set_nonblocking(true).and(stream.set_nodelay(true));
         prepared.ok()?;
@@ -120,13 +124,13 @@ impl Connection {
         };
     }
 
-    /// Whether it has disconnected.
+    /// Whether the client has disconnected.
     pub fn is_closed(&self) -> bool {
         matches!(self.link, Link::Closed)
     }
 
-    /// Time for which its place has been idle, if it may go to another client: its handshake is incomplete, or it is silent
-    /// and has subscribed nothing.
+    /// Idle time of the client, if its place may be given to another client: its handshake is
+    /// incomplete, or it is silent and has no subscriptions.
     pub fn idle(&self) -> Option<Duration> {
         match self.link {
             Link::Opening(_) => Some(self.since.elapsed()),
@@ -155,7 +159,7 @@ impl Connection {
             return texts;
         };
         let (mut is_open, mut count, mut bytes) = (true, 0, 0);
-        // Pings and binary messages count, too: a flood of them must not keep the others waiting.
+        // Pings and binary messages count, too: a flood of them must not block other clients.
         while is_open && count < AT_A_TIME && bytes < BYTES_AT_A_TIME {
             let read = socket.read();
             count += 1;
@@ -180,7 +184,8 @@ impl Connection {
         texts
     }
 
-    /// Sends a message; what the client does not read at once waits, and a client for which too much waits is cut.
+    /// Sends a message. Bytes that the client does not read at once are queued; a client with too
+    /// many queued bytes is disconnected.
     pub fn send(&mut self, text: &str) {
         let Link::Open(socket) = &mut self.link else {
             return;
@@ -189,7 +194,8 @@ impl Connection {
         self.settle(sent);
     }
 
-    /// Sends a message of a topic, now or when its time has come, where the client has subscribed it.
+    /// Sends a message of a topic if the client has subscribed to it, now or after the time
+    /// between messages of its subscription.
     pub fn publish(&mut self, topic: &str, text: &str) {
         let subscription = self.topics.get_mut(topic);
         if let Some(text) = subscription.and_then(|known| known.take(text)) {
@@ -197,7 +203,8 @@ impl Connection {
         }
     }
 
-    /// Asks a client that has subscribed the clock to answer once it has read what was sent up to `now`, s of the cell's clock.
+    /// Asks a client that has subscribed to the clock to answer when it has read all messages up
+    /// to `now`, s of the cell's clock.
     pub fn ping(&mut self, now: f64) {
         if !self.topics.contains_key(CLOCK) {
             self.pace = None;
@@ -212,7 +219,8 @@ impl Connection {
         }
     }
 
-    /// The last time of the cell's clock, s, that the client has seen, where that clock waits for it.
+    /// The last time of the cell's clock, s, that the client has seen, if the clock waits for the
+    /// client.
     pub fn seen(&self) -> Option<f64> {
         self.pace.as_ref()?.seen()
     }
@@ -241,12 +249,12 @@ impl Connection {
         }
     }
 
-    /// Whether something still waits.
+    /// Whether bytes still wait to be sent.
     pub fn is_full(&self) -> bool {
         self.is_full
     }
 
-    /// Subscribes a topic.
+    /// Subscribes the client to a topic.
     ///
     /// # Errors
     /// There are too many subscriptions.
@@ -259,7 +267,7 @@ impl Connection {
         Ok(())
     }
 
-    /// Ends the subscription of a topic by its name, or all of the topic.
+    /// Ends the subscription with an id, or all subscriptions to the topic.
     pub fn unsubscribe(&mut self, topic: &str, id: Option<&str>) {
         if let Some(subscription) = self.topics.get_mut(topic)
             && !subscription.remove(id)
@@ -268,13 +276,13 @@ impl Connection {
         }
     }
 
-    /// Whether it has subscribed a topic, and a message may be sent now.
+    /// Whether the client has subscribed to a topic and a message may be sent now.
     pub fn awaits(&self, topic: &str) -> bool {
         self.topics.get(topic).is_some_and(Subscription::is_due)
     }
 }
 
-/// Whether an error means that nothing can be read or written now.
+/// Whether an error means that reading or writing would block.
 fn would_block(error: &tungstenite::Error) -> bool {
     matches!(error, tungstenite::Error::Io(error) if error.kind() == ErrorKind::WouldBlock)
 }

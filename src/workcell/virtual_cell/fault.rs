@@ -6,13 +6,13 @@ use std::str::FromStr;
 /// Kinds of faults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultKind {
-    /// All connections are cut; new ones are taken.
+    /// All connections are cut; new ones are accepted.
     DropLink,
-    /// The joint that moves fastest at that moment stops, and moves no more.
+    /// The joint that moves fastest at that time stops permanently.
     FreezeJoint,
     /// The gripper loses the rod or the sheet.
     SlipGrasp,
-    /// The camera sends no pictures any more.
+    /// The camera stops sending pictures.
     LoseCamera,
 }
 
@@ -29,14 +29,15 @@ const KINDS: [(&str, FaultKind); 4] = [
 pub struct Fault {
     /// Kind of the fault.
     pub kind: FaultKind,
-    /// Time, s of the clock of the cell while an arm moves: the time that clients need between motions does not count.
+    /// Time of the fault, s of the cell's clock. It is counted only while an arm moves, so that
+    /// pauses between motions do not matter.
     pub time: f64,
 }
 
 impl FromStr for Fault {
     type Err = String;
 
-    /// Such as `drop-link@3s`.
+    /// Parses a fault such as `drop-link@3s`.
     fn from_str(text: &str) -> Result<Self, String> {
         let shape = || {
             let names: Vec<&str> = KINDS.iter().map(|(name, _)| *name).collect();

@@ -1,25 +1,25 @@
-//! Goals of an action as its status topic lists them: the active one, and those that ended recently.
+//! Goals of an action as its status topic lists them: the active goal, and recently ended goals.
 
 use super::message::Verdict;
 use serde_json::{Value, json};
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// Time for which a goal that ended is listed, as by servers of `actionlib`.
+/// Time for which an ended goal is listed, as in servers of `actionlib`.
 const LISTED: Duration = Duration::from_secs(5);
-/// Most goals that ended and are listed.
+/// Largest number of ended goals in the list.
 const MOST: usize = 20;
 /// `actionlib_msgs/GoalStatus` of an active goal.
 const ACTIVE: u8 = 1;
 
-/// Goals of an action that ended lately.
+/// Recently ended goals of an action.
 #[derive(Default)]
 pub struct GoalLog {
     ended: VecDeque<(String, u8, Instant)>,
 }
 
 impl GoalLog {
-    /// Notes how a goal ended.
+    /// Records how a goal ended.
     pub fn note(&mut self, id: &str, verdict: &Verdict) {
         if self.ended.len() >= MOST {
             self.ended.pop_front();
@@ -29,7 +29,8 @@ impl GoalLog {
             .push_back((id.to_owned(), status, Instant::now()));
     }
 
-    /// An `actionlib_msgs/GoalStatusArray` with a stamp: goals that ended recently, and the active one.
+    /// Returns an `actionlib_msgs/GoalStatusArray` with a stamp: recently ended goals, and the
+    /// active one.
     pub fn listed(&mut self, under_way: Option<&str>, stamp: &Value) -> Value {
         self.ended.retain(|(.., at)| at.elapsed() < LISTED);
         let status = |id: &str, status: u8| json!({ "goal_id": { "stamp": stamp, "id": id }, "status": status, "text": "" });

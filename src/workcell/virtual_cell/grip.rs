@@ -1,36 +1,38 @@
-//! A gripper that holds a rod: the clamp that its hand leads. Several may hold one rod.
+//! A gripper that holds a rod with a clamp at the hand. Several grippers may hold one rod.
 
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::scene::Motion;
 use rodlab_robot::{Pose, between};
 
-/// Largest distance of the hand from a lying rod, seen from above, and above or below it, m: the opening of the fingers.
+/// Largest horizontal and vertical distance of the hand from a lying rod that it can grip, m: the
+/// opening of the fingers.
 const REACH: f64 = 0.015;
-/// Number of nodes beside a held one that no other gripper can take: a gripper is there already.
+/// Number of nodes on each side of a held node that no other gripper can take, since the first
+/// gripper is in the way.
 const BESIDE: usize = 2;
 
 /// Grip of a gripper on a rod. Poses are in the frame of the simulation.
 pub(super) struct Grip {
-    /// The arm that holds it.
+    /// The arm that holds the rod.
     pub holder: usize,
-    /// The node that is held.
+    /// The held node.
     pub node: usize,
-    /// The clamp that leads it.
+    /// The clamp that moves the node.
     pub clamp: usize,
-    /// The hand when it took hold: from there on the rod moves with it.
+    /// Pose of the hand when it took hold; from then on the rod moves with the hand.
     first: Pose,
-    /// The hand when it was led last.
+    /// Pose of the hand at the last call.
     last: Pose,
-    /// Until when what is handed over comes into the fingers, s of the simulation.
+    /// Time of the simulation, s, at which the hand-over of a rod into the fingers ends.
     handed_by: f64,
-    /// Lowest height of the hand, m: there the table stops it.
+    /// Lowest height of the hand, m, at which the table stops it.
     lowest: f64,
-    /// Centre of rotation of the clamp: the hand, or its own middle.
+    /// Centre of rotation of the clamp: the hand, or (`None`) the middle of the clamp.
     pivot: Option<Vector3>,
 }
 
 impl Grip {
-    /// The grip of an arm, whose hand is at `first`, on a node that a clamp leads.
+    /// Creates the grip of an arm on a node that a clamp moves; `first` is the pose of the hand.
     pub fn new(holder: usize, node: usize, clamp: usize, first: Pose) -> Self {
         Self {
             holder,
@@ -44,17 +46,17 @@ impl Grip {
         }
     }
 
-    /// The same, where a rod comes into the fingers by a time of the simulation, s.
+    /// The grip with a hand-over that ends at a time of the simulation, s.
     pub fn handed_by(self, handed_by: f64) -> Self {
         Self { handed_by, ..self }
     }
 
-    /// The same, with a table that stops the hand at a height, m.
+    /// The grip with a table that stops the hand at a height, m.
     pub fn stopped_at(self, lowest: f64) -> Self {
         Self { lowest, ..self }
     }
 
-    /// The same, with a clamp that turns about its own middle.
+    /// The grip with a clamp that turns about its own middle.
     pub fn about_its_middle(self) -> Self {
         Self {
             pivot: None,
@@ -62,7 +64,8 @@ impl Grip {
         }
     }
 
-    /// The motion of the clamp from `now` until a later time of the simulation, s, at which the hand is somewhere else.
+    /// Motion of the clamp between two times of the simulation, s, from the last pose of the hand
+    /// to `hand`.
     pub fn lead(&mut self, hand: &Pose, [now, until]: [f64; 2]) -> Motion {
         let part = if until < self.handed_by {
             until / self.handed_by
@@ -90,7 +93,7 @@ impl Grip {
     }
 }
 
-/// The node that a hand reaches, the nearest seen from above, if there is a free one.
+/// The free node within reach of a hand that is nearest to it in plan view, if there is one.
 pub(super) fn within_reach(hand: &Vector3, nodes: &[Vector3], grips: &[Grip]) -> Option<usize> {
     let away = |node: &usize| (nodes[*node] - hand).xy().norm();
     let is_free = |node: &usize| grips.iter().all(|grip| grip.node.abs_diff(*node) > BESIDE);

@@ -1,4 +1,4 @@
-//! Rods for the grippers of a virtual cell, of which a part hangs in the air.
+//! Rods for the grippers of a virtual cell that hang freely in the air.
 
 use super::rod::{RodError, RodSupply, prepared};
 use nalgebra::Translation3;
@@ -10,19 +10,20 @@ use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 use toml::toml;
 
-/// Edges of a rod that hangs in the air.
+/// Number of edges of a rod that hangs in the air.
 const HANGING_EDGES: u32 = 80;
-/// Viscosity of its material over Young's modulus, s: it swings for about a second.
+/// Viscosity of the material over Young's modulus, s; the rod swings for about a second.
 const VISCOSITY: f64 = 0.05;
 /// Acceleration of free fall, m/s².
 const GRAVITY: f64 = 9.81;
 
 impl RodSupply {
-    /// Rods as a file describes them, of which a person puts the end of a free part of some length, m, into the gripper, so that this
-    /// part hangs straight down in the air. The rest, behind the fingers, is not simulated.
+    /// Rods as a file describes them, with a free part of `length`, m. The user puts the end of
+    /// this part into the gripper, so that it hangs straight down in the air. The rest of the rod,
+    /// behind the fingers, is not simulated.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Errors of [`Self::new`].
     pub fn hanging(file: &Path, length: f64) -> Result<Self, RodError> {
         let RodFile { rod, density, .. } = RodFile::read(file).map_err(Box::new)?;
         let (radius, youngs_modulus) = (rod.radius, rod.youngs_modulus(density, GRAVITY));

@@ -5,26 +5,29 @@ use rodlab_robot::{PartTrajectory, RosVersion};
 use serde_json::{Value, json};
 use std::time::Duration;
 
-/// Most points of a trajectory, and most joints.
+/// Largest number of points of a trajectory.
 const MOST_POINTS: usize = 200_000;
+/// Largest number of joints of a trajectory.
 const MOST_JOINTS: usize = 64;
-/// Most values of a message: those of a trajectory of 100,000 points of six joints with velocities.
+/// Largest number of values in a message: a trajectory with 100,000 points of six joints with
+/// velocities.
 const MOST_VALUES: usize = 2_000_000;
-/// Longest name of a topic, an action or a goal, bytes.
+/// Greatest length of the name of a topic, an action or a goal, bytes.
 const LONGEST_NAME: usize = 256;
 
-/// Longest time between two messages that a client may ask for, ms, and most messages that may wait for it.
+/// Longest time between two messages that a client may request, ms.
 const LONGEST_THROTTLE: u64 = 3_600_000;
+/// Largest number of messages that a client may queue.
 const MOST_QUEUED: u64 = 100;
 
 /// Request of a client.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
-    /// To receive a topic.
+    /// Subscribes to a topic.
     Subscribe(String, Wish),
-    /// To receive it no more: the subscription of a name, or all of them.
+    /// Ends the subscription with an id, or all subscriptions to the topic.
     Unsubscribe(String, Option<String>),
-    /// To have an action done.
+    /// Sends a goal to an action.
     Goal {
         /// Name of the action.
         action: String,
@@ -33,14 +36,14 @@ pub enum Request {
         /// Body of the goal.
         body: Value,
     },
-    /// To have it done no more; every goal where the name is empty.
+    /// Cancels a goal, or every goal if the id is empty.
     Cancel {
         /// Name of the action.
         action: String,
         /// Name of the goal.
         id: String,
     },
-    /// Something that a server of a simulated cell need not do.
+    /// A request that the server of a simulated cell ignores.
     Nothing,
 }
 
@@ -50,7 +53,7 @@ impl Request {
     /// # Errors
     /// A message: the text is not JSON, or the request is not supported.
     pub fn read(text: &str) -> Result<Self, String> {
-        // Each value takes far more memory than its text.
+        // Each JSON value takes far more memory than its text.
         let separators = text.bytes().filter(|byte| b",[{".contains(byte)).count();
         if separators > MOST_VALUES {
             return Err(format!(
@@ -83,7 +86,7 @@ impl Request {
                 let wish = Wish {
                     id: subscription()?,
                     throttle: Duration::from_millis(throttle.min(LONGEST_THROTTLE)),
-                    // Messages are not queued unless a client asks for it.
+                    // Messages are not queued unless a client requests it.
                     queue: number("queue_length")?
                         .map_or(0, |length| length.min(MOST_QUEUED) as usize),
                 };
@@ -132,7 +135,7 @@ impl Request {
 /// The trajectory in the goal of a `control_msgs/FollowJointTrajectory`.
 ///
 /// # Errors
-/// It is none, or too long.
+/// The body has no trajectory, or the trajectory is too long.
 pub fn trajectory(body: &Value) -> Result<PartTrajectory, String> {
     let given = &body["trajectory"];
     let list = |value: &Value, what: &str, most: usize| match value.as_array() {
@@ -165,7 +168,7 @@ pub fn trajectory(body: &Value) -> Result<PartTrajectory, String> {
 /// The opening in the goal of a `control_msgs/GripperCommand`, m.
 ///
 /// # Errors
-/// There is none.
+/// The body has no opening.
 pub fn opening(body: &Value) -> Result<f64, String> {
     let opening = body["command"]["position"].as_f64();
     opening.ok_or_else(|| "command.position: a number is needed".into())
@@ -177,7 +180,7 @@ fn seconds(time: &Value) -> Option<f64> {
     Some(part("secs", "sec")? + 1e-9 * part("nsecs", "nanosec")?)
 }
 
-/// A time, s, as either ROS writes it.
+/// A time, s, in the format of either ROS version.
 pub fn stamp(version: RosVersion, time: f64) -> Value {
     let (whole, rest) = (time.floor() as i64, (time.fract() * 1e9) as i64);
     match version {
@@ -191,7 +194,7 @@ pub fn published(topic: &str, message: Value) -> String {
     json!({ "op": "publish", "topic": topic, "msg": message }).to_string()
 }
 
-/// An error in a message of a client, with the name of the goal that the message is about.
+/// An error about a message of a client, with the id of the goal to which the message refers.
 pub fn complaint(words: &str, goal: Option<&str>) -> String {
     let mut message = json!({ "op": "status", "level": "error", "msg": words });
     if let Some(goal) = goal {
@@ -200,7 +203,7 @@ pub fn complaint(words: &str, goal: Option<&str>) -> String {
     message.to_string()
 }
 
-/// A goal as its client names it.
+/// A goal as its client identifies it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GoalName {
     /// Version of ROS of the action.
@@ -218,12 +221,12 @@ pub enum Verdict {
     Succeeded,
     /// Cancelled by a client.
     Cancelled,
-    /// It was not taken, or broken off: error code and words.
+    /// Rejected or aborted: error code and message.
     Aborted(i64, String),
 }
 
 impl Verdict {
-    /// Its `actionlib_msgs/GoalStatus`.
+    /// The corresponding `actionlib_msgs/GoalStatus`.
     pub fn status_of_ros_1(&self) -> u8 {
         match self {
             Self::Succeeded => 3,

@@ -1,9 +1,11 @@
 //! A virtual robot cell: a simulation of a cell file behind the rosbridge protocol of real cells.
 //!
-//! It looks like a real cell to a client: arms follow `control_msgs/FollowJointTrajectory` with latency and lag, grippers
-//! `control_msgs/GripperCommand`; a rod that is handed to a gripper hangs from it, is laid on a table with friction, taken hold of by
-//! other grippers, and released; a camera shows it. Or a sheet lies there, which a gripper takes by its edge and folds. The clock of the
-//! cell, `/clock`, is real time or faster, and waits where the simulation or a client cannot keep up.
+//! Clients use it like a real cell. Arms follow `control_msgs/FollowJointTrajectory` with latency
+//! and lag; grippers follow `control_msgs/GripperCommand`. A rod is handed to a gripper and hangs
+//! from it. It can be laid on a table with friction, gripped by other grippers, and released. A
+//! camera takes pictures. Instead of a rod, the table may carry a sheet, which a gripper takes by
+//! its edge and folds. The clock of the cell, `/clock`, runs in real time or faster, and waits if
+//! the simulation or a client cannot keep up.
 //!
 //! | file | what |
 //! |---|---|

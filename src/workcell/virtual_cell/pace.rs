@@ -1,24 +1,25 @@
 //! The time of the cell that a client has seen.
 //!
-//! A client on a busy machine reads late. The server sends pings that carry the time of the cell. A WebSocket client answers a
-//! ping after it has read what was sent before it, so that the last answer is a time up to which the client has read. The clock
-//! of the cell waits for it.
+//! A client on a busy machine reads late. The server sends pings that carry the time of the cell.
+//! A WebSocket client answers a ping after it has read all earlier messages, so that the last
+//! answer contains a time up to which the client has read. The clock of the cell waits for it.
 
 use std::time::{Duration, Instant};
 
-/// Longest wait for an answer. The clock does not wait for a client that is silent for longer, until it answers again.
+/// Longest wait for an answer. After it the clock no longer waits for the client, until the client
+/// answers again.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Times, s of the cell's clock, that were sent to a client and that came back.
+/// Times of the cell's clock, s, that were sent to a client and returned by it.
 pub struct Pace {
     sent: f64,
     answered: f64,
-    /// Since when an answer is due, where one is.
+    /// Time since which an answer is due, if one is.
     since: Instant,
 }
 
 impl Pace {
-    /// A client that has seen the time `now`, s.
+    /// Creates the state of a client that has seen the time `now`, s.
     pub fn new(now: f64) -> Self {
         Self {
             sent: now,
@@ -51,7 +52,7 @@ impl Pace {
         }
     }
 
-    /// The last time that the client has seen, s, where the clock waits for it.
+    /// The last time that the client has seen, s, if the clock waits for the client.
     pub fn seen(&self) -> Option<f64> {
         let is_late = self.answered < self.sent && self.since.elapsed() > PATIENCE;
         (!is_late).then_some(self.answered)

@@ -1,4 +1,4 @@
-//! Rods for the grippers of a virtual cell, which are handed over so that they hang on the table.
+//! Rods that are handed to the grippers of a virtual cell and hang down to the table.
 
 use super::simulated_rod::{HandedRod, Placed, SimulatedRod};
 use nalgebra::{Point3, Translation3};
@@ -14,25 +14,26 @@ use rodlab_robot::{Pose, distance_and_angle};
 use std::path::Path;
 use toml::{Table, Value, toml};
 
-/// Largest distance of the hand from where the rod hangs by itself, in gravito-bending lengths, and rotation, rad: a person
-/// bends it by so much.
+/// Largest distance of the hand from its pose for a freely hanging rod, in gravito-bending
+/// lengths, and largest rotation, rad: the user can bend the rod by that much.
 const REACH: [f64; 2] = [2.0, 0.6];
-/// Least part of the hand's y axis that must be level for the rod to have a direction on the table.
+/// Least horizontal part of the hand's y axis for which the rod has a direction on the table.
 const LEVEL: f64 = 0.5;
-/// Length of the line on which a rod begins, over that of the rod.
+/// Length of the initial line of a rod, relative to the length of the rod.
 const FIRST_LINE: f64 = 0.05;
 
-/// Rods of one kind, one after the other, for grippers to take.
+/// Supplies rods of one kind, one after another, to grippers.
 pub struct RodSupply {
     pub(super) prepared: PreparedRun,
     pub(super) rod: DeployedRod,
     /// Pose of the hanging end of a rod whose free end lies at the origin, along x.
     pub(super) end: Pose,
-    /// Place in the cell of the free end, m; otherwise the rod hangs by itself.
+    /// Place of the free end in the cell, m; `None` if the rod hangs freely.
     pub(super) free_end: Option<[f64; 2]>,
-    /// Whether the rod may hang by itself where no hand reaches it with its free end there.
+    /// Whether the rod may hang freely if a hand cannot reach its end with the free end at that
+    /// place.
     pub(super) may_hang: bool,
-    /// Whether it hangs in the air.
+    /// Whether the rod hangs in the air.
     pub(super) is_free: bool,
     /// Pegs on the table, and the pose of their frame in the cell.
     pub(super) fixtures: Option<(Fixtures, Pose)>,
@@ -41,7 +42,7 @@ pub struct RodSupply {
 /// Reason why rods cannot be supplied.
 #[derive(Debug, thiserror::Error)]
 pub enum RodError {
-    /// The file is faulty.
+    /// The file is invalid.
     #[error(transparent)]
     File(#[from] Box<ScenarioError>),
     /// The rod cannot hang.
@@ -56,19 +57,19 @@ impl RodError {
     }
 }
 
-/// The beginning of a scenario that extends a file.
+/// Creates a scenario that extends a file.
 pub(super) fn extending(file: &Path) -> Result<Table, RodError> {
     let whole = std::path::absolute(file).map_err(RodError::impossible)?;
     Ok(toml! { extends = (whole.to_string_lossy().into_owned()) })
 }
 
-/// A scenario by its table.
+/// Reads a scenario from its table.
 fn loaded(name: &str, scenario: Table) -> Result<Loaded, RodError> {
     let loaded = experiment::from_table(name, scenario, Path::new(""), &[]);
     Ok(loaded.map_err(Box::new)?)
 }
 
-/// The same, ready to be simulated.
+/// Reads a scenario from its table and prepares its simulation.
 pub(super) fn prepared(name: &str, scenario: Table) -> Result<(Loaded, PreparedRun), RodError> {
     let loaded = loaded(name, scenario)?;
     let prepared = experiment::prepare(&loaded.scenario);
@@ -77,16 +78,17 @@ pub(super) fn prepared(name: &str, scenario: Table) -> Result<(Loaded, PreparedR
 }
 
 impl RodSupply {
-    /// Rods as a file describes them in `[deployment.rod]`, on a table of some friction.
+    /// Rods as a file describes them in `[deployment.rod]`, on a table with the given friction.
     ///
     /// # Errors
-    /// The file cannot be read, or is wrong.
+    /// The file cannot be read, or is invalid.
     pub fn new(file: &Path, friction: f64) -> Result<Self, RodError> {
         Self::described(&extending(file)?, &Table::new(), friction)
     }
 
-    /// Rods of a deployment, on its table with its pegs; `frame` is the pose of its pattern in the cell. A person lays the free end where
-    /// the pattern begins, if the hand reaches the rod there.
+    /// Rods of a deployment, on its table with its pegs; `frame` is the pose of its pattern in the
+    /// cell. The free end lies at the start of the pattern if the hand can then reach the other
+    /// end.
     ///
     /// # Errors
     /// The rod cannot hang.
@@ -106,7 +108,7 @@ impl RodSupply {
         })
     }
 
-    /// Rods by keys at the top of a scenario, or in its `[deployment]`.
+    /// Rods from keys at the top of a scenario, or in its `[deployment]`.
     fn described(top: &Table, in_deployment: &Table, friction: f64) -> Result<Self, RodError> {
         let scenario = |length: f64| {
             let mut deployment = toml! {
@@ -146,24 +148,26 @@ impl RodSupply {
         })
     }
 
-    /// Rods whose free end a person lays at a place in the cell, m.
+    /// Rods whose free end the user places at a point of the cell, m.
     pub fn with_free_end(mut self, place: [f64; 2]) -> Self {
         self.free_end = Some(place);
         self
     }
 
-    /// The same, the free end lying where a pattern begins whose frame lies in the cell: a person lays it there.
+    /// Rods whose free end the user places at the start of a pattern; `frame` is the pose of the
+    /// pattern in the cell.
     pub fn beginning_at(self, frame: &Pose, start: Point) -> Self {
         let start = frame * Point3::new(start.x, start.y, 0.0);
         self.with_free_end([start.x, start.y])
     }
 
-    /// Whether its rods hang in the air.
+    /// Whether the rods hang in the air.
     pub fn is_free(&self) -> bool {
         self.is_free
     }
 
-    /// The pegs on the table: where their axes begin and where their round tops are centred in the cell, m, and their radii, m.
+    /// The pegs on the table: start of the axis and centre of the round top in the cell, m, and
+    /// radius, m.
     pub fn pegs(&self) -> Vec<([Vector3; 2], f64)> {
         let standing = self.fixtures.iter().flat_map(|(fixtures, frame)| {
             fixtures.pegs().iter().map(move |peg| {
@@ -176,17 +180,18 @@ impl RodSupply {
         standing.collect()
     }
 
-    /// The rod by what matters for laying it.
+    /// Properties of the rod that matter for laying it.
     pub fn rod(&self) -> &DeployedRod {
         &self.rod
     }
 
-    /// A rod whose end is handed to the gripper of an arm, at the time `now`, s. `hand` and the top of the `table` are poses in the cell.
-    /// Its free end lies on the table, in the direction in which the gripper holds it, so that it hangs by itself, or at the place of
+    /// Hands the end of a rod to the gripper of an arm at the time `now`, s. `hand` and `table`,
+    /// the pose of the top of the table, are in the cell. The free end lies on the table in the
+    /// direction of the gripper, so that the rod hangs freely, or at the place of
     /// [`RodSupply::with_free_end`].
     ///
     /// # Errors
-    /// A message: a rod of this length cannot hang there, or it cannot be simulated.
+    /// A message: a rod of this length cannot hang there, or the rod cannot be simulated.
     pub fn handed(
         &self,
         arm: usize,
@@ -203,7 +208,8 @@ impl RodSupply {
         self.simulated(&self.prepared.scene, placed, &[], arm, now)
     }
 
-    /// Rods of a scene, of which the last one, of this kind, is handed to an arm beside `others`.
+    /// Starts the simulation of a scene whose last rod, of this kind, is handed to an arm;
+    /// `others` are on the table.
     fn simulated(
         &self,
         scene: &Scene,
@@ -234,7 +240,7 @@ impl RodSupply {
         })
     }
 
-    /// The frame, on the table, of the simulation of a rod that hangs from a hand.
+    /// The frame of the simulation, on the table, of a rod that hangs from a hand.
     fn frame(&self, hand: &Pose, table: &Pose) -> Result<Pose, String> {
         match self.frame_with(self.free_end, hand, table) {
             Err(_) if self.may_hang => self.frame_with(None, hand, table),
@@ -242,7 +248,8 @@ impl RodSupply {
         }
     }
 
-    /// The same with its free end somewhere in the cell, m, or where it hangs by itself.
+    /// The frame of the simulation for a free end at a place in the cell, m, or (`None`) for a
+    /// freely hanging rod.
     fn frame_with(
         &self,
         free_end: Option<[f64; 2]>,
@@ -280,10 +287,11 @@ impl RodSupply {
         Ok(frame)
     }
 
-    /// The same beside a rod, of another `kind`, that lies on the table and that no gripper holds.
+    /// Hands over a rod beside another rod of a different `kind`, which lies on the table and
+    /// which no gripper holds.
     ///
     /// # Errors
-    /// As [`Self::handed`].
+    /// Errors of [`Self::handed`].
     pub fn handed_beside(
         &self,
         (lying, kind): (&SimulatedRod, &Self),
@@ -302,7 +310,7 @@ impl RodSupply {
         for tangent in handed.end_tangents.iter_mut().flatten() {
             *tangent = moved.rotation * *tangent;
         }
-        // The lying rod continues from rest, without its twist.
+        // The lying rod starts again from rest, without its twist.
         let mut first = kind.prepared.scene.rods[0].clone();
         first.name = "lying".into();
         first.centreline = lying.positions().to_vec();
@@ -330,13 +338,14 @@ mod tests {
         Pose::translation(0.3, -0.1, 0.05)
     }
 
-    /// Pose at which a hand takes a rod whose free end lies somewhere on the table.
+    /// Pose in which a hand takes a rod; `heading` is the direction of the rod on the table.
     fn hand(supply: &RodSupply, heading: f64) -> Pose {
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading);
         table() * Pose::from_parts(Translation3::new(0.1, 0.2, 0.0), turn) * supply.end
     }
 
-    /// Rods, a hand that takes one in some direction at the time `now`, s, and that one.
+    /// Rods, the pose of a hand that takes one in the direction `heading` at the time `now`, s,
+    /// and the taken rod.
     fn hanging(heading: f64, now: f64) -> (RodSupply, Pose, SimulatedRod) {
         let supply = short_rods();
         let hand = hand(&supply, heading);
@@ -344,7 +353,7 @@ mod tests {
         (supply, hand, rod)
     }
 
-    /// Leads a rod on to a time, s, with the hand of each arm.
+    /// Advances a rod to a time, s, with the hand of each arm.
     fn lead(rod: &mut SimulatedRod, time: f64, hand: impl Fn(usize) -> Pose) {
         while !rod.advance_in(&hand, time).unwrap() {}
     }
@@ -376,7 +385,7 @@ mod tests {
         let rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
         let expected = Vector3::new(0.395, 0.104, 0.05 + supply.rod().radius);
         assert!((rod.nodes()[0] - expected).norm() < 1e-9);
-        // Too far from the hand for that.
+        // The free end is too far from the hand.
         let far = supply
             .with_free_end([0.1, 0.1])
             .handed(0, &hand, &table(), 0.0);
@@ -399,7 +408,7 @@ mod tests {
     fn a_rod_that_is_held_still_falls_when_it_is_let_go() {
         let (_, hand, mut rod) = hanging(0.0, 0.0);
         rod.release().unwrap();
-        // Nothing has moved yet.
+        // No time has passed, so that nothing has moved.
         assert!(rod.advance(&hand, 0.0).unwrap());
         let height = |rod: &SimulatedRod| rod.nodes().last().map_or(0.0, |node| node.z);
         let first = height(&rod);
@@ -434,7 +443,8 @@ mod tests {
             assert!((top - foot - Vector3::z() * 0.002).norm() < 1e-12);
             assert_eq!(radius, 0.004);
         }
-        // A person lays the free end where the pattern begins, or elsewhere. The rod is all that is seen as rod.
+        // The free end lies at the start of the pattern, or at another given place. Pegs are not
+        // among the visible rods.
         let begins = (frame * nalgebra::Point3::origin()).coords.xy();
         let free_end = nalgebra::Vector2::from(supply.free_end.unwrap());
         assert!((begins - free_end).norm() < 1e-9);
@@ -450,7 +460,7 @@ mod tests {
         let (_, first, mut rod) = hanging(0.7, 0.0);
         lead(&mut rod, 5e-3, |_| first);
         let free = rod.nodes()[0];
-        // A little beside the free end, and turned in some way.
+        // Slightly beside the free end, and turned.
         let second = Pose::from_parts(
             Translation3::from(free + Vector3::new(4e-3, -3e-3, 2e-3)),
             UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.4),
@@ -471,7 +481,8 @@ mod tests {
         assert!((end - hands[0].translation.vector).norm() < 1e-6, "{end}");
         let led = nodes[0] - free;
         assert!((led - Vector3::new(0.0, 0.01, 0.03)).norm() < 1e-6, "{led}");
-        // One that goes down to the table is stopped where the rod lay; one that lets go loses its end only.
+        // The table stops the lowered hand at the height of the lying rod. A gripper that opens
+        // releases only its own end.
         for step in 241..=340 {
             let down = f64::from(step - 240) / 100.0;
             hands[1] = Translation3::new(0.0, 0.01, 0.03 - 0.05 * down) * second;
@@ -495,7 +506,7 @@ mod tests {
         assert_eq!(rod.within_reach(&at(0.0, 0.014, 0.0)), Some(0));
         assert_eq!(rod.within_reach(&at(0.0, 0.016, 0.0)), None);
         assert_eq!(rod.within_reach(&at(0.0, 0.0, 0.016)), None);
-        // A gripper holds the end already.
+        // Another gripper already holds the end.
         assert_eq!(rod.within_reach(&hand), None);
         rod.take(1, 0, &at(0.0, 0.0, 0.0), 0.0).unwrap();
         assert_eq!(rod.within_reach(&at(0.0, 0.0, 0.0)), None);
@@ -505,7 +516,8 @@ mod tests {
     fn a_second_rod_is_handed_beside_one_that_lies() {
         let (supply, first, mut rod) = hanging(0.7, 0.0);
         let free = rod.nodes()[0];
-        // It is laid down straight, the hand on a quarter of a circle about the free end.
+        // The rod is laid down straight, with the hand on a quarter of a circle about the free
+        // end.
         let (sine, cosine) = libm::sincos(0.7);
         let ahead = Vector3::new(cosine, sine, 0.0);
         let across = nalgebra::UnitVector3::new_normalize(Vector3::z().cross(&ahead));
@@ -538,7 +550,7 @@ mod tests {
         assert!(moved(&seen) < 1e-9);
         let end = seen[1].0[30];
         assert!((end - second.translation.vector).norm() < 1e-6, "{end}");
-        // The one lies, and the other follows its hand.
+        // The first rod stays, and the second follows its hand.
         let lifted = raised(0.05) * second;
         for step in 1..=240 {
             let part = (f64::from(step) / 100.0).min(1.0);

@@ -22,15 +22,16 @@ use std::time::{Duration, Instant};
 
 /// Largest number of clients at a time.
 const MOST_CLIENTS: usize = 16;
-/// Longest time in which the server steps without listening.
+/// Longest time for which the server advances the cell before it reads messages.
 const WORK: Duration = Duration::from_millis(5);
-/// Time for which it sleeps when idle.
+/// Time for which the server sleeps when idle.
 const REST: Duration = Duration::from_millis(1);
-/// Largest delay of the cell, s of wall time, before its clock waits for it.
+/// Largest delay of the simulation, s of wall time; a greater delay is not made up.
 const BEHIND: f64 = 0.05;
-/// Largest lead, s of the cell's clock, over the time that its clients have seen: a third of the time by which an arm may be late.
+/// Largest lead, s of the cell's clock, over the time that its clients have seen; a third of the
+/// allowed delay of an arm.
 const LEAD: f64 = 0.1;
-/// Time between reports: of the cell's clock, s, of ours at least, and of ours at most.
+/// Time between reports: on the cell's clock, s, and least and greatest wall time.
 const REPORT: (f64, Duration, Duration) =
     (0.01, Duration::from_millis(2), Duration::from_millis(40));
 /// Time between lists of goals.
@@ -57,20 +58,20 @@ pub enum ServeError {
     Rod(#[from] SimulationError),
 }
 
-/// An active goal.
+/// An active goal with its client.
 struct UnderWay {
     name: GoalName,
     client: u64,
 }
 
-/// An action: its goal, if there is one, and those that ended lately.
+/// An action: its active goal, if there is one, and recently ended goals.
 #[derive(Default)]
 struct Action {
     goal: Option<UnderWay>,
     ended: GoalLog,
 }
 
-/// A virtual cell that listens.
+/// A virtual cell with its server.
 pub struct VirtualCell {
     listener: TcpListener,
     token: Option<String>,
@@ -79,8 +80,9 @@ pub struct VirtualCell {
     topics: Topics,
     clients: Vec<Connection>,
     next_client: u64,
-    /// The client that leads each arm, and the actions of arm and gripper.
+    /// The client that controls each arm.
     leaders: Vec<Option<u64>>,
+    /// The actions of each arm and of its gripper.
     actions: Vec<[Action; 2]>,
     pictures: Option<PictureTaker>,
     last_picture: f64,
@@ -91,10 +93,11 @@ pub struct VirtualCell {
 }
 
 impl VirtualCell {
-    /// Listens for the clients of a cell.
+    /// Listens for clients of a cell.
     ///
     /// # Errors
-    /// Its arms have other drivers than rosbridge, its camera is too large, or the address is not free.
+    /// An arm has a driver other than rosbridge, the picture of the camera is too large, or the
+    /// address is in use.
     pub fn new(cell: &Cell, settings: Settings) -> Result<Self, ServeError> {
         let topics = Topics::of(cell).map_err(ServeError::Cell)?;
         let camera = cell.camera.as_ref();
@@ -124,15 +127,15 @@ impl VirtualCell {
         })
     }
 
-    /// Address on which it listens.
+    /// Address on which the server listens.
     ///
     /// # Errors
-    /// The system does not report it.
+    /// The operating system does not report the address.
     pub fn address(&self) -> io::Result<SocketAddr> {
         self.listener.local_addr()
     }
 
-    /// The sheet on its table.
+    /// The sheet on the table.
     pub fn sheet(&self) -> Option<&SimulatedSheet> {
         self.cell.sheet()
     }
@@ -157,7 +160,7 @@ impl VirtualCell {
                     self.tell(event);
                 }
             }
-            // A delay that cannot be made up is dropped: the clock of the cell is late.
+            // A delay that cannot be made up is dropped: the clock of the cell is then late.
             if clock - self.cell.time() > self.rate * BEHIND {
                 (since, began) = (Instant::now(), self.cell.time());
             }
@@ -217,7 +220,7 @@ impl VirtualCell {
         }
     }
 
-    /// Clients that neither lead an arm nor do anything, with the time for which they have not.
+    /// Clients that neither control an arm nor do anything else, with their idle times.
     fn idle_clients(&self) -> impl Iterator<Item = (usize, Duration)> {
         let clients = self.clients.iter().enumerate();
         let is_busy = |id: u64| {
@@ -238,7 +241,7 @@ impl VirtualCell {
         self.idle_clients().next().is_some()
     }
 
-    /// Gives up the place of the client that has been idle for longest.
+    /// Disconnects the client that has been idle for longest.
     fn drop_idle_client(&mut self) {
         if let Some((index, _)) = self.idle_clients().max_by_key(|(_, idle)| *idle) {
             self.clients.remove(index);
@@ -270,7 +273,7 @@ impl VirtualCell {
         }
     }
 
-    /// Accepts a goal. An arm is led by one client at a time, until that client disconnects.
+    /// Accepts a goal. One client at a time controls an arm, until it disconnects.
     fn take(
         &mut self,
         index: usize,
@@ -333,13 +336,14 @@ impl VirtualCell {
         Ok(())
     }
 
-    /// Ends a goal of an arm, or of its gripper: reports it to its client, and lists it as ended.
+    /// Ends a goal of an arm or its gripper: reports the result to the client, and lists the goal
+    /// as ended.
     fn end(&mut self, arm: usize, which: usize, goal: &UnderWay, verdict: &Verdict) {
         self.actions[arm][which].ended.note(&goal.name.id, verdict);
         send_to(&mut self.clients, goal.client, &goal.name.result(verdict));
     }
 
-    /// Ends the active goal of an arm, or of its gripper.
+    /// Ends the active goal of an arm or its gripper.
     fn end_under_way(&mut self, arm: usize, which: usize, verdict: &Verdict) {
         if let Some(goal) = self.actions[arm][which].goal.take() {
             self.end(arm, which, &goal, verdict);
@@ -368,7 +372,7 @@ impl VirtualCell {
         }
     }
 
-    /// Publishes the time and the positions of the joints.
+    /// Publishes the time and the joint positions.
     fn report(&mut self) {
         let (time, told) = self.last_report;
         let now = self.cell.time();
@@ -409,7 +413,8 @@ impl VirtualCell {
         }
     }
 
-    /// Lists the goals of each action of ROS 1, also while there is none: its clients wait for that.
+    /// Publishes the goals of each ROS 1 action, even if there are none, since clients wait for
+    /// this list.
     fn report_goals(&mut self) {
         if self.last_status.elapsed() < STATUS {
             return;
@@ -433,7 +438,7 @@ impl VirtualCell {
         }
     }
 
-    /// Takes pictures while the topic has subscribers.
+    /// Takes pictures while the topic of the camera has subscribers.
     fn take_pictures(&mut self) {
         let Some(pictures) = &mut self.pictures else {
             return;
@@ -460,7 +465,7 @@ impl VirtualCell {
     }
 }
 
-/// Sends a message to the client of a number, if it is still there.
+/// Sends a message to the client with an id, if it is still connected.
 fn send_to(clients: &mut [Connection], id: u64, text: &str) {
     if let Some(client) = clients.iter_mut().find(|client| client.id == id) {
         client.send(text);

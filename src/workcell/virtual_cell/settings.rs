@@ -10,7 +10,7 @@ use std::net::SocketAddr;
 
 /// Contents of a virtual cell, and settings of its server.
 pub struct Settings {
-    /// Address to listen on; a port of 0 selects a free one.
+    /// Address to listen on; port 0 selects a free one.
     pub address: SocketAddr,
     /// Token that clients must send as the path of the server.
     pub token: Option<String>,
@@ -20,7 +20,7 @@ pub struct Settings {
     pub response: Response,
     /// Rods for the grippers.
     pub supply: Option<RodSupply>,
-    /// Rods of another kind, for the grippers of all arms but the first.
+    /// Rods of another kind, for the grippers of all arms except the first.
     pub second_supply: Option<RodSupply>,
     /// A sheet on the table.
     pub sheet: Option<SimulatedSheet>,
@@ -32,11 +32,11 @@ pub struct Settings {
     pub faults: Vec<Fault>,
 }
 
-/// An address of this machine, on a port that is free.
+/// An address of this machine with a free port.
 pub(super) const ANY_PORT: ([u8; 4], u16) = ([127, 0, 0, 1], 0);
 
 impl Settings {
-    /// An empty cell, on a free port, with a speed relative to real time (best effort).
+    /// An empty cell on a free port. `rate` is the speed relative to real time (best effort).
     pub fn empty(rate: f64) -> Self {
         Self {
             address: ANY_PORT.into(),

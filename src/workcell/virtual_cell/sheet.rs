@@ -1,9 +1,11 @@
-//! The sheet of a virtual cell: it lies on the table, a gripper takes it by its edge, folds it and lets it go.
+//! The sheet of a virtual cell. It lies on the table; a gripper takes its edge, folds it and
+//! releases it.
 //!
-//! A strip of it in the direction of the fold is simulated, as in the experiment `folding`: a rod of the same gravito-bending
-//! length, which sticks and slips on the table and on itself. It is led in a frame of its own, in which all y are zero: what is
-//! symmetric about a plane stays exactly in it, while a rounding error across, as of a turned frame, would grow until the round
-//! strip tipped over, which a sheet, wide as it is, does not.
+//! A strip in the direction of the fold is simulated, as in the experiment `folding`: a rod of the
+//! same gravito-bending length, which sticks and slips on the table and on itself. The simulation
+//! has its own frame, in which all y are zero. There the strip stays exactly in its plane of
+//! symmetry. In a turned frame, rounding errors across this plane would grow until the round strip
+//! tips over, which a wide sheet does not do.
 
 use super::rod::{RodError, extending, prepared};
 use super::sheet_picture::SeenSheet;
@@ -17,30 +19,33 @@ use rodlab_robot::{Pose, distance_and_angle};
 use std::path::Path;
 use toml::toml;
 
-/// Largest distance of the hand from the middle of the edge that it takes, m, and rotation, rad.
+/// Largest distance of the hand from the middle of the edge that it takes, m, and largest
+/// rotation, rad.
 const REACH: [f64; 2] = [5e-3, 0.2];
-/// Distance in which layers and the table are felt, m.
+/// Distance at which contact with layers and the table begins, m.
 const TOLERANCE: f64 = 2e-5;
-/// Speed at which a released sheet falls through the air, m/s: that of paper that falls flat.
+/// Terminal speed of a released sheet in air, m/s: that of paper that falls flat.
 const TERMINAL_SPEED: f64 = 1.0;
 /// Acceleration of free fall, m/s².
 const GRAVITY: f64 = 9.81;
-/// Length of sheet beside the edge, in layers, that does not lie below it.
+/// Length of sheet next to the edge, in thicknesses, that does not count as a layer below the
+/// edge.
 const BESIDE: f64 = 50.0;
 
 /// Place of a sheet on the table of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheetPlace {
-    /// The middle of the edge that is taken (or the corner) in the frame of the table's top, x and y, m.
+    /// The middle of the edge (or the corner) that the gripper takes, in the frame of the table's
+    /// top, x and y, m.
     pub edge: [f64; 2],
-    /// Direction from there over the sheet, from the table's x axis, rad.
+    /// Direction from there across the sheet, measured from the table's x axis, rad.
     pub heading: f64,
 }
 
 /// Motion of a sheet while a gripper held it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeldSheet {
-    /// The farthest that its free end had slid, m.
+    /// Largest slide of the free end, m.
     pub largest_sliding: f64,
     /// Final slide in the direction in which the edge is folded, m.
     pub sliding: f64,
@@ -48,13 +53,14 @@ pub struct HeldSheet {
     pub edge: [f64; 2],
 }
 
-/// A sheet in simulation. Its frame has its origin where the middle of the edge lay first, x over the sheet and z up.
+/// A sheet in simulation. The origin of its frame is the initial place of the middle of the edge;
+/// x points across the sheet and z up.
 pub struct SimulatedSheet {
     strip: SimulatedRod,
     frame: Pose,
-    /// The load that is the drag of the air.
+    /// Index of the load that models the drag of the air.
     air: usize,
-    /// The edge as the hand holds it.
+    /// Pose of the edge in the hand that holds it.
     held: Option<Pose>,
     last_held: Option<HeldSheet>,
     length: f64,
@@ -64,11 +70,12 @@ pub struct SimulatedSheet {
 }
 
 impl SimulatedSheet {
-    /// A sheet as a file describes it in `[folding.paper]`, on a table of some friction; it lies with a corner ahead where it is
-    /// to be folded along its diagonal, and in the middle of the table where no place is given. `table` is the pose of its top.
+    /// A sheet as a file describes it in `[folding.paper]`, on a table with the given friction.
+    /// For a fold along its diagonal, its corner points in the direction of the fold. Without a
+    /// place it lies in the middle of the table. `table` is the pose of the top of the table.
     ///
     /// # Errors
-    /// The file cannot be read, or is wrong.
+    /// The file cannot be read, or is invalid.
     pub fn new(
         file: &Path,
         friction: f64,
@@ -82,7 +89,7 @@ impl SimulatedSheet {
         } else {
             "half"
         };
-        // The gripper determines the fold; a circle needs no plan.
+        // The gripper determines the fold, so that any path will do here, such as a circle.
         scenario.extend(toml! {
             experiment = "folding"
             folding = { crease = crease, algorithm = "circle" }
@@ -133,7 +140,7 @@ impl SimulatedSheet {
         })
     }
 
-    /// The gripper at a hand takes the edge, at the time `now`, s.
+    /// The gripper takes the edge at the time `now`, s; `hand` is its pose.
     ///
     /// # Errors
     /// A message: the hand is not at the edge.
@@ -150,36 +157,37 @@ impl SimulatedSheet {
         }
         let last = self.strip.positions().len() - 1;
         let taken = self.strip.take_again(last, edge, now);
-        // While it is folded slowly the air matters less than anything else.
+        // During slow folding the drag of the air is negligible.
         let taken = taken.and_then(|()| self.strip.set_load(self.air, 0.0));
         taken.map_err(|error| error.to_string())?;
         self.held = Some(hand.inverse() * self.frame * edge);
         Ok(())
     }
 
-    /// The gripper lets go, and the air brakes what springs open.
+    /// Releases the edge; the drag of the air slows the sheet that springs open.
     ///
     /// # Errors
-    /// The simulation refuses.
+    /// The simulation rejects the release.
     pub fn release(&mut self) -> Result<(), SimulationError> {
         self.held = None;
         self.strip.set_load(self.air, 1.0)?;
         self.strip.release()
     }
 
-    /// Advances towards the time `now`, s, its edge in the hand if that holds it; returns whether it has reached that time.
+    /// Advances towards the time `now`, s, with the edge in the hand if it is held. Returns
+    /// whether the simulation has reached that time.
     ///
     /// # Errors
-    /// No step is found while it is held.
+    /// No step is found while the sheet is held.
     pub fn advance(&mut self, hand: &Pose, now: f64) -> Result<bool, SimulationError> {
         let Some(held) = &self.held else {
             return self.strip.advance(hand, now);
         };
         let edge = self.frame.inverse() * hand * held;
         let (mut place, mut outwards) = (edge.translation.vector, edge.rotation * Vector3::x());
-        // A sheet is not bent across: its strip stays in the plane of the fold.
+        // A sheet is not bent across, so that its strip stays in the plane of the fold.
         (place.y, outwards.y) = (0.0, 0.0);
-        // What lies under the edge stops it: fingers give way.
+        // A layer or the table under the edge stops it, since fingers are compliant.
         place.z = place.z.max(self.lowest(place.x));
         let has_come = self.strip.advance(&edge_along(place, outwards), now);
         self.note();
@@ -198,17 +206,17 @@ impl SimulatedSheet {
         });
     }
 
-    /// Whether a gripper holds it.
+    /// Whether a gripper holds the sheet.
     pub fn is_held(&self) -> bool {
         self.held.is_some()
     }
 
-    /// Its thickness, m.
+    /// Thickness of the sheet, m.
     pub fn thickness(&self) -> f64 {
         self.thickness
     }
 
-    /// Its image in a camera.
+    /// The sheet as the camera sees it.
     pub fn seen(&self) -> SeenSheet {
         SeenSheet {
             frame: self.frame,
@@ -218,12 +226,12 @@ impl SimulatedSheet {
         }
     }
 
-    /// Its motion while it was held last, if it was.
+    /// Motion of the sheet while it was last held, if it was.
     pub fn last_held(&self) -> Option<HeldSheet> {
         self.last_held
     }
 
-    /// Height of the lowest place of the edge at x, m: on the table, or on the sheet that lies there.
+    /// Least height of the edge at x, m, on the table or on the layer of sheet below.
     fn lowest(&self, x: f64) -> f64 {
         let nodes = self.strip.positions();
         let top = nodes[nodes.len() - 1].z;
@@ -240,13 +248,13 @@ impl SimulatedSheet {
     }
 }
 
-/// Pose of the edge of a strip, as that of a hand that holds it.
+/// Pose of the edge of a strip, as the pose of a hand that holds it.
 fn edge_pose(nodes: &[Vector3]) -> Pose {
     let last = nodes.len() - 1;
     edge_along(nodes[last], nodes[last] - nodes[last - 1])
 }
 
-/// The same of an edge at a place: x along the sheet, out of it, and y level.
+/// Pose of an edge at a place: x along the sheet, out of it, and y level.
 fn edge_along(place: Vector3, outwards: Vector3) -> Pose {
     let outwards = outwards.normalize();
     let level = -Vector3::y();
@@ -280,7 +288,7 @@ mod tests {
         nodes.map(|node| node.z).fold(0.0, f64::max)
     }
 
-    /// Leads a sheet in so many steps from a time on, s, with the hand of each step.
+    /// Advances a sheet in a number of steps from a time on, s, with the hand of each step.
     fn lead(sheet: &mut SimulatedSheet, begin: f64, steps: i32, hand: impl Fn(f64) -> Pose) {
         for step in 1..=steps {
             let (hand, now) = (hand(f64::from(step)), begin + 5e-3 * f64::from(step));
@@ -299,7 +307,7 @@ mod tests {
         let far = Translation3::new(0.0, 0.01, 0.0) * edge;
         let words = sheet.take(&far, 0.0).unwrap_err();
         assert!(words.contains("10.0 mm"), "{words}");
-        // Not exactly at the edge: it is held as it was taken.
+        // The hand is not exactly at the edge; the edge keeps its offset from the hand.
         let hand = Translation3::new(1e-3, -2e-3, 5e-4) * edge;
         sheet.take(&hand, 1.0).unwrap();
         let first = sheet.strip.positions()[sheet.strip.positions().len() - 1];
@@ -311,14 +319,14 @@ mod tests {
             (lifted - Vector3::new(0.0, 0.0, 0.01)).norm() < 1e-6,
             "{last}"
         );
-        // What rises is longer than what it rises from: the sheet is pulled along.
+        // The risen part is longer than its projection, so that the sheet is pulled along.
         let held = sheet.last_held().unwrap();
         assert!((-1.5e-3..-1e-4).contains(&held.sliding), "{held:?}");
         assert!(sheet.take(&hand, 2.0).is_err(), "it has moved away");
         sheet.release().unwrap();
         lead(&mut sheet, 2.0, 600, |_| hand);
         assert!(highest(&sheet) < 2e-3);
-        // It is taken again where it lies now.
+        // The gripper takes the sheet again at its new place.
         let edge = edge_of(&sheet);
         sheet.take(&edge, 6.0).unwrap();
         assert!(sheet.is_held());
@@ -329,7 +337,8 @@ mod tests {
         let mut sheet = sheet();
         let edge = edge_of(&sheet);
         sheet.take(&edge, 0.0).unwrap();
-        // Lifted and turned over along a circle, as far as a loop that would tip over by itself.
+        // The edge is lifted and turned over along a circle until the loop would tip over by
+        // itself.
         let (steps, radius) = (600, 0.07);
         let frame = sheet.frame;
         let first = frame.inverse() * edge;
@@ -358,7 +367,7 @@ mod tests {
         lead(&mut sheet, 0.0, 40, |step| raised(-5e-5 * step) * edge);
         let [_, height] = sheet.last_held().unwrap().edge;
         assert!((height - 7e-5).abs() < 1e-6, "{height}");
-        // Over its own middle it is stopped by the layer there.
+        // Above the middle of the sheet the edge is stopped by the layer there.
         let lowest = sheet.lowest(0.15);
         assert!((lowest - 1.9e-4).abs() < 3e-5, "{lowest}");
     }

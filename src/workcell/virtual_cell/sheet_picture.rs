@@ -1,7 +1,7 @@
-//! The image of a folded sheet in a camera: a strip that is ruled across, over the table.
+//! The image of a folded sheet in a camera: a strip, straight across, above the table.
 //!
-//! It is drawn as what [`render`](rodlab_vision::render) takes the ground for: the colour of each point of the table is that of
-//! the nearest thing on the ray of the camera through it.
+//! It is drawn as the ground of [`render`](rodlab_vision::render): each point of the table has the
+//! colour of the nearest surface on the camera ray through this point.
 
 use crate::cell::sums;
 use nalgebra::Point3;
@@ -9,53 +9,59 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_robot::Pose;
 use rodlab_vision::{Camera, Point};
 
-/// Colour of the upper side and of the lower one of a sheet that lies flat.
+/// Colour of the upper side of a sheet that lies flat.
 const UPPER: [f64; 3] = [232.0, 229.0, 220.0];
+/// Colour of the lower side.
 const LOWER: [f64; 3] = [168.0, 186.0, 214.0];
-/// Light that comes from everywhere; the rest comes from where the light is.
+/// Fraction of ambient light; the rest comes from the direction of the light.
 const AMBIENT: f64 = 0.45;
-/// Distance from a point along a ray, in parts of the ray, within which nothing hides the point.
+/// Distance from a point along a ray, as a fraction of the ray, within which nothing hides the
+/// point.
 const NEAR: f64 = 1e-3;
 
-/// A sheet as it is at some time.
+/// A sheet at one time.
 #[derive(Clone, Debug)]
 pub struct SeenSheet {
-    /// Its frame in the cell.
+    /// Frame of the sheet in the cell.
     pub frame: Pose,
-    /// Its middle line in that frame, m, the free end first.
+    /// Middle line in that frame, m, from the free end.
     pub nodes: Vec<Vector3>,
-    /// Its side across, m.
+    /// Width of the sheet across the fold, m.
     pub width: f64,
-    /// Whether it is a square with a corner at either end of the middle line.
+    /// Whether it is a square with a corner at each end of the middle line.
     pub is_diagonal: bool,
 }
 
 /// Intersection of a ray with a sheet.
 struct Hit {
-    /// Part of the ray.
+    /// Position along the ray, as a fraction.
     part: f64,
-    /// Place in the frame of the sheet, and its upper normal there.
+    /// Place in the frame of the sheet.
     place: Vector3,
+    /// Upper normal of the sheet there.
     normal: Vector3,
 }
 
 /// A sheet under a camera and a light.
 pub struct SheetView {
     sheet: SeenSheet,
-    /// Camera, and direction of the light, in the frame of the sheet.
+    /// Camera in the frame of the sheet.
     eye: Vector3,
+    /// Direction of the light in that frame.
     light: Vector3,
-    /// From the cell to the frame of the sheet, and height of the table, m.
+    /// Transformation from the cell to the frame of the sheet.
     inwards: Pose,
+    /// Height of the table, m.
     table: f64,
-    /// Area of the table that the sheet may hide, or darken, in its frame: from and to in x and y.
+    /// Area of the table that the sheet may hide, or darken, in the frame of the sheet: range of x
+    /// and y.
     bounds: [[f64; 2]; 2],
-    /// Half of its extent across at each node, m.
+    /// Half of the extent of the sheet across at each node, m.
     half: Vec<f64>,
 }
 
 impl SheetView {
-    /// A sheet seen by a camera in a light that comes from a direction of the cell.
+    /// A sheet seen by a camera; the light comes from a direction in the cell.
     pub fn new(sheet: SeenSheet, camera: &Camera, light: Vector3) -> Self {
         let inwards = sheet.frame.inverse();
         let eye = (inwards * Point3::from(camera.pose.translation.vector)).coords;
@@ -88,7 +94,7 @@ impl SheetView {
         }
     }
 
-    /// Colour of a point of the table of some colour, or of what hides it.
+    /// Colour of a point of the table with colour `table`, or of the sheet that hides it.
     pub fn colour(&self, point: Point, table: [f64; 3]) -> [f64; 3] {
         let place = (self.inwards * Point3::new(point.x, point.y, self.table)).coords;
         let is_outside = |value: f64, [from, to]: [f64; 2]| value < from || value > to;
@@ -113,7 +119,8 @@ impl SheetView {
         self.hit(place, farthest, |part| part > NEAR).is_none()
     }
 
-    /// The first place at which the way between two points meets the sheet, of those at allowed parts of it; beyond its end, too.
+    /// The first intersection of the line through two points with the sheet, at fractions that
+    /// `is_allowed` accepts; also beyond the second point.
     fn hit(&self, from: Vector3, to: Vector3, is_allowed: impl Fn(f64) -> bool) -> Option<Hit> {
         let way = to - from;
         let square = way.x * way.x + way.z * way.z;
@@ -136,7 +143,7 @@ impl SheetView {
             let is_nearer = nearest.as_ref().is_none_or(|hit| part < hit.part);
             if is_allowed(part) && is_nearer && (place.y - node.y).abs() <= half {
                 let tangent = pair[1] - pair[0];
-                // Towards the edge the sheet goes along −x where it lies flat.
+                // In the order of the nodes, towards the edge, a flat sheet extends along −x.
                 let normal = Vector3::new(tangent.z, 0.0, -tangent.x).normalize();
                 nearest = Some(Hit {
                     part,
@@ -211,7 +218,7 @@ mod tests {
 
     #[test]
     fn what_stands_above_is_seen_in_perspective_from_below_and_casts_a_shadow() {
-        // Folded over along the middle, 16 cm above the table.
+        // The sheet is folded over at its middle, 16 cm above the table.
         let mut nodes: Vec<Vector3> = flat()[..=10].to_vec();
         let half_circle = (1..=20).map(|k| {
             let (sine, cosine) = libm::sincos(std::f64::consts::PI * f64::from(k) / 20.0);
@@ -220,7 +227,8 @@ mod tests {
         nodes.extend(half_circle);
         nodes.push(Vector3::new(0.2, 0.0, 0.16));
         let view = view(nodes, false);
-        // The camera is 1.6 m above the middle: what is 16 cm high and 0.1 m away appears 0.111 m away.
+        // The camera is 1.6 m above the middle; a point at a height of 16 cm and a distance of 0.1
+        // m appears at 0.111 m.
         let at = |x: f64, y: f64| view.colour(Point::new(x, y), TABLE);
         assert!(at(0.110, 0.0)[2] > at(0.110, 0.0)[0], "its lower side");
         assert_ne!(at(0.110, 0.0), TABLE);

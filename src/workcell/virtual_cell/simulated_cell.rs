@@ -1,4 +1,4 @@
-//! Arms, axes, grippers and the rod or the sheet of a virtual cell, on one clock.
+//! Arms, axes, grippers and the rod or the sheet of a virtual cell, on a common clock.
 
 use super::arm::{Ended, Refusal, SimulatedArm};
 use super::axis::moving_parts;
@@ -16,32 +16,33 @@ use rodlab_engine::mechanics::rotation;
 use rodlab_lab::experiment::Jitter;
 use rodlab_robot::{PartTrajectory, Pose};
 
-/// Time step of everything, s.
+/// Time step of the simulated cell, s.
 pub const STEP: f64 = 5e-3;
-/// Time in which a gripper opens, s.
+/// Time that a gripper takes to open, s.
 const OPENING: f64 = 0.2;
-/// Time shift between the noise of one arm and that of the next, which is the same, s: much more than a task takes.
+/// Time shift between the noise of one arm and that of the next, s. Both use the same noise; the
+/// shift is much longer than a task.
 const APART: f64 = 1e5;
 
 /// Event in a step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// The motion of an arm ended.
+    /// The motion of an arm has ended.
     Arm(usize, Ended),
     /// The gripper of an arm has reached its setpoint.
     Gripper(usize),
-    /// A fault is due that does not concern arms and rods.
+    /// A fault that does not concern arms and rods is due.
     Fault(FaultKind),
 }
 
 /// A gripper.
 #[derive(Clone, Copy, Debug)]
 struct Gripper {
-    /// Opening at and above which it lets go, m: half open is open.
+    /// Opening at and above which the gripper releases its object, m: half open counts as open.
     opened: f64,
-    /// The opening that was commanded last, m.
+    /// The last commanded opening, m.
     told: f64,
-    /// Time at which a command is done, s.
+    /// Time at which a command is completed, s.
     done: Option<f64>,
 }
 
@@ -62,13 +63,15 @@ pub struct SimulatedCell {
     sheet: Option<(SimulatedSheet, usize)>,
     /// The chuck with its rod.
     chuck: Option<Chuck>,
-    /// Faults to come, and how long arms have moved, s, once one was commanded to.
+    /// Pending faults.
     faults: Vec<Fault>,
+    /// Time for which arms have moved since the first command, s.
     moved: Option<f64>,
 }
 
 impl SimulatedCell {
-    /// The arms of a cell at home, with rods for their grippers or a sheet on the table, if there are any.
+    /// The arms of a cell at home, with rods for their grippers or a sheet on the table, if the
+    /// settings include them.
     pub fn new(cell: &Cell, settings: Settings) -> Self {
         let parts = moving_parts(cell);
         let grippers = parts.iter().map(|arm| {
@@ -152,7 +155,7 @@ impl SimulatedCell {
         self.sheet.as_ref().map(|(sheet, _)| sheet)
     }
 
-    /// Lets an arm follow a trajectory.
+    /// Commands an arm to follow a trajectory.
     ///
     /// # Errors
     /// See [`SimulatedArm::take`].
@@ -167,11 +170,12 @@ impl SimulatedCell {
         self.arms[arm].stop();
     }
 
-    /// Opens or closes the gripper of an arm. One that closes takes the edge of the sheet, or takes hold of the rod where it lies within
-    /// its reach, or is handed the end of a rod, a new one where one lies elsewhere.
+    /// Opens or closes the gripper of an arm. A closing gripper takes the edge of the sheet or a
+    /// rod within its reach. Otherwise the end of a rod is handed to it: of a new rod if one
+    /// already lies elsewhere.
     ///
     /// # Errors
-    /// A message: the gripper cannot take anything, or the simulation refuses.
+    /// A message: the gripper cannot take anything, or the simulation rejects it.
     pub fn grip(&mut self, arm: usize, opening: f64) -> Result<(), String> {
         let gripper = self.grippers[arm].ok_or("this arm has no gripper")?;
         let takes = match (self.sheet.is_some(), opening >= gripper.opened) {
@@ -188,9 +192,9 @@ impl SimulatedCell {
         Ok(())
     }
 
-    /// Lets go what an arm holds.
+    /// Opens a gripper, which releases its object.
     fn open(&mut self, arm: usize) -> Result<(), String> {
-        // A person takes a rod that would fall.
+        // The user takes away a rod that would fall.
         if self.supply_of(arm).is_some_and(RodSupply::is_free) {
             self.rod = None;
         }
@@ -202,7 +206,7 @@ impl SimulatedCell {
         opened.map_err(|error| error.to_string())
     }
 
-    /// Takes hold of a rod, or is handed one; the time that it takes, s.
+    /// Closes a gripper on a rod, or hands one over; returns the duration, s.
     fn close(&mut self, arm: usize) -> Result<f64, String> {
         let hand = self.hand(arm);
         let Some(supply) = self.supply_of(arm) else {
@@ -224,7 +228,7 @@ impl SimulatedCell {
             }
         }
         self.arms[arm].must_stand()?;
-        // A rod of another kind stays where it lies.
+        // A rod of another kind stays on the table.
         let other = self.rod.as_ref().zip(self.second_supply.as_ref());
         let other = other.and_then(|(rod, _)| {
             let [only] = rod.rods() else {
@@ -241,7 +245,7 @@ impl SimulatedCell {
         Ok(HANDING_OVER)
     }
 
-    /// Takes hold of a node of the rod; the time that it takes, s.
+    /// Takes hold of a node of the rod; returns the duration, s.
     fn take(&mut self, arm: usize, node: usize, hand: &Pose) -> Result<f64, String> {
         if let Some(rod) = &mut self.rod {
             let taken = rod.take(arm, node, hand, self.time);
@@ -256,7 +260,7 @@ impl SimulatedCell {
         second.or(self.supply.as_ref())
     }
 
-    /// Takes the edge of the sheet, or lets it go.
+    /// Takes the edge of the sheet, or releases it.
     fn grip_sheet(&mut self, arm: usize, opens: bool) -> Result<(), String> {
         let holder = self.holder();
         match (opens, holder) {
@@ -290,7 +294,7 @@ impl SimulatedCell {
         sheet.map(|(_, holder)| *holder).or(rod)
     }
 
-    /// Clamps a rod between the chuck and the hand of an arm; the time that it takes, s.
+    /// Clamps a rod between the chuck and the hand of an arm; returns the duration, s.
     fn clamp(&mut self, arm: usize) -> Result<f64, String> {
         let Some(chuck) = &mut self.chuck else {
             return Ok(OPENING);
@@ -308,7 +312,7 @@ impl SimulatedCell {
         taken.map(|()| HANDING_OVER)
     }
 
-    /// Releases the held object; of several grippers that hold one rod, the last one loses it.
+    /// Releases the held object; if several grippers hold one rod, the one that took it last.
     fn let_go(&mut self) -> Result<(), SimulationError> {
         if let Some(chuck) = &mut self.chuck {
             chuck.let_go()?;
@@ -323,10 +327,11 @@ impl SimulatedCell {
         last.map_or(Ok(()), |arm| rod.release_by(arm))
     }
 
-    /// Advances by a step, or a rod that takes long to simulate towards the end of the last one.
+    /// Advances by one step, or continues the last step if the simulation of the rod has not
+    /// finished it.
     ///
     /// # Errors
-    /// The rod finds no step.
+    /// The simulation of the rod finds no step.
     pub fn advance(&mut self) -> Result<Vec<Event>, SimulationError> {
         if !self.lead()? {
             return Ok(Vec::new());
@@ -376,7 +381,7 @@ impl SimulatedCell {
                 return sheet.advance(&hand, self.time);
             }
         }
-        // Hands are where they are: only the rod moves.
+        // The arms have finished their step: only the rod advances.
         let Some(mut rod) = self.rod.take() else {
             return Ok(true);
         };
@@ -392,7 +397,7 @@ impl SimulatedCell {
         };
         let moving = self.arms.iter().position(SimulatedArm::is_moving);
         let holds = self.holder().is_some();
-        // A joint freezes in a motion, and what is held slips.
+        // A joint can freeze only during a motion, and only a held object can slip.
         let has_come = |fault: &Fault| {
             fault.time <= moved
                 && match fault.kind {
@@ -424,7 +429,7 @@ mod tests {
     use super::*;
     use crate::test_cells::{cell, settings, short_rods};
 
-    /// Moves an arm to joints within so many seconds.
+    /// Moves an arm to joint positions within a number of seconds.
     fn go(cell: &mut SimulatedCell, arm: usize, joints: [f64; 6], seconds: f64) {
         let names = cell.arms()[arm].names().into_iter();
         let trajectory = PartTrajectory {
@@ -466,7 +471,7 @@ mod tests {
         let nodes = cell.scenery().rods.remove(0).0;
         assert!((nodes[0].z - free.z - 0.03).abs() < 3e-3);
         assert!((nodes[30].z - 0.27).abs() < 1e-3);
-        // What slips is what was taken last; the other one holds on.
+        // The object slips from the gripper that took it last; the other gripper still holds it.
         cell.let_go().unwrap();
         wait(&mut cell, 0.5);
         let nodes = cell.scenery().rods.remove(0).0;

@@ -1,4 +1,5 @@
-//! A rod in simulation, or two that touch each other: led by the hands of the grippers that hold it, or released.
+//! A rod in simulation, or two that touch each other: moved by the grippers that hold it, or
+//! released.
 
 use super::grip::{Grip, within_reach};
 use rodlab_engine::mechanics::Vector3;
@@ -7,24 +8,25 @@ use rodlab_engine::mechanics::system::Grasp;
 use rodlab_robot::Pose;
 use std::time::{Duration, Instant};
 
-/// Time in which a rod that is handed over comes into the fingers, s.
+/// Duration of the hand-over of a rod into the fingers, s.
 pub const HANDING_OVER: f64 = 1.0;
-/// Speed of every node below which a released rod rests, m/s.
+/// A released rod rests if every node is slower than this, m/s.
 const REST: f64 = 1e-4;
-/// Longest time of simulation without service of anything else.
+/// Longest time for which the simulation runs without a pause for the server.
 const AT_A_TIME: Duration = Duration::from_millis(20);
-/// Longest time for the simulation of a fall: a heap of rod is hard, and the rod along the pattern lies already.
+/// Longest time for the simulation of a fall. A heap of rod is difficult to simulate, and the rod
+/// along the pattern already lies.
 const LONGEST_FALL: Duration = Duration::from_secs(2);
-/// Height of a rod's end at which the table stops the hand that leads it, in radii.
+/// Height of a rod's end, in radii, at which the table stops the hand.
 const FLOOR: f64 = 1.05;
 
 /// Initial state of a rod that a gripper holds by its end.
 pub struct Placed {
-    /// The frame of its simulation in the cell.
+    /// Frame of the simulation in the cell.
     pub frame: Pose,
-    /// Its end in that frame, which clamp 0 of the scene holds.
+    /// Pose of the held end in that frame; clamp 0 of the scene holds it.
     pub end: Pose,
-    /// Its radius, m.
+    /// Radius of the rod, m.
     pub radius: f64,
 }
 
@@ -33,9 +35,9 @@ pub struct Placed {
 pub struct HandedRod {
     /// The arm.
     pub arm: usize,
-    /// Number of its nodes.
+    /// Number of nodes of the rod.
     pub nodes: usize,
-    /// Its radius, m.
+    /// Radius of the rod, m.
     pub radius: f64,
 }
 
@@ -44,22 +46,23 @@ pub struct SimulatedRod {
     simulation: Simulation,
     /// The frame of the simulation in the cell.
     frame: Pose,
-    /// The grippers that hold it, in the order in which they took hold.
+    /// The grippers that hold the rod, in the order in which they took hold.
     grips: Vec<Grip>,
-    /// Until when their hands lead it, s of the simulation.
+    /// Time of the simulation up to which the motion of the hands is set, s.
     led_until: f64,
-    /// Time at which the simulation began, s.
+    /// Time at which the simulation started, s.
     begin: f64,
     /// The rods, in the order of their nodes.
     rods: Vec<HandedRod>,
-    /// Time of its release, s of the simulation, and the time that its fall has taken to simulate.
+    /// Time of the release, s of the simulation.
     released: f64,
+    /// Wall time that the simulation of the fall has taken.
     falling: Duration,
     rests: bool,
 }
 
 impl SimulatedRod {
-    /// A rod whose end is held by clamp 0 of its scene, from the time `now`, s, on.
+    /// A rod whose end is held by clamp 0 of its scene from the time `now`, s.
     pub fn held(simulation: Simulation, placed: Placed, now: f64) -> Self {
         let rod = HandedRod {
             arm: 0,
@@ -69,8 +72,8 @@ impl SimulatedRod {
         Self::held_by(simulation, &placed, &[rod], now)
     }
 
-    /// Rods on a table, z = 0 in the frame of the simulation, which stops hands. The end of the last one is held by clamp 0 of the
-    /// scene, and handed to its arm at the time `now`, s.
+    /// Rods on a table, z = 0 in the frame of the simulation, which stops hands. Clamp 0 of the
+    /// scene holds the end of the last rod, which is handed to its arm at the time `now`, s.
     pub fn handed(simulation: Simulation, placed: Placed, rods: &[HandedRod], now: f64) -> Self {
         let floor = FLOOR * placed.radius;
         let mut handed = Self::held_by(simulation, &placed, rods, now);
@@ -79,7 +82,7 @@ impl SimulatedRod {
         handed
     }
 
-    /// The same without a table.
+    /// Rods that hands hold, without a table.
     pub(super) fn held_by(
         simulation: Simulation,
         placed: &Placed,
@@ -102,28 +105,29 @@ impl SimulatedRod {
         }
     }
 
-    /// A gripper takes the end again where it is, at `end` in the frame of the simulation, at the time `now`, s.
+    /// A gripper takes the end again at its current place at the time `now`, s. `end` is the pose
+    /// in the frame of the simulation.
     ///
     /// # Errors
-    /// The simulation refuses.
+    /// The simulation rejects the grip.
     pub fn take_again(&mut self, node: usize, end: Pose, now: f64) -> Result<(), SimulationError> {
         let clamp = self.clamped(node, now)?;
         self.grips.push(Grip::new(0, node, clamp, end));
         Ok(())
     }
 
-    /// The node that a hand in the cell reaches: the nearest within 1.5 cm seen from above, if the hand is as low as it, and no gripper
-    /// holds the rod there.
+    /// The node that a hand in the cell reaches: the nearest one in plan view within 1.5 cm, if
+    /// the hand is at its height and no gripper holds the rod there.
     pub fn within_reach(&self, hand: &Pose) -> Option<usize> {
         let hand = self.frame.inverse() * hand;
         within_reach(&hand.translation.vector, self.positions(), &self.grips)
     }
 
-    /// The gripper of an arm, whose hand is somewhere in the cell, takes hold of a node at the time `now`, s. From then on the node
-    /// moves with the hand, which does not press it into what lies under it.
+    /// The gripper of an arm takes hold of a node at the time `now`, s. From then on the node
+    /// moves with the hand, but is not pressed into the table.
     ///
     /// # Errors
-    /// The simulation refuses.
+    /// The simulation rejects the clamp.
     pub fn take(
         &mut self,
         arm: usize,
@@ -139,7 +143,7 @@ impl SimulatedRod {
         Ok(())
     }
 
-    /// A new clamp of a node at the time `now`, s. A lying rod continues from there.
+    /// A new clamp of a node at the time `now`, s. The simulation of a lying rod resumes there.
     fn clamped(&mut self, node: usize, now: f64) -> Result<usize, SimulationError> {
         let grasp = Grasp {
             position: true,
@@ -155,19 +159,20 @@ impl SimulatedRod {
         Ok(clamp)
     }
 
-    /// Advances towards the time `now`, s, its held part in the hand; returns whether it has reached that time. Hard steps take long: then it
-    /// must be called again, with the same hand, so that others need not wait.
+    /// Advances towards the time `now`, s, with the held part in the hand. Returns whether the
+    /// simulation has reached that time. A difficult step takes long. The method then returns
+    /// `false`, so that the server can do other work, and must be called again with the same hand.
     ///
     /// # Errors
-    /// No step is found, or the rod is torn, while it is held. A released rod is frozen instead.
+    /// No step is found, or the rod tears, while it is held. A released rod is frozen instead.
     pub fn advance(&mut self, hand: &Pose, now: f64) -> Result<bool, SimulationError> {
         self.advance_in(|_| *hand, now)
     }
 
-    /// The same with the hand of each arm that holds it.
+    /// As [`Self::advance`], with the hand of each arm that holds the rod.
     ///
     /// # Errors
-    /// As [`Self::advance`].
+    /// Errors of [`Self::advance`].
     pub fn advance_in(
         &mut self,
         hand: impl Fn(usize) -> Pose,
@@ -196,9 +201,9 @@ impl SimulatedRod {
         }
     }
 
-    /// Detects whether a released rod rests, or falls in a way that takes too long to simulate.
+    /// Sets whether a released rod is at rest. A fall that takes too long to simulate is ended.
     fn settled(&mut self, work: Instant) {
-        // One that was held still rests until its first step.
+        // A rod that was held still has no velocity until its first step.
         if self.is_held() || self.simulation.time() <= self.released {
             return;
         }
@@ -214,7 +219,7 @@ impl SimulatedRod {
         }
     }
 
-    /// Freezes a released rod if no step is found.
+    /// Freezes a released rod after its simulation failed.
     fn given_up(&mut self, error: SimulationError) -> Result<(), SimulationError> {
         if self.is_held() {
             return Err(error);
@@ -227,7 +232,7 @@ impl SimulatedRod {
     /// Opens all grippers.
     ///
     /// # Errors
-    /// The simulation refuses.
+    /// The simulation rejects the release.
     pub fn release(&mut self) -> Result<(), SimulationError> {
         self.released = self.simulation.time();
         for grip in self.grips.drain(..) {
@@ -236,10 +241,10 @@ impl SimulatedRod {
         Ok(())
     }
 
-    /// The gripper of an arm lets go, if it holds the rod.
+    /// Opens the gripper of an arm, if it holds the rod.
     ///
     /// # Errors
-    /// The simulation refuses.
+    /// The simulation rejects the release.
     pub fn release_by(&mut self, arm: usize) -> Result<(), SimulationError> {
         for grip in self.grips.extract_if(.., |grip| grip.holder == arm) {
             self.released = self.simulation.time();
@@ -248,22 +253,22 @@ impl SimulatedRod {
         Ok(())
     }
 
-    /// Whether a gripper holds it.
+    /// Whether a gripper holds the rod.
     pub fn is_held(&self) -> bool {
         !self.grips.is_empty()
     }
 
-    /// Whether the gripper of an arm does.
+    /// Whether the gripper of an arm holds the rod.
     pub fn is_held_by(&self, arm: usize) -> bool {
         self.grips.iter().any(|grip| grip.holder == arm)
     }
 
-    /// The arms whose grippers hold it, in the order in which they took hold.
+    /// The arms whose grippers hold the rod, in the order in which they took hold.
     pub fn holders(&self) -> impl DoubleEndedIterator<Item = usize> {
         self.grips.iter().map(|grip| grip.holder)
     }
 
-    /// Multiplies a load of its scene by a factor, see [`Simulation::set_load_factor`].
+    /// Multiplies a load of the scene by a factor, see [`Simulation::set_load_factor`].
     ///
     /// # Errors
     /// The load does not exist.
@@ -271,13 +276,13 @@ impl SimulatedRod {
         self.simulation.set_load_factor(load, factor)
     }
 
-    /// Its nodes in the frame of its simulation, m, without those of pegs.
+    /// Nodes of the rods in the frame of the simulation, m, without those of pegs.
     pub fn positions(&self) -> &[Vector3] {
         let nodes = self.rods.iter().map(|rod| rod.nodes).sum();
         &self.simulation.positions()[..nodes]
     }
 
-    /// Its nodes in the cell, m.
+    /// Nodes of the rods in the cell, m.
     pub fn nodes(&self) -> Vec<Vector3> {
         let nodes = self.positions().iter();
         nodes
@@ -298,13 +303,14 @@ impl SimulatedRod {
         &self.rods
     }
 
-    /// The frame of its simulation in the cell.
+    /// The frame of the simulation in the cell.
     pub fn frame(&self) -> Pose {
         self.frame
     }
 }
 
-/// Advances a simulation to a time, s, or as far as it comes in a while; whether it has come there.
+/// Advances a simulation towards a time, s, for at most `AT_A_TIME`; returns whether it has
+/// reached that time.
 pub(super) fn advance_for_a_while(
     simulation: &mut Simulation,
     until: f64,

@@ -3,22 +3,24 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// Most messages of a topic that wait for a client, and most bytes of them.
+/// Largest number of messages of a topic that wait for a client.
 const MOST_WAITING: usize = 100;
+/// Largest number of bytes of these messages.
 const MOST_BYTES: usize = 8 << 20;
 
 /// Subscription of a client to a topic.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Wish {
-    /// Name of the subscription, where a client has several of one topic.
+    /// Id of the subscription, for clients with several subscriptions to one topic.
     pub id: Option<String>,
     /// Least time between two messages.
     pub throttle: Duration,
-    /// Messages that wait until that time is over; none: they are dropped.
+    /// Number of messages that may wait until that time has passed; with 0 they are dropped.
     pub queue: usize,
 }
 
-/// The subscriptions of one client to one topic: as in rosbridge, the shortest time and the shortest queue of them count.
+/// The subscriptions of one client to one topic. As in rosbridge, the shortest time and the
+/// shortest queue of them apply.
 #[derive(Default)]
 pub struct Subscription {
     wishes: Vec<Wish>,
@@ -27,13 +29,13 @@ pub struct Subscription {
 }
 
 impl Subscription {
-    /// Adds a subscription, or changes the one of its name.
+    /// Adds a subscription, or replaces the one with the same id.
     pub fn add(&mut self, wish: Wish) {
         self.wishes.retain(|known| known.id != wish.id);
         self.wishes.push(wish);
     }
 
-    /// Removes the subscription of a name, all where there is none; whether any is left.
+    /// Removes the subscription with an id, or all without one; returns whether any is left.
     pub fn remove(&mut self, id: Option<&str>) -> bool {
         self.wishes
             .retain(|known| id.is_some() && known.id.as_deref() != id);
@@ -52,7 +54,8 @@ impl Subscription {
         self.last.is_none_or(|last| last.elapsed() >= throttle)
     }
 
-    /// Takes a message to be sent: what is due now, perhaps one that waited before it.
+    /// Accepts a message; returns the one to send now, if any, which may be an earlier one from
+    /// the queue.
     pub fn take(&mut self, text: &str) -> Option<String> {
         let queue = self.wishes.iter().map(|wish| wish.queue).min();
         let queue = queue.unwrap_or_default().min(MOST_WAITING);
@@ -70,7 +73,7 @@ impl Subscription {
         self.next()
     }
 
-    /// The message that has waited longest, once its time has come.
+    /// The message that has waited longest, once it may be sent.
     pub fn next(&mut self) -> Option<String> {
         if !self.is_due() {
             return None;

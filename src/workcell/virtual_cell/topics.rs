@@ -1,4 +1,4 @@
-//! Names of the actions and topics of a virtual cell: those of its cell file, so that clients find them.
+//! Names of the actions and topics of a virtual cell, as in its cell file.
 
 use super::axis::moving_parts;
 use crate::cell::{Cell, Driver, ros_version};
@@ -6,12 +6,12 @@ use rodlab_robot::RosVersion;
 
 /// Topic of the clock.
 pub const CLOCK: &str = "/clock";
-/// Topic of the camera where the cell file names none.
+/// Topic of the camera if the cell file names none.
 const CAMERA: &str = "/camera/image_raw";
-/// Most pixels of the camera.
+/// Largest number of pixels of the camera.
 const MOST_PIXELS: u64 = 4_000_000;
 
-/// The actions of an arm: that by which it moves, and that of its gripper.
+/// Index of the action that moves an arm; [`GRIP`] is that of its gripper.
 pub const MOTION: usize = 0;
 /// See [`MOTION`].
 pub const GRIP: usize = 1;
@@ -20,21 +20,21 @@ pub const GRIP: usize = 1;
 pub struct ArmTopics {
     /// Its own.
     pub name: String,
-    /// Version of its ROS.
+    /// Version of ROS.
     pub version: RosVersion,
-    /// The action by which it moves.
+    /// The action that moves the arm or the axis.
     pub action: String,
-    /// The topic of its joints.
+    /// The topic of the joint states.
     pub joint_states: String,
-    /// The action of its gripper.
+    /// The action of the gripper.
     pub gripper: Option<String>,
-    /// The joint of its fingers.
+    /// The joint of the fingers.
     pub fingers: Option<String>,
 }
 
-/// Names of all.
+/// Names of all actions and topics of a cell.
 pub struct Topics {
-    /// Those of the arms, then those of the axes.
+    /// Names of the arms, then of the axes.
     pub arms: Vec<ArmTopics>,
     /// Version of ROS of the clock and the camera: that of the first arm.
     pub version: RosVersion,
@@ -43,10 +43,11 @@ pub struct Topics {
 }
 
 impl Topics {
-    /// Those of a cell.
+    /// The names of a cell.
     ///
     /// # Errors
-    /// A message: an arm has another driver, two arms share an action, the camera is too large.
+    /// A message: an arm has another driver, two arms share an action, or the picture of the
+    /// camera is too large.
     pub fn of(cell: &Cell) -> Result<Self, String> {
         let mut arms: Vec<ArmTopics> = Vec::new();
         for arm in moving_parts(cell) {
@@ -100,10 +101,10 @@ impl Topics {
         })
     }
 
-    /// Whether there is such a topic.
+    /// Checks that a topic exists.
     ///
     /// # Errors
-    /// It does not exist.
+    /// The topic does not exist.
     pub fn know(&self, topic: &str) -> Result<(), String> {
         let of_action = |action: &String| {
             let rest = topic.strip_prefix(action.as_str());
@@ -125,10 +126,10 @@ impl Topics {
         ))
     }
 
-    /// The arm of an action, and which of its actions it is: [`MOTION`] or [`GRIP`].
+    /// The arm of an action, and the kind of the action: [`MOTION`] or [`GRIP`].
     ///
     /// # Errors
-    /// It does not exist.
+    /// The action does not exist.
     pub fn action(&self, action: &str) -> Result<(usize, usize), String> {
         let mut names: Vec<&str> = Vec::new();
         for (index, arm) in self.arms.iter().enumerate() {
