@@ -18,10 +18,10 @@ pub struct Body {
     pub shape: Shape,
 }
 
-/// A convex shape about its own origin.
+/// A convex shape; its origin is at its middle.
 #[derive(Clone, Debug)]
 pub enum Shape {
-    /// All points within `radius` of a line along z, m; a ball where that has no length.
+    /// All points within `radius` of a line along z, m; a ball if the line has zero length.
     Capsule {
         /// Half the length of the line.
         half_length: f64,
@@ -37,14 +37,14 @@ pub enum Shape {
     Hull(Arc<Hull>),
 }
 
-/// The convex hull of points, about the middle of the box that holds them.
+/// The convex hull of points, relative to the middle of their bounding box.
 #[derive(Debug)]
 pub struct Hull {
     pub(super) polyhedron: ConvexPolyhedron,
 }
 
 impl Hull {
-    /// Directions around the hull of each of its outlines.
+    /// Number of directions per outline of the hull.
     const AROUND: usize = 16;
 
     /// Distance of its farthest corner from its origin, m.
@@ -96,7 +96,7 @@ impl Body {
         }
     }
 
-    /// The convex hull of points of a link's frame, m; `None` where they lie on a line.
+    /// The convex hull of points of a link's frame, m; `None` if they lie on a line.
     pub fn hull(link: Option<usize>, frame: &Pose, points: &[[f64; 3]]) -> Option<Self> {
         let ends = |fold: fn(f64, f64) -> f64, start: f64| {
             [0, 1, 2].map(|k| points.iter().map(|point| point[k]).fold(start, fold))
@@ -110,7 +110,7 @@ impl Body {
             .iter()
             .map(|point| [0, 1, 2].map(|k| point[k] - middle[k]))
             .collect();
-        // Triangles share their corners.
+        // Several triangles share each corner.
         local.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
         local.dedup();
         let points: Vec<Vec3> = local.into_iter().map(Vec3::from_array).collect();

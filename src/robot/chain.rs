@@ -22,11 +22,11 @@ pub struct Chain {
 /// An independent joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
-    /// Its name, as its driver uses it.
+    /// Name of the joint, as its driver uses it.
     pub name: String,
-    /// Whether it turns or slides.
+    /// Whether the joint is revolute or prismatic.
     pub kind: JointKind,
-    /// Its limits of position, velocity, acceleration and jerk.
+    /// Limits of position, velocity, acceleration and jerk.
     pub limits: Limits,
 }
 
@@ -40,7 +40,7 @@ pub enum JointKind {
 }
 
 impl JointKind {
-    /// The unit of its positions.
+    /// The unit of the joint's positions.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Revolute => "rad",
@@ -49,7 +49,7 @@ impl JointKind {
     }
 }
 
-/// Limits of a joint, in rad or m and seconds; infinite where there is none.
+/// Limits of a joint, in rad or m and seconds; infinite if there is no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Least position.
@@ -95,19 +95,19 @@ pub struct Follower {
     pub name: String,
     /// Index of the joint that it follows.
     pub joint: usize,
-    /// Its motion per motion of that joint.
+    /// Motion per motion of the followed joint.
     pub ratio: f64,
-    /// Its position where that joint is at zero.
+    /// Position at zero of the followed joint.
     pub offset: f64,
     /// Its limits.
     pub limits: Limits,
 }
 
 impl Follower {
-    /// Narrows the limits of the followed joint so that its own limits hold.
+    /// Narrows the limits of the followed joint so that the limits of the follower hold.
     ///
     /// # Errors
-    /// A message if no position of that joint does.
+    /// A message if the followed joint has no such position.
     fn narrow(&self, leader: &mut Joint) -> Result<(), String> {
         let of_leader = |position: f64| (position - self.offset) / self.ratio;
         let limits = &mut leader.limits;
@@ -137,7 +137,7 @@ impl Follower {
     }
 }
 
-/// A link and its motion by the joint before it.
+/// A link, and its motion relative to the link before.
 #[derive(Clone, Debug)]
 pub struct Segment {
     /// Name of the link.
@@ -153,9 +153,10 @@ pub struct Segment {
 pub enum Motion {
     /// None.
     Fixed,
-    /// `ratio · position + offset` of a joint: 1 and 0 except for a joint that mimics another.
+    /// The motion is `ratio · position + offset` of a joint; `ratio` is 1 and `offset` 0 except
+    /// for a joint that mimics another.
     Driven {
-        /// Whether it turns or slides.
+        /// Whether the motion is a rotation or a translation.
         kind: JointKind,
         /// The axis, in the frame of the joint.
         axis: UnitVector3<f64>,
@@ -163,7 +164,7 @@ pub enum Motion {
         joint: usize,
         /// Motion per motion of that joint.
         ratio: f64,
-        /// Motion where that joint is at zero.
+        /// Motion at zero of that joint.
         offset: f64,
     },
 }
@@ -213,7 +214,7 @@ impl Segment {
         }
     }
 
-    /// Whether the link can move against the one before.
+    /// Whether the link can move relative to the link before.
     pub fn moves(&self) -> bool {
         matches!(self.motion, Motion::Driven { .. })
     }
@@ -225,10 +226,10 @@ impl Chain {
         self.joints.iter().map(|joint| joint.name.clone()).collect()
     }
 
-    /// Narrows the limits of joints to those that keep the limits of the joints that mimic them.
+    /// Narrows the limits of joints so that the limits of the joints that mimic them hold, too.
     ///
     /// # Errors
-    /// A message if that leaves a joint no range.
+    /// A message if no position of a joint is left.
     pub fn apply_followers(&mut self) -> Result<(), String> {
         let Self {
             joints, followers, ..
@@ -241,7 +242,7 @@ impl Chain {
             })
     }
 
-    /// The middle of the range of every joint; zero where the range is unlimited.
+    /// The middle of the range of every joint; zero if the range is unlimited.
     pub fn middle(&self) -> Vec<f64> {
         self.joints
             .iter()
@@ -261,7 +262,7 @@ impl Chain {
             .map(|(joint, _)| joint)
     }
 
-    /// Index of the link of that name among the segments.
+    /// Index of the link with a name among the segments.
     pub fn link(&self, name: &str) -> Option<usize> {
         self.segments
             .iter()

@@ -1,8 +1,8 @@
-//! Distances between arms, themselves and obstacles, by parry.
+//! Distances of arms to each other, to themselves and to obstacles, computed with parry.
 //!
-//! Unavoidable pairs are ignored: links with one moving joint between them, pairs that overlap in
-//! the posture at rest, and those that overlap in more than 95 % of postures all over the joints'
-//! ranges.
+//! Pairs that cannot be kept apart are ignored: links with at most one moving joint between them,
+//! pairs that overlap in the posture at rest, and pairs that overlap in more than 95 % of postures
+//! from the whole range of the joints.
 
 use super::body::{Body, Shape};
 use super::chain::{Chain, JointKind, Motion};
@@ -14,19 +14,19 @@ use parry3d_f64::shape::{ConvexPolyhedron, Cuboid, Segment};
 
 /// Largest distance that is computed, m.
 pub const FAR: f64 = 0.2;
-/// Number of postures for the test of pairs that always overlap.
+/// Number of postures for the detection of pairs that always overlap.
 const SAMPLES: usize = 200;
-/// Share of them in which such a pair overlaps.
+/// Fraction of these postures in which such a pair overlaps.
 const ALWAYS: f64 = 0.95;
 
-/// An arm among others.
+/// One of the arms of a cell.
 #[derive(Clone, Debug)]
 pub struct Member {
     /// Its name.
     pub name: String,
     /// Its chain.
     pub chain: Chain,
-    /// Pose of its base in the cell.
+    /// Pose of the base in the cell.
     pub base: Pose,
     /// Its shapes.
     pub bodies: Vec<Body>,
@@ -55,24 +55,25 @@ pub struct Surroundings {
     pairs: Vec<Pair>,
 }
 
-/// Two shapes: by arm and index, or an upright box where the arm is `None`.
+/// Two shapes: the first by arm and index; the second by arm and index, or an upright box if its
+/// arm is `None`.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     first: (usize, usize),
     second: (Option<usize>, usize),
 }
 
-/// Smallest distance of two objects.
+/// Smallest distance between two objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Approach {
-    /// Distance, m; 0 or less where they overlap.
+    /// Distance, m; 0 or less if they overlap.
     pub distance: f64,
     /// Their names.
     pub between: [String; 2],
 }
 
 impl Surroundings {
-    /// The arms and boxes of a cell.
+    /// Prepares the arms and boxes of a cell.
     pub fn new(members: Vec<Member>, boxes: Vec<StandingBox>) -> Self {
         let mut pairs = Vec::new();
         let pair = |first, second| Pair { first, second };
@@ -138,8 +139,8 @@ impl Surroundings {
         self.pairs = kept.map(|(pair, _)| *pair).collect();
     }
 
-    /// The nearest approach with all arms in the given postures, of the pairs with a part of the
-    /// arm `moving` where one is given; `None` if nothing is nearer than [`FAR`].
+    /// The pair with the least distance for given postures of all arms; `None` if nothing is
+    /// nearer than [`FAR`]. If `moving` is given, only pairs with a part of this arm are checked.
     pub fn nearest(&self, postures: &[Vec<f64>], moving: Option<usize>) -> Option<Approach> {
         let poses = self.poses(postures);
         let mut nearest: Option<(f64, &Pair)> = None;
@@ -167,8 +168,8 @@ impl Surroundings {
             .map_or(FAR, |approach| approach.distance)
     }
 
-    /// The nearest object to some balls, such as the points of a rod, with all arms in the given
-    /// postures: its name and the distance, m; `None` if nothing is nearer than [`FAR`].
+    /// Name and distance, m, of the object that is nearest to some balls, such as the points of a
+    /// rod, for given postures of all arms; `None` if nothing is nearer than [`FAR`].
     pub fn nearest_to_balls(
         &self,
         postures: &[Vec<f64>],
@@ -228,7 +229,7 @@ impl Surroundings {
             .collect()
     }
 
-    /// Distance of a pair; those beyond [`FAR`] are found by their enclosing balls.
+    /// Distance of a pair; for pairs beyond [`FAR`], the distance of their enclosing balls.
     fn distance(&self, pair: &Pair, poses: &[Vec<Pose>]) -> f64 {
         let (arm, index) = pair.first;
         let first = (&self.members[arm].bodies[index].shape, &poses[arm][index]);
@@ -316,13 +317,14 @@ fn distance(first: (&Shape, &Pose), second: (&Shape, &Pose)) -> f64 {
     let [pose_1, pose_2] = [first.1, second.1].map(glam_pose);
     let (core_1, core_2) = (Core::new(first.0), Core::new(second.0));
     let measured = query::distance(&pose_1, core_1.shape(), &pose_2, core_2.shape());
-    // All pairs of shapes are supported; otherwise the enclosing balls would be conservative.
+    // Parry supports all pairs of shapes; otherwise the distance of the enclosing balls is
+    // conservative.
     measured.map_or(apart, |core| {
         core.distance - core_1.radius() - core_2.radius()
     })
 }
 
-/// A shape for parry, without the radius around it.
+/// A shape for parry: of a capsule only the line, without its radius.
 enum Core<'a> {
     Line(Segment, f64),
     Box(Cuboid),

@@ -1,9 +1,9 @@
 //! Inverse kinematics of any chain: Levenberg–Marquardt steps inside the limits, from one or from many postures.
 //!
 //! The step is dq = Jᵀ (J Jᵀ + λ 1)⁻¹ e with the error e of the hand and λ = |e|²/2 + 10⁻¹²
-//! (Sugihara 2011, Eq. 19), so that it is damped far away and at singularities, and Newton's near
-//! the solution. A joint that would leave its range is held at its limit, and the step is
-//! recomputed for the others.
+//! (Sugihara 2011, Eq. 19). The step is damped far from the solution and at singularities, and is
+//! Newton's step near the solution. A joint that would leave its range is held at its limit, and
+//! the step is recomputed for the others.
 //!
 //! Further postures are tried in the order of a low-discrepancy sequence (Roberts' generalised
 //! golden ratio), so that results are reproducible.
@@ -12,9 +12,9 @@ use super::chain::{Chain, JointKind};
 use super::pose::{Pose, difference, distance_and_angle};
 use nalgebra::{Cholesky, Vector6};
 
-/// Error at which a pose counts as reached: m and rad.
+/// Error at which a pose counts as reached, m and rad.
 pub const REACHED: f64 = 1e-9;
-/// Most steps from one posture.
+/// Largest number of steps from one posture.
 const STEPS: usize = 60;
 /// Longest step of a joint, rad or m.
 const LONGEST_STEP: f64 = 0.7;
@@ -22,10 +22,10 @@ const LONGEST_STEP: f64 = 0.7;
 const STARTS: usize = 400;
 /// [`Chain::branches`] stops after this many postures in a row without a new solution.
 const FRUITLESS_STARTS: usize = 300;
-/// Joints closer than this in every position are the same solution, rad or m.
+/// Solutions are the same if all joints are closer than this, rad or m.
 const SAME: f64 = 1e-4;
 
-/// The posture nearest to an unreachable pose.
+/// The nearest posture to an unreachable pose.
 #[derive(Clone, Debug)]
 pub struct Nearest {
     /// Joint positions.
@@ -39,11 +39,12 @@ pub struct Nearest {
 }
 
 impl Chain {
-    /// Joint positions within the limits that bring the hand to a pose in the base frame, to
-    /// [`REACHED`]: near the given ones if the steps converge from there, otherwise any.
+    /// Joint positions within the limits that bring the hand to a pose in the base frame, within
+    /// [`REACHED`]. They are near the given ones if the steps converge from there; otherwise they
+    /// may be anywhere.
     ///
     /// # Errors
-    /// The nearest posture found if none reaches the pose.
+    /// If no posture reaches the pose: the nearest posture found.
     pub fn reach(&self, target: &Pose, from: &[f64]) -> Result<Vec<f64>, Nearest> {
         let mut best: Option<(f64, Vec<f64>)> = None;
         let starts = std::iter::once(from.to_vec()).chain((1..=STARTS).map(|k| self.start(k)));
@@ -67,8 +68,9 @@ impl Chain {
         (error < REACHED).then_some(joints)
     }
 
-    /// Every isolated posture that brings the hand to a pose, sorted; joints with more than one
-    /// turn are returned in the turn nearest to zero. Intended for chains without redundancy.
+    /// All isolated postures that bring the hand to a pose, sorted. Joints with a range of more
+    /// than one turn are returned in the turn nearest to zero. Intended for chains without
+    /// redundancy.
     ///
     /// The search runs from many initial postures until 300 in a row give no new solution. This is
     /// not exhaustive: a posture with a tiny basin of attraction can be missed.
@@ -101,7 +103,7 @@ impl Chain {
     /// The `k`-th posture of the low-discrepancy sequence.
     pub fn start(&self, k: usize) -> Vec<f64> {
         let count = self.joints.len();
-        // The root above 1 of x^(n+1) = x + 1.
+        // The root greater than 1 of x^(n+1) = x + 1.
         let mut root = 1.5_f64;
         for _ in 0..60 {
             root = libm::pow(1.0 + root, 1.0 / (count as f64 + 1.0));
@@ -128,8 +130,8 @@ impl Chain {
         }
     }
 
-    /// Steps towards a pose; returns the final positions and the norm of the error there, m and rad
-    /// combined.
+    /// Steps towards a pose; returns the final positions and the norm of the error at the end, m
+    /// and rad combined.
     fn approach(&self, target: &Pose, mut joints: Vec<f64>) -> (Vec<f64>, f64) {
         for (joint, q) in self.joints.iter().zip(&mut joints) {
             *q = q.clamp(joint.limits.lower, joint.limits.upper);
@@ -184,7 +186,7 @@ impl Chain {
         (best, least)
     }
 
-    /// Removes whole turns of joints within their limits, so that they are nearest to zero.
+    /// Removes whole turns of joints, within their limits, so that they are nearest to zero.
     pub(super) fn unwind(&self, joints: &mut [f64]) {
         use std::f64::consts::{PI, TAU};
         for (joint, q) in self.joints.iter().zip(joints) {

@@ -1,15 +1,16 @@
 //! Forward kinematics and the Jacobian.
 //!
-//! The pose of the hand is the product of the poses of the links, each in the frame of the one before. The column of
-//! the geometric Jacobian of a joint with axis a through the point p is (a × (h − p), a) for one that turns and (a, 0)
-//! for one that slides, with h the hand (Siciliano et al., Robotics, 2009, Eq. 3.30), all in the base frame.
+//! The pose of the hand is the product of the poses of the links, each in the frame of the one
+//! before. The column of the geometric Jacobian for a joint with axis a through the point p is (a
+//! × (h − p), a) if the joint is revolute and (a, 0) if it is prismatic, with the position h of
+//! the hand (Siciliano et al., Robotics, 2009, Eq. 3.30), all in the base frame.
 
 use super::chain::{Chain, JointKind, MOST_JOINTS, Motion};
 use super::pose::Pose;
 use nalgebra::{DMatrix, Matrix6, Vector3, Vector6};
 
-/// The columns of a Jacobian, one per joint: linear velocity, m/s, and angular velocity, rad/s, of the hand per
-/// velocity of the joint.
+/// The columns of a Jacobian, one per joint: linear velocity, m/s, and angular velocity, rad/s, of
+/// the hand per unit velocity of the joint.
 #[derive(Clone, Debug)]
 pub struct Jacobian {
     columns: [Vector6<f64>; MOST_JOINTS],
@@ -59,7 +60,7 @@ impl Chain {
     /// Pose of the hand in the base frame.
     ///
     /// # Panics
-    /// If there are fewer positions than joints; so do all methods that take positions.
+    /// If there are fewer positions than joints. All methods that take positions panic then.
     pub fn hand(&self, positions: &[f64]) -> Pose {
         let last = self
             .segments
@@ -84,7 +85,8 @@ impl Chain {
 
     /// Pose of the hand and the Jacobian, both in the base frame.
     pub fn hand_and_jacobian(&self, positions: &[f64]) -> (Pose, Jacobian) {
-        // Axis, point and factor of each moving segment, until the hand is known.
+        // First collect axis, point and factor of each moving segment; the position of the hand
+        // follows at the end.
         let mut jacobian = Jacobian {
             columns: [Vector6::zeros(); MOST_JOINTS],
             joints: self.joints.len(),
@@ -104,7 +106,8 @@ impl Chain {
             {
                 let direction = before.rotation * (segment.origin.rotation * axis.scale(ratio));
                 match kind {
-                    // With a × (h − p) = a × h − a × p, the hand h need not be known yet.
+                    // With a × (h − p) = a × h − a × p, the position h of the hand can be inserted
+                    // later.
                     JointKind::Revolute => {
                         let point =
                             before * nalgebra::Point3::from(segment.origin.translation.vector);
@@ -128,7 +131,7 @@ impl Chain {
         (hand, jacobian)
     }
 
-    /// Smallest distance of a joint from an end of its range, rad or m; infinite where no joint has
+    /// Smallest distance of a joint from an end of its range, rad or m; infinite if no joint has
     /// an end.
     pub fn distance_to_limits(&self, positions: &[f64]) -> f64 {
         self.joints

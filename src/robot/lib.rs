@@ -1,4 +1,5 @@
-//! Robot arms: kinematic chains and their limits, inverse kinematics, joint paths, time, drivers.
+//! Robot arms: kinematic chains and their limits, inverse kinematics, joint paths, trajectories,
+//! and drivers.
 //!
 //! The crate uses plain poses and trajectories and does not depend on rods.
 //!
@@ -15,7 +16,7 @@
 //! | `stream` | checks before the first point, one clock, watchdogs, the log |
 //! | `inverse`, `self_motion` | joint positions for a pose: one, every branch, curves of redundant chains |
 
-// Tests compare with a tolerance, and may use any mathematical library.
+// Tests compare with a tolerance, and may call any mathematical library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 mod body;

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 /// Largest mesh, bytes.
 const LARGEST: u64 = 256 << 20;
 
-/// Resolves the name of a file in a URDF: a path from the folder of the URDF, `file://` and a path,
-/// or `package://`, a package and a path in it. A package is searched in the folder of the URDF and
-/// in all folders above; `None` if it is in none of them, or the file does not exist.
+/// Resolves the name of a file in a URDF: a path relative to the folder of the URDF,
+/// `file://PATH`, or `package://PACKAGE/PATH`. The package is searched in the folder of the URDF
+/// and in all folders above. `None` if the package is not found or the file does not exist.
 pub(super) fn locate(name: &str, directory: &Path) -> Option<PathBuf> {
     let Some(rest) = name.strip_prefix("package://") else {
         let path = directory.join(name.strip_prefix("file://").unwrap_or(name));
@@ -30,7 +30,7 @@ pub(super) fn locate(name: &str, directory: &Path) -> Option<PathBuf> {
 /// The corners of the triangles of an STL file, binary or text, in the order of the file.
 ///
 /// # Errors
-/// A message if it cannot be read or is not an STL file.
+/// A message if the file cannot be read or is not an STL file.
 pub(super) fn read_stl(path: &Path) -> Result<Vec<[f64; 3]>, String> {
     let fault = |what: String| format!("its mesh {} {what}", path.display());
     let bytes = input::read(path, LARGEST);

@@ -2,10 +2,11 @@
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3, Vector6};
 
-/// A rigid motion: of a frame in another, m.
+/// A rigid-body transformation: the pose of a frame in another frame, m.
 pub type Pose = Isometry3<f64>;
 
-/// The pose of a position, m, and a quaternion w, x, y, z of any length; `None` where that has none.
+/// The pose of a position, m, and a quaternion w, x, y, z of any length; `None` if its length is
+/// zero.
 pub fn pose(position: [f64; 3], quaternion: [f64; 4]) -> Option<Pose> {
     let [w, x, y, z] = quaternion;
     let rotation = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-9)?;
@@ -25,7 +26,7 @@ pub fn pose_of_angles(position: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose 
 }
 
 /// The twist that moves one pose to another in unit time: displacement, m, and rotation vector,
-/// rad, both in the frame in which the poses are given. The rotation is the short way round.
+/// rad, both in the frame in which the poses are given. The rotation is the shorter one.
 pub fn difference(from: &Pose, to: &Pose) -> Vector6<f64> {
     let shift = to.translation.vector - from.translation.vector;
     let turn = (to.rotation * from.rotation.inverse()).scaled_axis();
@@ -39,7 +40,8 @@ pub fn distance_and_angle(a: &Pose, b: &Pose) -> (f64, f64) {
     (part(0), part(3))
 }
 
-/// The pose a part `0..=1` of the way from one to another: straight, with an even turn.
+/// Interpolates between two poses at `part` in `0..=1`, along a straight line with a constant
+/// angular velocity.
 pub fn between(from: &Pose, to: &Pose, part: f64) -> Pose {
     let shift = from.translation.vector.lerp(&to.translation.vector, part);
     let turn = (from.rotation.inverse() * to.rotation).scaled_axis() * part;
@@ -65,7 +67,7 @@ mod tests {
     #[test]
     fn roll_pitch_and_yaw_turn_about_fixed_axes() {
         let turned = pose_of_angles([0.0; 3], [FRAC_PI_2, 0.0, FRAC_PI_2]);
-        // Roll first: y goes to z, which yaw leaves alone.
+        // Roll first: y goes to z, which yaw leaves unchanged.
         assert!((turned * Vector3::y() - Vector3::z()).norm() < 1e-15);
         assert!((turned * Vector3::x() - Vector3::y()).norm() < 1e-15);
     }

@@ -1,4 +1,4 @@
-//! A posture with its measures, for people and programs.
+//! A posture with its measures of quality, for people and programs.
 
 use super::chain::Chain;
 use super::pose::{Pose, distance_and_angle, parts};
@@ -13,15 +13,15 @@ pub struct Posture {
     pub position: [f64; 3],
     /// Its quaternion w, x, y, z.
     pub quaternion: [f64; 4],
-    /// Distance and angle to the requested pose, the larger of the two, m or rad.
+    /// Distance, m, or angle, rad, to the requested pose, whichever is larger.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual: Option<f64>,
     /// √det(J Jᵀ), zero at a singularity.
     pub manipulability: f64,
     /// Smallest singular value of the Jacobian, zero at a singularity.
     pub distance_to_singularity: f64,
-    /// Smallest distance of a joint from an end of its range, rad or m; `null` where no joint has
-    /// an end.
+    /// Smallest distance of a joint from an end of its range, rad or m; `null` if no joint has an
+    /// end.
     pub distance_to_limits: Option<f64>,
 }
 

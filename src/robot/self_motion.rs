@@ -9,7 +9,7 @@ use super::kinematics::Jacobian;
 use super::pose::Pose;
 use nalgebra::{Cholesky, DVector};
 
-/// Distance of neighbouring samples, rad or m.
+/// Distance between neighbouring samples, rad or m.
 const SPACING: f64 = 0.1;
 /// Number of postures from which curves are traced.
 const STARTS: usize = 200;
@@ -17,8 +17,8 @@ const STARTS: usize = 200;
 const LONGEST: usize = 2000;
 
 impl Chain {
-    /// The unit joint velocity that moves the hand least and is nearest to `like`; `None` if `like`
-    /// has no component in the null space, as in chains without redundancy.
+    /// The unit joint velocity that moves the hand least, as near as possible to `like`; `None` if
+    /// `like` has no component in the null space, as in chains without redundancy.
     pub fn null_direction(&self, jacobian: &Jacobian, like: &[f64]) -> Option<Vec<f64>> {
         // The projection 1 − Jᵀ (J Jᵀ)⁻¹ J.
         let columns = jacobian.columns();
@@ -41,7 +41,7 @@ impl Chain {
         (norm > 1e-3 * asked).then(|| projected.iter().map(|x| x / norm).collect())
     }
 
-    /// The null direction of greatest projection among those along the joints.
+    /// The null direction of the joint axis with the greatest projection onto the null space.
     fn any_null_direction(&self, jacobian: &Jacobian) -> Option<Vec<f64>> {
         let count = self.joints.len();
         let directions = (0..count).filter_map(|k| {
@@ -56,8 +56,8 @@ impl Chain {
     }
 
     /// Curves of postures that bring the hand to a pose, each sampled every 0.1 rad from end to
-    /// end. Empty for chains without redundancy and for unreachable poses; for chains with several
-    /// redundant joints, curves along the direction that moves the hand least.
+    /// end. Empty for chains without redundancy and for unreachable poses. For chains with several
+    /// redundant joints, the curves follow the direction that moves the hand least.
     pub fn self_motions(&self, target: &Pose) -> Vec<Vec<Vec<f64>>> {
         let mut curves: Vec<Vec<Vec<f64>>> = Vec::new();
         if self.joints.len() <= 6 {
@@ -92,7 +92,8 @@ impl Chain {
         curve
     }
 
-    /// Samples of a curve on one side of a posture, without it, and whether they return to it.
+    /// Samples of a curve on one side of a posture, without the posture itself, and whether the
+    /// curve returns to it.
     fn trace(&self, target: &Pose, from: &[f64], sign: f64) -> (Vec<Vec<f64>>, bool) {
         let mut samples: Vec<Vec<f64>> = Vec::new();
         let mut here = from.to_vec();
@@ -114,7 +115,7 @@ impl Chain {
             if self.outside_limits(&guess).is_some() {
                 break;
             }
-            // A sample that the steps move elsewhere is beyond the end of the curve.
+            // If the steps move the sample far away, the end of the curve is reached.
             let Some(next) = self.follow(target, &guess) else {
                 break;
             };
@@ -133,7 +134,7 @@ impl Chain {
     }
 }
 
-/// Distance of two postures, the joints as coordinates.
+/// Distance between two postures in joint space.
 pub(super) fn separation(a: &[f64], b: &[f64]) -> f64 {
     (DVector::from_column_slice(a) - DVector::from_column_slice(b)).norm()
 }

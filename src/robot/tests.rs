@@ -42,7 +42,7 @@ fn chain(joints: Vec<(Joint, Pose)>, tool: Pose) -> Chain {
     }
 }
 
-/// The kinematics of a Universal Robots arm: shoulder, two parallel joints more, two of a wrist.
+/// The kinematics of a Universal Robots arm: shoulder, three parallel joints, two wrist joints.
 fn ur() -> Chain {
     let at = |position, angles| revolute(pose_of_angles(position, angles), (-2.0 * PI, 2.0 * PI));
     chain(
@@ -77,7 +77,7 @@ fn closed_form_count(target: &Pose) -> usize {
         }
         for wrist_sign in [1.0, -1.0] {
             let q5 = wrist_sign * cosine.acos();
-            // The axes of the hand seen from the wrist give q6; the three parallel joints form a
+            // The axes of the hand in the wrist frame give q6; the three parallel joints form a
             // planar arm.
             let (x, y) = (
                 target.rotation * Vector3::x(),
@@ -86,7 +86,7 @@ fn closed_form_count(target: &Pose) -> usize {
             let across = Vector3::new(q1.sin(), -q1.cos(), 0.0);
             let q6 = (-y.dot(&across) / q5.sin()).atan2(x.dot(&across) / q5.sin());
             let chain = ur();
-            // Undo the last two joints; what is left is the pose of the fourth link.
+            // Remove the last two joints, which gives the pose of the fourth link.
             let last = chain.segments[4].pose(&[0.0, 0.0, 0.0, 0.0, q5, 0.0])
                 * chain.segments[5].pose(&[0.0, 0.0, 0.0, 0.0, 0.0, q6]);
             let fourth = target * last.inverse();
@@ -124,7 +124,7 @@ fn every_branch_of_a_six_joint_arm_is_found() {
 fn the_jacobian_is_the_derivative_of_the_hand() {
     let mut chain = ur();
     chain.tool = pose_of_angles([0.1, 0.05, 0.2], [0.1, 0.2, 0.3]);
-    // A sliding joint, and one that mimics another with a gear ratio.
+    // A prismatic joint, and a joint that mimics another with a gear ratio.
     chain.segments[2].motion = Motion::Driven {
         kind: JointKind::Prismatic,
         axis: UnitVector3::new_normalize(Vector3::new(1.0, 2.0, -1.0)),
@@ -244,7 +244,7 @@ fn a_urdf_gives_sliding_turning_and_mimicking_joints() {
         0.4 * 0.3_f64.cos() + 0.35 * 0.7_f64.cos(),
     );
     assert!((hand.translation.vector - expected).norm() < 1e-15);
-    // 0.3 + 0.4 − 0.4 + 0.5.
+    // Sum of the angles: 0.3 + 0.4 − 0.4 + 0.5.
     assert!((hand.rotation.scaled_axis() - Vector3::y() * 0.8).norm() < 1e-15);
 }
 
@@ -293,7 +293,7 @@ fn faulty_urdfs_are_refused_with_the_name_of_what_is_wrong() {
     }
 }
 
-/// Additions to [`TWO_LINKS`] and replacements in it that kinematics ignores, or that have a
+/// Additions and replacements in [`TWO_LINKS`] that kinematics ignores, or for which there is a
 /// default.
 const HARMLESS: &str = r#"
 <link name="slide"/> | <link name="slide"><inertial><mass/><inertia ixx="1"/></inertial><visual><geometry><mesh/></geometry><material name="m"><texture/><color rgba="1 0 0"/></material></visual></link> |
@@ -320,7 +320,7 @@ fn unused_elements_do_not_reject_a_urdf() {
         assert!(TWO_LINKS.contains(good), "{case}");
         let text = TWO_LINKS.replacen(good, other, 1);
         if text.contains("base_frame") {
-            // With a second moving end, the tip must be chosen.
+            // With a second moving end, the tip must be given.
             let error = urdf(&text).unwrap_err().to_string();
             assert!(
                 error.contains("base_frame (1 moving joint), mirror (4 moving joints)"),
@@ -348,7 +348,7 @@ fn unused_elements_do_not_reject_a_urdf() {
         let error = urdf(text).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}");
     }
-    // Latin-1, as editors write it.
+    // Latin-1, as some editors write it.
     let latin = TWO_LINKS.replace(
         "<robot",
         "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><!-- gr\u{fc}n --><robot",
@@ -365,7 +365,7 @@ fn unused_elements_do_not_reject_a_urdf() {
 
 #[test]
 fn limits_of_mimic_joints_narrow_those_of_the_joint_they_follow() {
-    // The follower is at 0.5 − b: between −0.5 and 1 where b is between −0.5 and 1.
+    // The follower is at 0.5 − 2b; it is between −0.5 and 1 if b is between −0.25 and 0.5.
     let narrow = r#"lower="-0.5" upper="1" effort="1" velocity="1""#;
     let text = TWO_LINKS.replace(r#"lower="-9" upper="9" effort="1" velocity="3""#, narrow);
     let text = text.replace(r#"multiplier="-1""#, r#"multiplier="-2""#);
@@ -431,7 +431,8 @@ fn a_mesh_of_a_urdf_keeps_the_distance_of_its_convex_hull() {
         bodies: arm.bodies,
         may_touch: Vec::new(),
     };
-    // The slanted face is x + y + z = 0.1 beyond (0.3, 0, 0); the box stands before its middle, turned to it by a corner.
+    // The slanted face is x + y + z = 0.1 beyond (0.3, 0, 0); the box is in front of its middle,
+    // with a corner towards it.
     let stand = |away: f64| StandingBox {
         name: "box".into(),
         pose: pose_of_angles([0.3 + away, away, away], [0.0; 3]),

@@ -13,9 +13,9 @@ const LARGEST: u64 = 256 << 20;
 /// A joint trajectory of arms and axes on one clock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointTrajectory {
-    /// Meaning of each column.
+    /// Part, joint and unit of each column.
     pub columns: Vec<Column>,
-    /// Growing times, s.
+    /// Increasing times, s.
     pub times: Vec<f64>,
     /// Positions, rad or m: a row per time.
     pub points: Vec<Vec<f64>>,
@@ -28,11 +28,11 @@ pub struct Column {
     pub part: String,
     /// Name of the joint; `None` for an axis.
     pub joint: Option<String>,
-    /// Its unit, rad or m.
+    /// Kind of the joint, which determines the unit, rad or m.
     pub kind: JointKind,
 }
 
-/// Why a table is rejected.
+/// Reason why a table is rejected.
 #[derive(Debug, thiserror::Error)]
 #[error("{}{}: {message}", path.display(), line.map(|line| format!(":{line}")).unwrap_or_default())]
 pub struct TableError {
@@ -57,7 +57,7 @@ pub struct Table {
 /// Reads a table of numbers.
 ///
 /// # Errors
-/// If it cannot be read, a cell is not a finite number, or a row is too short or too long.
+/// The table cannot be read, a cell is not a finite number, or a row is too short or too long.
 pub fn read_table(path: &Path) -> Result<Table, TableError> {
     let fault = |line: Option<u64>, message: String| TableError {
         path: path.to_owned(),
@@ -110,7 +110,7 @@ pub fn read_table(path: &Path) -> Result<Table, TableError> {
 }
 
 impl Column {
-    /// Its name in a table.
+    /// Name of the column in a table.
     pub fn header(&self) -> String {
         let unit = self.kind.unit();
         match &self.joint {
@@ -141,8 +141,8 @@ impl JointTrajectory {
     /// Reads a trajectory.
     ///
     /// # Errors
-    /// If the table is faulty, has no `time_s` first or other columns than joints, has fewer than two rows, or its
-    /// time does not grow.
+    /// The table is faulty, its first column is not `time_s`, another column is not a joint, it
+    /// has fewer than two rows, or its times do not increase.
     pub fn read(path: &Path) -> Result<Self, TableError> {
         let table = read_table(path)?;
         let fault = |line: u64, message: String| TableError {
@@ -231,7 +231,7 @@ impl JointTrajectory {
             .collect()
     }
 
-    /// The trajectory `speed` times as fast, from time zero.
+    /// The trajectory at `speed` times its speed, starting at time zero.
     #[must_use]
     pub fn scaled(&self, speed: f64) -> Self {
         let start = self.times[0];
@@ -245,7 +245,7 @@ impl JointTrajectory {
         }
     }
 
-    /// Its last time minus its first, s.
+    /// Duration from the first to the last time, s.
     pub fn duration(&self) -> f64 {
         self.times[self.times.len() - 1] - self.times[0]
     }

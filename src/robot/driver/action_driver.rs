@@ -30,7 +30,7 @@ pub struct Goal<Id> {
 }
 
 impl<Id: Clone> Goal<Id> {
-    /// A goal of a name, sent now, that replaces another.
+    /// A goal with an identifier, sent now, that replaces an earlier goal.
     pub(super) fn after(former: Option<&Self>, id: Id) -> Self {
         Self {
             id,
@@ -52,12 +52,12 @@ impl<Id: Clone> Goal<Id> {
         self.complaint = Some(words.chars().take(LONGEST_COMPLAINT).collect());
     }
 
-    /// The server has accepted it.
+    /// Records that the server has accepted the goal.
     pub(super) fn acknowledge(&mut self) {
         self.acknowledged = true;
     }
 
-    /// The server has ended it.
+    /// Records that the server has ended the goal.
     pub(super) fn end(&mut self, outcome: Result<(), DriverError>) {
         self.acknowledged = true;
         self.outcome = Some(outcome);
@@ -75,7 +75,7 @@ pub struct News<Id> {
 }
 
 impl<Id> News<Id> {
-    /// No reports yet, for these joints.
+    /// No reports yet from the given joints.
     pub(super) fn of(joints: Vec<String>) -> Self {
         Self {
             joints,
@@ -244,8 +244,8 @@ impl<Link: ActionLink> Driver for ActionDriver<Link> {
         }
     }
 
-    /// Cancels the last goal and the one that it replaced: the last one may not have arrived yet. A
-    /// goal whose end was reported is cancelled, too: the report may be wrong.
+    /// Cancels the last goal and the one that it replaced, since the last one may not have arrived
+    /// yet. A goal with a reported end is cancelled, too, since the report may be wrong.
     fn stop(&mut self) -> Result<(), DriverError> {
         let Some(goal) = &self.news.goal else {
             return Ok(());

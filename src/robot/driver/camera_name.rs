@@ -7,18 +7,18 @@ use super::{
 /// Highest domain with valid DDS ports.
 const LAST_DOMAIN: u16 = 232;
 
-/// Why there is no camera.
+/// Reason why a camera cannot be opened.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CameraError {
     /// The name is not valid.
     #[error("{0}")]
     Name(String),
-    /// It does not answer.
+    /// The camera does not answer.
     #[error(transparent)]
     Driver(#[from] DriverError),
 }
 
-/// Opens the camera of a name; `None` if the text is not the name of a camera, but perhaps of a
+/// Opens the camera with a name; `None` if the text is not the name of a camera. It may then be a
 /// file.
 pub fn open_camera(name: &str) -> Option<Result<Box<dyn PictureTopic>, CameraError>> {
     let (scheme, place) = name.split_once("://")?;
@@ -28,7 +28,7 @@ pub fn open_camera(name: &str) -> Option<Result<Box<dyn PictureTopic>, CameraErr
     })
 }
 
-/// Opens a camera, or returns the expected form of its name.
+/// Opens a camera; otherwise returns the expected form of its name.
 fn opened(
     scheme: &str,
     place: &str,

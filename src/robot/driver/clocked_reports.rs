@@ -3,9 +3,10 @@
 use super::JointState;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Longest wait for the first message of the clock of the stamps.
+/// Longest wait for the first message of the clock to which the stamps belong.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Difference from the time of this machine above which a stamp counts as one of another clock, s.
+/// Difference between a stamp and the time of this machine above which the stamp belongs to
+/// another clock, s.
 const OTHER_CLOCK: f64 = 60.0;
 
 /// The last report and the last time that were received.
@@ -35,9 +36,9 @@ impl ClockedReports {
         self.clock = Some((time, Instant::now()));
     }
 
-    /// The last report. A motion begins with the first report and then uses the clock of the robot:
-    /// if the stamp belongs to another clock than that of this machine, the report is held back
-    /// until a time of that clock arrives, for at most [`PATIENCE`].
+    /// The last report. A motion starts with the first report, and needs the clock of the robot
+    /// from then on. If the stamp does not belong to the clock of this machine, the report is held
+    /// back until a time of the robot's clock arrives, for at most [`PATIENCE`].
     pub(super) fn state(&self) -> Option<JointState> {
         let state = self.state.clone()?;
         let may_wait = self.opened.is_some_and(|at| at.elapsed() < PATIENCE);
@@ -51,7 +52,8 @@ impl ClockedReports {
     }
 }
 
-/// Whether a stamp, s, is of another clock than that of this machine. A stamp of zero is none.
+/// Whether a stamp, s, belongs to another clock than that of this machine. A stamp of zero means
+/// no stamp.
 fn is_of_another_clock(stamp: Option<f64>) -> bool {
     let ours = SystemTime::now().duration_since(UNIX_EPOCH);
     let ours = ours.unwrap_or_default().as_secs_f64();
@@ -85,7 +87,7 @@ mod tests {
             reports.add(report(), stamp);
             assert_eq!(reports.state().unwrap().positions, [0.5]);
         }
-        // Waits for a missing clock only at the beginning.
+        // Waits for a missing clock only at the start.
         let mut reports = ClockedReports {
             opened: Instant::now().checked_sub(2 * PATIENCE),
             ..ClockedReports::default()

@@ -1,11 +1,11 @@
-//! Points as lines of a file or of standard output, each at its time.
+//! Driver that writes points to a file or to standard output, each at its time.
 
 use super::{Driver, DriverError, Interpolant, JointState, Progress};
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Bytes by which an earlier log is recognised.
+/// Number of bytes that are read to recognise an earlier log.
 const HEAD: u64 = 1 << 16;
 
 /// Writes each point at its time, as CSV or as JSON lines.
@@ -90,7 +90,7 @@ fn header(joints: &[String]) -> String {
     format!("time_s,{}\n", joints.join(","))
 }
 
-/// Whether a file begins as a log of these joints does.
+/// Whether a file begins like a log of these joints.
 fn is_log(head: &[u8], joints: &[String], json_lines: bool) -> bool {
     if !json_lines {
         return head.starts_with(header(joints).as_bytes());

@@ -6,7 +6,7 @@ use super::DriverError;
 /// the controller.
 ///
 /// # Errors
-/// Unless it succeeded.
+/// The goal did not succeed.
 pub(super) fn ros_1_outcome(status: i64, code: i64, said: &str) -> Result<(), DriverError> {
     match status {
         3 if code == 0 => Ok(()),
@@ -16,11 +16,11 @@ pub(super) fn ros_1_outcome(status: i64, code: i64, said: &str) -> Result<(), Dr
     }
 }
 
-/// The end of a ROS 2 goal: `action_msgs/GoalStatus`, `None` if it was not accepted, the code of
-/// the result and the message of the controller.
+/// The end of a ROS 2 goal: `action_msgs/GoalStatus`, or `None` if it was not accepted, the code
+/// of the result and the message of the controller.
 ///
 /// # Errors
-/// Unless it succeeded.
+/// The goal did not succeed.
 pub(super) fn ros_2_outcome(status: Option<i64>, code: i64, said: &str) -> Result<(), DriverError> {
     match status {
         None => Err(rejected(code, said)),

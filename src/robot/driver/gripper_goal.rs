@@ -1,22 +1,22 @@
-//! Code shared by all gripper drivers: a goal of `control_msgs/GripperCommand` ends in time, or it
-//! is cancelled.
+//! Code shared by all gripper drivers: a `control_msgs/GripperCommand` goal that does not end in
+//! time is cancelled.
 
 use super::DriverError;
 use std::fmt::Display;
 use std::time::{Duration, Instant};
 
-/// Time between looks.
+/// Time between two polls.
 pub(super) const LOOK: Duration = Duration::from_millis(5);
 
 /// A goal that was sent to a gripper.
 pub(super) trait GripperGoal {
-    /// Whether it has succeeded; waits a moment if nothing arrives.
+    /// Whether the goal has succeeded; waits briefly if nothing arrives.
     ///
     /// # Errors
-    /// It has failed, or the connection is lost.
+    /// The goal has failed, or the connection is lost.
     fn has_ended(&mut self) -> Result<bool, DriverError>;
 
-    /// Cancels it, and returns the error to report.
+    /// Cancels the goal, and returns the error to report.
     fn cancel(&mut self, error: DriverError) -> DriverError;
 
     /// An error of the connection, with the address of the other end.
@@ -28,7 +28,7 @@ pub(super) trait GripperGoal {
     }
 }
 
-/// Waits for the end of a goal of the action `action`. On any error the fingers are stopped.
+/// Waits for the end of a goal of an action. On any error the fingers are stopped.
 ///
 /// # Errors
 /// The goal failed or timed out, or the user interrupted it.

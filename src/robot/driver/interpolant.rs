@@ -1,4 +1,4 @@
-//! Cubics between the points of a motion, as interpolated by trajectory controllers: each passes
+//! Cubics between the points of a motion, as trajectory controllers interpolate them: each passes
 //! through two points with the velocities there (cubic Hermite interpolation).
 
 /// The motion between points with velocities.
@@ -21,7 +21,7 @@ pub(crate) struct Cubic {
 }
 
 impl Interpolant {
-    /// The spline through points at growing times, at rest at both ends.
+    /// The spline through points at increasing times, at rest at both ends.
     pub fn new(times: &[f64], points: &[Vec<f64>]) -> Self {
         Self {
             times: times.to_vec(),
@@ -30,7 +30,7 @@ impl Interpolant {
         }
     }
 
-    /// The motion through points with velocities at growing times: an array of joints per time.
+    /// The motion through points with velocities at increasing times: a row of joints per time.
     pub fn with_velocities(
         times: Vec<f64>,
         points: Vec<Vec<f64>>,
@@ -48,12 +48,12 @@ impl Interpolant {
         &self.times
     }
 
-    /// The points, rad or m: an array of joints per time.
+    /// The points, rad or m: a row of joints per time.
     pub fn points(&self) -> &[Vec<f64>] {
         &self.points
     }
 
-    /// Velocities at the points, rad/s or m/s: an array of joints per time.
+    /// Velocities at the points, rad/s or m/s: a row of joints per time.
     pub fn velocities(&self) -> &[Vec<f64>] {
         &self.velocities
     }
@@ -64,7 +64,7 @@ impl Interpolant {
         rows.map(|((time, point), velocity)| (*time, point, velocity))
     }
 
-    /// Its last time, s.
+    /// The last time, s.
     pub fn duration(&self) -> f64 {
         self.times[self.times.len() - 1]
     }
@@ -88,7 +88,7 @@ impl Interpolant {
         }
     }
 
-    /// Positions at a time; the first before the points, the last after.
+    /// Positions at a time: the first point before the motion, the last point after it.
     pub fn at(&self, time: f64) -> Vec<f64> {
         match self.cubics_at(time) {
             Some((since, cubics)) => cubics.map(|cubic| cubic.at(since)).collect(),
@@ -97,7 +97,7 @@ impl Interpolant {
         }
     }
 
-    /// Velocities at a time, rad/s or m/s; zero before the points and after.
+    /// Velocities at a time, rad/s or m/s; zero before and after the motion.
     pub fn velocity_at(&self, time: f64) -> Vec<f64> {
         match self.cubics_at(time) {
             Some((since, cubics)) => cubics.map(|cubic| cubic.velocity_at(since)).collect(),
@@ -105,7 +105,8 @@ impl Interpolant {
         }
     }
 
-    /// The cubics of all joints at a time, and the time since they began, s; `None` before the points and after.
+    /// The cubics of all joints at a time, and the time since their start, s; `None` before and
+    /// after the motion.
     fn cubics_at(&self, time: f64) -> Option<(f64, impl Iterator<Item = Cubic>)> {
         let after = self.times.partition_point(|known| *known <= time);
         if after == 0 || after == self.times.len() {
@@ -116,7 +117,7 @@ impl Interpolant {
         Some((time - self.times[after - 1], cubics))
     }
 
-    /// The same motion, earlier by a time, s.
+    /// The motion shifted to earlier times by `time`, s.
     #[must_use]
     pub fn earlier_by(mut self, time: f64) -> Self {
         self.times.iter_mut().for_each(|known| *known -= time);
@@ -130,8 +131,8 @@ impl Interpolant {
         self.velocities.push(velocity);
     }
 
-    /// The motion of a controller that accepts a goal while moving: from the present joint
-    /// positions to the first point.
+    /// The motion of a controller that accepts this goal while it moves: from its present joint
+    /// positions and velocities to the first point.
     #[cfg(test)]
     pub fn taken_at(&self, point: Vec<f64>, velocity: Vec<f64>) -> Self {
         let mut taken = self.clone();
@@ -143,8 +144,8 @@ impl Interpolant {
         taken
     }
 
-    /// Indices of points, the first and the last among them, between which single cubics pass all other points within
-    /// `tolerance`, rad or m.
+    /// Indices of points to keep, including the first and the last. A single cubic between two
+    /// neighbours passes all points in between within `tolerance`, rad or m.
     pub(super) fn knots_within(&self, tolerance: f64) -> Vec<usize> {
         let last = self.times.len() - 1;
         let fits = |from: usize, to: usize| {
@@ -210,7 +211,7 @@ impl Cubic {
     pub fn fastest(&self) -> f64 {
         let [a, b] = self.accelerations();
         let mut speeds = vec![self.slopes[0], self.slopes[1]];
-        // Where the acceleration crosses zero.
+        // Time at which the acceleration crosses zero.
         if a * b < 0.0 {
             let part = a / (a - b);
             speeds.push(self.slopes[0] + 0.5 * a * part * self.duration);
@@ -240,8 +241,9 @@ pub(crate) fn range_of(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
     })
 }
 
-/// Velocities at the points of the cubic spline through them that begins and ends at rest: its second derivative is
-/// continuous, `v₋/h₋ + 2 (1/h₋ + 1/h₊) v + v₊/h₊ = 3 (Δ₋/h₋² + Δ₊/h₊²)` (de Boor 1978, chapter IV), by Thomas' algorithm.
+/// Velocities at the points of the cubic spline that begins and ends at rest. The continuity of
+/// its second derivative, `v₋/h₋ + 2 (1/h₋ + 1/h₊) v + v₊/h₊ = 3 (Δ₋/h₋² + Δ₊/h₊²)` (de Boor 1978,
+/// chapter IV), is solved by Thomas' algorithm.
 pub(super) fn clamped_velocities(times: &[f64], points: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let (count, joints) = (times.len(), points[0].len());
     let mut velocities = vec![vec![0.0; joints]; count];

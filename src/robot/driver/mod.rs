@@ -1,7 +1,7 @@
-//! Drivers of arms and axes, behind one trait.
+//! Drivers of arms and axes, with a common trait.
 //!
-//! A driver is polled by the stream's loop every few milliseconds. None of its methods except
-//! [`Driver::connect`] waits, and none reads for longer than [`READING`], however much arrives.
+//! A driver is polled by the stream's loop every few milliseconds. Only [`Driver::connect`] may
+//! wait. The other methods return at once, and read for at most [`READING`], however much arrives.
 
 mod action_driver;
 mod camera_name;
@@ -49,9 +49,9 @@ pub struct JointState {
 }
 
 impl JointState {
-    /// Positions of `joints` in a message received now: `position` returns a position by the index
-    /// of its name among `names`. Messages may name more joints, in another order; `None` if one is
-    /// missing: such a message concerns another part of the robot.
+    /// Positions of `joints` in a message received now; `position` returns the position of the
+    /// joint with an index in `names`. A message may name more joints, in another order. `None` if
+    /// one is missing, since such a message concerns another part of the robot.
     fn heard<Name: PartialEq<str>>(
         joints: &[String],
         names: &[Name],
@@ -69,15 +69,16 @@ impl JointState {
     }
 }
 
-/// Longest time in which a driver reads messages at a time, and most messages: a peer that sends
-/// endlessly must not block the loop.
+/// Longest time for which a driver reads messages at a time, so that a peer that sends endlessly
+/// cannot block the loop.
 pub const READING: Duration = Duration::from_millis(2);
+/// Largest number of messages that a driver reads at a time.
 const MOST_MESSAGES: usize = 200;
 
 /// Calls `read` until it returns `false`, for [`READING`] and [`MOST_MESSAGES`] at most.
 ///
 /// # Errors
-/// Those of `read`.
+/// The errors of `read`.
 fn read_within_bounds<E>(mut read: impl FnMut() -> Result<bool, E>) -> Result<(), E> {
     let begin = Instant::now();
     for _ in 0..MOST_MESSAGES {
@@ -91,14 +92,14 @@ fn read_within_bounds<E>(mut read: impl FnMut() -> Result<bool, E>) -> Result<()
 /// Progress of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// It is running.
+    /// The motion is running.
     Running,
-    /// It has succeeded.
+    /// The motion has succeeded.
     Done,
 }
 
 impl Progress {
-    /// The progress from a flag for the end.
+    /// The progress of a motion that may be over.
     pub(crate) fn over(is_over: bool) -> Self {
         match is_over {
             true => Self::Done,
@@ -138,17 +139,17 @@ pub trait GripperDriver {
 
 /// Driver of an arm or an axis.
 pub trait Driver: Send {
-    /// Connects for motions of the given joints; again after a lost connection.
+    /// Connects for motions of the given joints. Can be called again after a lost connection.
     ///
     /// # Errors
     /// No answer from the server within a few seconds.
     fn connect(&mut self, joints: &[String]) -> Result<(), DriverError>;
 
-    /// Whether it reports joint positions. If not, [`Driver::state`] is always `None`.
+    /// Whether the driver reports joint positions. If not, [`Driver::state`] is always `None`.
     fn reports_state(&self) -> bool;
 
-    /// Whether its reports are measured positions rather than commanded ones: a motor without a sensor begins a motion
-    /// where it is.
+    /// Whether its reports are measured positions rather than commanded ones. A motor without a
+    /// sensor reports commanded ones, and starts a motion at its present position.
     fn knows_position(&self) -> bool {
         self.reports_state()
     }
@@ -159,13 +160,14 @@ pub trait Driver: Send {
     /// The connection is lost.
     fn state(&mut self) -> Result<Option<JointState>, DriverError>;
 
-    /// The last setpoint that the controller reported in the feedback of the motion, if it reports any.
+    /// The last setpoint that the controller reported in the feedback of the motion, if there is
+    /// one.
     fn setpoint(&self) -> Option<&JointState> {
         None
     }
 
-    /// Time of the robot's own clock, s, where it keeps one, and when it was received: a simulated robot may be faster or
-    /// slower than real time.
+    /// Time of the robot's own clock, s, if it has one, and the time of reception. A simulated
+    /// robot may be faster or slower than real time.
     fn clock(&self) -> Option<(f64, Instant)> {
         None
     }
@@ -175,8 +177,8 @@ pub trait Driver: Send {
         false
     }
 
-    /// Begins a motion, at once; where [`Driver::sends_goals`], it replaces the one under way, and
-    /// its first time may then be later than zero.
+    /// Starts a motion at once. If [`Driver::sends_goals`], it replaces the current motion, and
+    /// its first time may be later than zero.
     ///
     /// # Errors
     /// The connection is lost.
@@ -193,8 +195,9 @@ pub trait Driver: Send {
     /// The connection is lost, or the other end rejects or aborts the motion.
     fn advance(&mut self, elapsed: f64) -> Result<Progress, DriverError>;
 
-    /// Requests the end of the last motion, whether or not the other end has reported that it is over, and returns without
-    /// waiting for an answer: only reports of the joints show that they are at rest.
+    /// Requests the end of the last motion, whether or not the other end has reported that it is
+    /// over, and returns without waiting for an answer. Only joint reports show that the joints
+    /// are at rest.
     ///
     /// # Errors
     /// The request could not be sent.

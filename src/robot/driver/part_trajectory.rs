@@ -7,14 +7,15 @@ use super::interpolant::Interpolant;
 pub struct PartTrajectory {
     /// Names of the joints.
     pub joints: Vec<String>,
-    /// Growing times from zero, s.
+    /// Increasing times from zero, s.
     pub times: Vec<f64>,
     /// Positions, rad or m: a row per time.
     pub points: Vec<Vec<f64>>,
 }
 
 impl PartTrajectory {
-    /// Positions at a time, straight between the points; the first before them, the last after.
+    /// Positions at a time, linearly interpolated: the first point before the motion, the last
+    /// point after it.
     pub fn at(&self, time: f64) -> Vec<f64> {
         let after = self.times.partition_point(|known| *known <= time);
         if after == 0 || after == self.times.len() {
@@ -46,12 +47,13 @@ impl PartTrajectory {
         Interpolant::new(&self.times, &self.points)
     }
 
-    /// Its last time, s.
+    /// The last time, s.
     pub fn duration(&self) -> f64 {
         self.times[self.times.len() - 1]
     }
 
-    /// The motion with fewer points: those left out are within `tolerance`, rad or m, of the interpolant of the rest.
+    /// The motion with fewer points. The removed points are within `tolerance`, rad or m, of the
+    /// interpolant of the remaining ones.
     #[must_use]
     pub fn thinned(&self, tolerance: f64) -> Self {
         let whole = self.interpolant();
@@ -63,7 +65,8 @@ impl PartTrajectory {
                 times: kept.iter().map(|k| self.times[*k]).collect(),
                 points: kept.iter().map(|k| self.points[*k].clone()).collect(),
             };
-            // The spline of the rest is smooth across its knots, where the pieces that were fitted need not be.
+            // The spline through the remaining points is smooth at its knots; the fitted pieces
+            // need not be.
             if kept.len() == self.times.len() || self.distance_from(&thin) <= tolerance {
                 return thin;
             }

@@ -16,14 +16,14 @@ pub enum CameraPicture {
     File(Vec<u8>),
 }
 
-/// A topic of pictures of a camera: `sensor_msgs/Image`, or `sensor_msgs/CompressedImage` where its name ends in
-/// `/compressed`.
+/// A topic of pictures of a camera: `sensor_msgs/Image`, or `sensor_msgs/CompressedImage` if its
+/// name ends in `/compressed`.
 pub trait PictureTopic {
     /// The newest picture; older ones are skipped. If none has arrived since the last call, waits
     /// for the next one.
     ///
     /// # Errors
-    /// If none arrives in time, or it is damaged or of an unknown encoding.
+    /// No picture arrives in time, or it is damaged or has an unknown encoding.
     fn picture(&mut self, patience: Duration) -> Result<CameraPicture, DriverError>;
 }
 
@@ -35,15 +35,15 @@ pub(super) fn sends_files(topic: &str) -> bool {
 /// Fields of a `sensor_msgs/Image`.
 #[derive(Debug, PartialEq, Eq)]
 pub struct RawImage<'a> {
-    /// Pixels along and across.
+    /// Width and height, pixels.
     pub size: [u32; 2],
     /// Such as `rgb8`.
     pub encoding: String,
     /// Whether numbers of two bytes are big-endian.
     pub is_big_endian: bool,
-    /// Bytes from row to row.
+    /// Number of bytes per row.
     pub step: usize,
-    /// Rows from above.
+    /// Rows from top to bottom.
     pub data: &'a [u8],
 }
 
@@ -54,7 +54,7 @@ struct Encoding {
     colours: [usize; 3],
 }
 
-/// Of numbers of two bytes, the more significant byte is used.
+/// Supported encodings. Of two-byte numbers, the more significant byte is used.
 const ENCODINGS: [Encoding; 10] = [
     encoding("rgb8", 3, [0, 1, 2]),
     encoding("bgr8", 3, [2, 1, 0]),
@@ -127,7 +127,7 @@ mod tests {
     fn every_encoding_gives_red_green_and_blue() {
         for (encoding, step, data, expected) in [
             ("rgb8", 6, &[1, 2, 3, 4, 5, 6][..], [1, 2, 3, 4, 5, 6]),
-            // Rows may be longer than their pixels.
+            // Rows may be padded.
             ("bgr8", 8, &[1, 2, 3, 4, 5, 6, 7, 8], [3, 2, 1, 6, 5, 4]),
             ("bgra8", 8, &[1, 2, 3, 0, 4, 5, 6, 0], [3, 2, 1, 6, 5, 4]),
             ("mono8", 2, &[7, 8], [7, 7, 7, 8, 8, 8]),

@@ -1,8 +1,8 @@
 //! `control_msgs/FollowJointTrajectory` through a rosbridge server: JSON over a WebSocket (rosbridge protocol 2).
 //!
-//! A ROS 1 action is a set of topics: the goal and its cancellation are published, status, feedback
-//! and result are subscribed. With ROS 2 the server itself is the action client:
-//! `send_action_goal`, `cancel_action_goal`.
+//! A ROS 1 action is a set of topics: goal and cancellation are published; status, feedback and
+//! result are subscribed to. With ROS 2, the server itself is the action client, with the
+//! operations `send_action_goal` and `cancel_action_goal`.
 
 use super::action_driver::{ActionDriver, ActionLink, News, unique_name};
 use super::rosbridge_goal::{RosVersion, cancellation, duration, goal, result_of, ros_1_topics};
@@ -14,14 +14,14 @@ use tungstenite::WebSocket;
 
 /// Topic on which a simulated robot publishes its time.
 const CLOCK: &str = "/clock";
-/// Kind of its goals.
+/// Kind of the goals.
 const FOLLOW: &str = "FollowJointTrajectory";
 
 /// A driver through rosbridge.
 pub type RosbridgeDriver = ActionDriver<RosbridgeLink>;
 
 impl RosbridgeDriver {
-    /// A driver for the server at `host:port`, the action of that name and the topic of joint states.
+    /// A driver for the server at `host:port`, an action and a topic of joint states.
     pub fn new(address: &str, version: RosVersion, action: &str, joint_states: &str) -> Self {
         Self::over(RosbridgeLink {
             address: address.to_owned(),
@@ -67,8 +67,8 @@ impl RosbridgeLink {
         }
     }
 
-    /// An error of the server ends the goal only if it names the goal: others may concern other
-    /// clients.
+    /// An error of the server ends the goal only if it names the goal. Other errors may concern
+    /// other clients.
     fn hear_complaint(&self, message: &Value, news: &mut News<String>) {
         let (Some(words), Some(goal)) = (complaint(message), &mut news.goal) else {
             return;
@@ -81,7 +81,7 @@ impl RosbridgeLink {
         }
     }
 
-    /// Reports about the goal.
+    /// Stores reports about the goal.
     fn hear_action(&self, message: &Value, news: &mut News<String>) {
         let Some(goal) = &mut news.goal else { return };
         let feedback = feedback_of(&self.action, goal.id(), message);
@@ -132,8 +132,8 @@ impl ActionLink for RosbridgeLink {
     fn open(&mut self) -> Result<(), DriverError> {
         let socket = open_quiet_socket(&self.address).map_err(|reason| self.lost(&reason))?;
         self.socket = Some(socket);
-        // The clock before the joint states: a motion begins once these arrive, and needs the clock
-        // then.
+        // Subscribe to the clock before the joint states: a motion starts when these arrive, and
+        // needs the clock then.
         for (topic, package, name) in [
             (CLOCK, "rosgraph_msgs", "Clock"),
             (&self.joint_states.clone(), "sensor_msgs", "JointState"),
@@ -189,7 +189,8 @@ fn hear_state(message: &Value, news: &mut News<String>) {
     news.add_state(names, |index| positions.get(index)?.as_f64(), stamp);
 }
 
-/// Numbers to a nanoradian or nanometre, for messages half as long: servers bound the size of a message.
+/// Rounds numbers to a nanoradian or nanometre, which halves the size of messages; servers limit
+/// this size.
 fn rounded(numbers: &[f64]) -> Vec<f64> {
     let to_nano = |number: &f64| (number * 1e9).round() / 1e9;
     numbers.iter().map(to_nano).collect()
@@ -235,7 +236,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Random messages of words that servers use.
+    /// Random messages composed of words that servers use.
     fn message() -> impl Strategy<Value = Value> {
         let words = "op publish status action_result action_feedback topic /arm/status /arm/feedback /arm/result /joint_states /clock msg name position \
                      a clock secs nsecs goal_id id level error feedback desired positions joint_names values error_code result status_list";

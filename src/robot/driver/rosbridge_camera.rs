@@ -11,7 +11,7 @@ use std::net::TcpStream;
 use std::time::{Duration, Instant};
 use tungstenite::WebSocket;
 
-/// Largest message, bytes: base64 needs four bytes for three.
+/// Largest message, bytes; base64 needs four bytes for three.
 const LARGEST_MESSAGE: usize = LARGEST_PICTURE / 3 * 4 + (1 << 16);
 
 /// A topic of pictures behind a rosbridge server. Its messages show whether it sends pixels or
@@ -23,11 +23,11 @@ pub struct RosbridgeCamera {
 }
 
 impl RosbridgeCamera {
-    /// Subscribes a topic at the server at `host:port`. The server determines its type, of ROS 1 or
-    /// ROS 2.
+    /// Subscribes to a topic of the server at `host:port`. The server determines the type of the
+    /// topic, of ROS 1 or ROS 2.
     ///
     /// # Errors
-    /// If there is no server.
+    /// There is no server.
     pub fn open(address: &str, topic: &str) -> Result<Self, DriverError> {
         let lost = |reason: String| DriverError::Lost(format!("rosbridge at {address}: {reason}"));
         let mut socket = open_socket(address, LARGEST_MESSAGE).map_err(lost)?;
@@ -153,7 +153,7 @@ mod tests {
             for message in messages {
                 socket.send(Message::text(message.to_string())).unwrap();
             }
-            // Until the client leaves.
+            // Read until the client disconnects.
             while socket.read().is_ok() {}
         });
         address
@@ -220,7 +220,7 @@ mod tests {
             use std::io::Write;
             let (stream, _) = listener.accept().unwrap();
             let mut socket = tungstenite::accept(stream).unwrap();
-            // A text with a stated length of 2⁴⁰ bytes.
+            // A text message with a stated length of 2⁴⁰ bytes.
             let header = [0x81, 127, 0, 0, 1, 0, 0, 0, 0, 0];
             socket.get_mut().write_all(&header).unwrap();
             while socket.read().is_ok() {}

@@ -1,4 +1,4 @@
-//! Goals of actions over rosbridge: topics of ROS 1, operations of rosbridge itself for ROS 2.
+//! Goals of actions over rosbridge: topics for ROS 1, operations of rosbridge for ROS 2.
 
 use super::DriverError;
 use super::follow_joint_trajectory::{ros_1_outcome, ros_2_outcome};
@@ -17,7 +17,7 @@ pub enum RosVersion {
 const PACKAGE: &str = "control_msgs";
 
 impl RosVersion {
-    /// Name of a message type of a package.
+    /// Name of a message type in a package.
     pub(super) fn message_type(self, package: &str, name: &str) -> String {
         match self {
             Self::One => format!("{package}/{name}"),
@@ -26,8 +26,8 @@ impl RosVersion {
     }
 }
 
-/// The messages that open the topics of a ROS 1 action: subscriptions to those of `heard`,
-/// advertisements of goal and cancellation.
+/// The messages that open the topics of a ROS 1 action: they subscribe to the topics `heard`, and
+/// advertise goal and cancellation.
 pub(super) fn ros_1_topics(action: &str, kind: &str, heard: &[&str]) -> Vec<Value> {
     let message = |part: &str| format!("{PACKAGE}/{kind}Action{part}");
     let open = |op: &str, topic: &str| {
@@ -64,7 +64,7 @@ pub(super) fn goal(version: RosVersion, action: &str, kind: &str, id: &str, body
     match version {
         RosVersion::One => json!({
             "op": "publish",
-            // Servers quote it in errors about this message.
+            // Servers quote this id in errors about the message.
             "id": id,
             "topic": format!("{action}/goal"),
             "msg": { "goal_id": { "stamp": duration(version, 0.0), "id": id }, "goal": body },
@@ -80,7 +80,7 @@ pub(super) fn goal(version: RosVersion, action: &str, kind: &str, id: &str, body
     }
 }
 
-/// The message that cancels it.
+/// The message that cancels a goal.
 pub(super) fn cancellation(version: RosVersion, action: &str, id: &str) -> Value {
     match version {
         RosVersion::One => json!({
@@ -120,7 +120,7 @@ fn bridged_outcome(message: &Value) -> Result<(), DriverError> {
     let said = values["error_string"].as_str().or(values.as_str());
     let status = match (&message["result"], message["status"].as_i64()) {
         (Value::Bool(false), _) => None,
-        // Servers of the first versions report success without a status.
+        // The first versions of the server report success without a status.
         (_, status) => Some(status.unwrap_or(4)),
     };
     let code = values["error_code"].as_i64().unwrap_or(0);

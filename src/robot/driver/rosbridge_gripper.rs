@@ -11,7 +11,7 @@ use std::net::TcpStream;
 use std::time::Duration;
 use tungstenite::WebSocket;
 
-/// Kind of its goals.
+/// Kind of the goals.
 const COMMAND: &str = "GripperCommand";
 
 /// A gripper by its action at a rosbridge server.
@@ -68,7 +68,7 @@ struct SentGoal<'a> {
     gripper: &'a RosbridgeGripper,
     socket: WebSocket<TcpStream>,
     id: String,
-    /// The last error of the server that may be about another client.
+    /// The last error of the server; it may concern another client.
     complaint: String,
 }
 
@@ -100,7 +100,7 @@ impl GripperGoal for SentGoal<'_> {
         Ok(false)
     }
 
-    /// The connection may be closed.
+    /// The connection may already be closed.
     fn cancel(&mut self, error: DriverError) -> DriverError {
         let gripper = self.gripper;
         let message = cancellation(gripper.version, &gripper.action, &self.id);
@@ -116,7 +116,7 @@ impl GripperGoal for SentGoal<'_> {
     }
 }
 
-/// Whether the fingers stalled on an object: some controllers then abort.
+/// Whether the fingers stalled on an object, upon which some controllers abort.
 fn is_stalled(result: &Value) -> bool {
     let (status, values) = match result["op"] == "action_result" {
         true => (result["status"] == 6, &result["values"]),

@@ -7,13 +7,13 @@ use std::time::{Duration, Instant};
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
-/// Longest time for a connection, and for a message to leave.
+/// Longest time for a connection, and for sending a message.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Largest message of a server of robots, bytes: states and results are far smaller.
+/// Largest message of a server, bytes; states and results are far smaller.
 pub(super) const LARGEST_MESSAGE: usize = 1 << 20;
 
-/// A WebSocket to the server at `host:port`, or `host:port/path` if the server requires one, for
-/// messages of at most `largest` bytes.
+/// Opens a WebSocket to the server at `host:port`, or `host:port/path` if the server requires a
+/// path, for messages of at most `largest` bytes.
 ///
 /// # Errors
 /// A message about the failure.
@@ -44,7 +44,7 @@ pub(super) fn open_socket(address: &str, largest: usize) -> Result<WebSocket<Tcp
     Ok(socket)
 }
 
-/// The same with reads that never wait.
+/// Opens a non-blocking WebSocket.
 ///
 /// # Errors
 /// A message about the failure.
@@ -58,7 +58,7 @@ pub(super) fn open_quiet_socket(address: &str) -> Result<WebSocket<TcpStream>, S
 /// Sends a message on a socket, blocking or not.
 ///
 /// # Errors
-/// It cannot be sent in time, or the connection is lost.
+/// The message cannot be sent in time, or the connection is lost.
 pub(super) fn send(
     socket: &mut WebSocket<TcpStream>,
     value: &Value,
@@ -76,7 +76,7 @@ pub(super) fn send(
     result
 }
 
-/// The next message; `Null` if it is not JSON, `None` if none has arrived.
+/// Reads the next message; `Null` if it is not JSON, `None` if no message has arrived.
 ///
 /// # Errors
 /// The connection is closed ([`tungstenite::Error::ConnectionClosed`]) or lost.
@@ -90,7 +90,7 @@ pub(super) fn read(socket: &mut WebSocket<TcpStream>) -> Result<Option<Value>, t
     }
 }
 
-/// A message that states how a connection ended.
+/// Describes how a connection ended.
 pub(super) fn end_in_words(error: &tungstenite::Error) -> String {
     match error {
         tungstenite::Error::ConnectionClosed => "the server closed the connection".to_owned(),
@@ -98,7 +98,7 @@ pub(super) fn end_in_words(error: &tungstenite::Error) -> String {
     }
 }
 
-/// The error that a server reports in a message, if it is one.
+/// The error that a server reports in a message, if there is one.
 pub(super) fn complaint(message: &Value) -> Option<&str> {
     let is_error = message["op"] == "status" && message["level"] == "error";
     is_error.then(|| {

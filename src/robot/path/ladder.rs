@@ -1,4 +1,4 @@
-//! The ladder: solutions on rungs of the path, and the cheapest sequence through them.
+//! The ladder: solutions on rungs of the path, and the sequence of solutions with the lowest cost.
 
 use super::{LARGEST_JUMP, Obstruction, PathFailure, PathPoint, PathProblem, jump};
 use crate::self_motion::separation;
@@ -6,22 +6,23 @@ use rayon::prelude::*;
 
 /// Distance between rungs, m.
 const RUNG: f64 = 8e-3;
-/// Most solutions of a rung.
+/// Largest number of solutions of a rung.
 const MOST: usize = 100;
-/// Solutions closer than this are one, rad or m.
+/// Solutions closer than this count as one, rad or m.
 const SAME: f64 = 0.1;
-/// Steps in the null space by which solutions of a rung lead to further ones on the next.
+/// Steps in the null space that give further solutions on the next rung.
 const NULL_STEP: f64 = 0.15;
-/// Part of [`LARGEST_JUMP`] that the ladder uses, so that the refinement has room.
+/// Fraction of [`LARGEST_JUMP`] that the ladder uses, so that the refinement has some margin.
 const PART_OF_JUMP: f64 = 0.7;
-/// Weight of distances to limits, singularities and obstacles relative to joint motion, per rung.
+/// Weight, per rung, of the distances to limits, singularities and obstacles relative to the joint
+/// motion.
 const DISCOMFORT: f64 = 2e-3;
 
-/// The cheapest sequence of solutions.
+/// The sequence of solutions with the lowest cost.
 pub(super) struct Ladder {
-    /// Indices of the points that are rungs: the first and the last among them.
+    /// Indices of the points that are rungs, including the first and the last.
     pub rungs: Vec<usize>,
-    /// Joint positions on each.
+    /// Joint positions on each rung.
     pub joints: Vec<Vec<f64>>,
 }
 
@@ -32,7 +33,7 @@ struct Node {
 }
 
 impl Ladder {
-    /// Climbs the ladder.
+    /// Finds the sequence of solutions with the lowest cost.
     ///
     /// # Errors
     /// The first point that cannot be reached.
@@ -65,7 +66,7 @@ impl Ladder {
     }
 }
 
-/// Rungs at even distances, at most a quarter of the path, so that short paths have several.
+/// Rungs at even distances of at most a quarter of the path, so that short paths have several.
 fn rungs(points: &[PathPoint]) -> Vec<usize> {
     let last = points.len() - 1;
     let length = points[last].way;
@@ -98,7 +99,7 @@ fn first_level(
         let stride = all.div_ceil(4 * MOST).max(1);
         curves.into_iter().flatten().step_by(stride).collect()
     };
-    // The arm may already be on the path, with extra turns of its joints.
+    // The arm may already be at the start of the path, with extra turns of its joints.
     solutions.extend(chain.follow(pose, problem.from));
     if solutions.is_empty() {
         return Err(Box::new(problem.failure(
@@ -109,7 +110,7 @@ fn first_level(
     }
     let nodes = solutions.into_par_iter().filter_map(|joints| {
         let discomfort = discomfort(problem, &joints)?;
-        // A start far from the present posture costs as much as the motion to it.
+        // Add the cost of the motion from the present posture to the start.
         let way = 0.02 * separation(&joints, problem.from).powi(2);
         Some(Node {
             joints,
@@ -124,7 +125,7 @@ fn first_level(
     Ok(nodes)
 }
 
-/// The solutions at a point a few points after `before`, each with the cheapest predecessor.
+/// The solutions at a point a few points after `before`, each with its predecessor of lowest cost.
 fn next_level(
     problem: &PathProblem<'_>,
     points: &[PathPoint],
@@ -159,7 +160,7 @@ fn next_level(
     let nodes = candidates.into_par_iter().filter_map(|joints| {
         let ways = before.iter().enumerate().filter_map(|(parent, node)| {
             let near = jump(&joints, &node.joints) <= reach;
-            // Squares, so that an even motion is cheaper than an uneven one.
+            // Squares make an even motion cheaper than an uneven one.
             near.then(|| {
                 (
                     node.cost + separation(&joints, &node.joints).powi(2),
@@ -186,7 +187,7 @@ fn discomfort(problem: &PathProblem<'_>, joints: &[f64]) -> Option<f64> {
     }
     let limits = problem.chain.joints.iter().zip(joints).map(|(joint, q)| {
         let (lower, upper) = joint.limits.search_range();
-        // One at the middle of the range, large at its ends.
+        // Zero at the middle of the range, large at its ends.
         let near = (q - lower).min(upper - q).max(1e-3) / (0.5 * (upper - lower));
         if joint.limits.upper.is_finite() {
             (1.0 / near).min(100.0) - 1.0
@@ -201,7 +202,7 @@ fn discomfort(problem: &PathProblem<'_>, joints: &[f64]) -> Option<f64> {
     Some(DISCOMFORT * (limits + singular + obstacle))
 }
 
-/// The cheapest of close solutions, at most [`MOST`].
+/// The cheapest of each group of close solutions, at most [`MOST`].
 fn thinned(mut nodes: Vec<Node>) -> Vec<Node> {
     nodes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let mut kept: Vec<Node> = Vec::new();
@@ -237,7 +238,7 @@ fn first_failure(
         .collect();
     let mut point = from + 1;
     while point < to {
-        // The full jump is allowed here: a failure is final.
+        // The full jump is allowed here, since the path is rejected if this search fails.
         let level = next_level(problem, points, &here, 1.0 / PART_OF_JUMP, point);
         if level.is_empty() {
             break;

@@ -1,10 +1,10 @@
 //! Joint paths along a path of poses of the hand.
 //!
-//! The path is cut into points at most 1 mm and 0.01 rad apart. A ladder of solutions is built on
-//! rungs some points apart, as in Descartes (De Maeyer et al. 2017): every solution of a rung leads
-//! to nearby solutions on the next one, and dynamic programming finds the cheapest sequence.
-//! Between rungs, the joint path is interpolated and projected onto the path; redundant joints are
-//! then moved in the null space until the joint path is smooth.
+//! The path is divided into points at most 1 mm and 0.01 rad apart. Some of these points are the
+//! rungs of a ladder of solutions, as in Descartes (De Maeyer et al. 2017): every solution of a
+//! rung leads to nearby solutions on the next one, and dynamic programming finds the sequence with
+//! the lowest cost. Between rungs, the joint path is interpolated and projected onto the path;
+//! redundant joints are then moved in the null space until the joint path is smooth.
 
 mod ladder;
 mod placement;
@@ -18,7 +18,7 @@ use super::chain::Chain;
 use super::pose::Pose;
 use ladder::Ladder;
 
-/// Largest step of a joint per point of a path, rad or m.
+/// Largest step of a joint between neighbouring points of a path, rad or m.
 pub const LARGEST_JUMP: f64 = 0.05;
 
 /// Input of the search for a joint path.
@@ -29,7 +29,7 @@ pub struct PathProblem<'a> {
     pub from: &'a [f64],
     /// Distance to the nearest obstacle, m.
     pub clearance: &'a (dyn Fn(&[f64]) -> f64 + Sync),
-    /// Least distance allowed, m.
+    /// Least allowed distance, m.
     pub margin: f64,
 }
 
@@ -38,7 +38,7 @@ pub struct PathProblem<'a> {
 pub struct JointPath {
     /// Joint positions at every point.
     pub joints: Vec<Vec<f64>>,
-    /// Largest step of a joint from point to point, rad or m.
+    /// Largest step of a joint between neighbouring points, rad or m.
     pub largest_jump: f64,
     /// Least distance to an obstacle, m.
     pub least_clearance: f64,
@@ -55,18 +55,18 @@ pub struct PathFailure {
     pub point: usize,
     /// Why.
     pub reason: Obstruction,
-    /// Pose nearest to that of the point that the arm can take, in the base frame.
+    /// Nearest pose that the arm can take, in the base frame.
     pub nearest: Pose,
 }
 
-/// Why a point cannot be reached.
+/// Reason why a point cannot be reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Obstruction {
     /// No posture within the limits reaches it.
     OutOfReach,
     /// Every posture that reaches it comes too near to an obstacle.
     Collision,
-    /// It can be reached, but only with a jump from the points before it.
+    /// The point can be reached, but only with a jump from the points before it.
     Jump,
 }
 
@@ -82,7 +82,7 @@ impl Obstruction {
 }
 
 impl PathProblem<'_> {
-    /// Finds a smooth joint path along points that [`subdivide`] made.
+    /// Finds a smooth joint path along points from [`subdivide`].
     ///
     /// # Errors
     /// The first point that no smooth joint path reaches.
@@ -115,7 +115,7 @@ impl PathProblem<'_> {
                 Ok(joints) => self.chain.hand(&joints),
                 Err(nearest) => nearest.hand,
             },
-            // The pose before it could be reached.
+            // The previous point could be reached.
             Obstruction::Collision | Obstruction::Jump => points[point.saturating_sub(1)].pose,
         };
         PathFailure {

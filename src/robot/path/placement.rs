@@ -1,17 +1,17 @@
-//! The best place on a table for a path.
+//! Search for the best place of a path on a table.
 
 use super::{PathFailure, PathProblem, subdivide};
 use crate::pose::Pose;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
-/// Number of poses of the path tried at each place.
+/// Number of poses of the path tested at each place.
 const PROBES: usize = 16;
-/// Distance of places, m.
+/// Spacing of places, m.
 const GRID: f64 = 0.05;
 /// Number of rotations about the normal of the table that are tried.
 const TURNS: usize = 8;
-/// Number of places examined with the full path.
+/// Number of places tested with the full path.
 const FINALISTS: usize = 12;
 
 /// A place for a path.
@@ -25,11 +25,12 @@ pub struct Placement {
     pub least_distance_to_singularity: f64,
 }
 
-/// Finds the place on a table (the pose of the centre of its top in the base frame, its sides) at which an arm can
-/// follow a path and stays farthest from singularities; the points of the path must stay above the table.
+/// Finds the place on a table at which an arm can follow a path and stays farthest from
+/// singularities. `top` is the pose of the centre of the table top in the base frame. All points
+/// of the path must be above the table.
 ///
 /// # Errors
-/// No place was found: the error at the most promising one, if any probe was reachable.
+/// No place was found. The error is that of the most promising place, if any probe was reachable.
 pub fn place(
     problem: &PathProblem<'_>,
     path: &[Pose],
@@ -84,8 +85,8 @@ fn frame(top: &Pose, [x, y, turn]: [f64; 3]) -> Pose {
     )
 }
 
-/// Smallest distance to a singularity at the probes; `None` if one is beside the table or cannot be
-/// reached from the previous posture.
+/// Smallest distance to a singularity at the probes; `None` if a probe is not above the table, or
+/// cannot be reached from the posture of the previous one.
 fn score(
     problem: &PathProblem<'_>,
     probes: &[Pose],

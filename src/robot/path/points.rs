@@ -3,10 +3,10 @@
 use crate::pose::{Pose, distance_and_angle};
 use nalgebra::{Translation3, UnitQuaternion, Vector3, Vector6};
 
-/// Length that counts as much as a turn by one radian, m.
+/// Length equivalent to a rotation by one radian, m.
 const LENGTH_PER_RADIAN: f64 = 0.1;
 
-/// Turn of a path at a pose that makes it a corner, rad.
+/// A pose is a corner if the path turns by more than this there, rad.
 const CORNER: f64 = 0.5;
 
 /// A point of a path.
@@ -14,22 +14,22 @@ const CORNER: f64 = 0.5;
 pub struct PathPoint {
     /// Pose of the hand.
     pub pose: Pose,
-    /// Arc length from the start, m: √(dx² + (0.1 m dφ)²) summed up.
+    /// Arc length from the start, m: the sum of √(dx² + (0.1 m dφ)²).
     pub way: f64,
-    /// Index of the given pose at or before it.
+    /// Index of the last given pose up to this point.
     pub given: usize,
 }
 
-/// Cuts a path into points whose neighbours are at most `step` apart (m, and 10 rad per m); all given poses are points,
-/// and equal neighbours one.
+/// Divides a path into points whose neighbours are at most `step` apart (m, with a rotation of 1
+/// rad counted as 0.1 m). All given poses are points; equal neighbours are merged.
 ///
-/// Between them the path is a cubic whose slope at a pose is that of the parabola through it and its neighbours; where
-/// the path turns by more than 0.5 rad at a pose, it is a corner and stays one.
+/// Between two poses the path is a cubic. Its slope at a pose is that of the parabola through the
+/// pose and its neighbours. A pose at which the path turns by more than 0.5 rad remains a corner.
 pub fn subdivide(poses: &[Pose], step: f64) -> Vec<PathPoint> {
     let Some(first) = poses.first() else {
         return Vec::new();
     };
-    // Index, pose and the distance from the previous pose, without repetitions.
+    // Index, pose and the distance from the previous pose, without repeated poses.
     let mut given: Vec<(usize, Pose, f64)> = vec![(0, *first, 0.0)];
     for (index, pose) in poses.iter().enumerate().skip(1) {
         let length = length(&given[given.len() - 1].1, pose);
@@ -50,7 +50,8 @@ pub fn subdivide(poses: &[Pose], step: f64) -> Vec<PathPoint> {
             change: local_change(&from, &to),
             slopes: [slopes[k - 1][1] * length, slopes[k][0] * length],
         };
-        // A cubic is longer than its chord; round-off must not add a point where poses are a step apart.
+        // A cubic is longer than its chord; this and round-off must not add a point between poses
+        // that are one step apart.
         let pieces = (cubic.length() / step - 1e-6).ceil().max(1.0) as usize;
         for piece in 1..=pieces {
             let pose = if piece == pieces {
@@ -79,15 +80,15 @@ fn length(from: &Pose, to: &Pose) -> f64 {
     libm::hypot(distance, LENGTH_PER_RADIAN * angle)
 }
 
-/// Displacement, m, and rotation vector, rad, from one pose to another: the first in the frame in which they are
-/// given, the second in that of the first pose.
+/// Displacement, m, and rotation vector, rad, from one pose to another. The displacement is in the
+/// common frame of the poses, the rotation vector in the frame of the first pose.
 fn local_change(from: &Pose, to: &Pose) -> Vector6<f64> {
     let shift = to.translation.vector - from.translation.vector;
     let turn = (from.rotation.inverse() * to.rotation).scaled_axis();
     Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
 }
 
-/// Change per arc length before and after a pose; equal except at a corner.
+/// Change of the pose per arc length before and after a pose; equal except at a corner.
 fn slopes(given: &[(usize, Pose, f64)], k: usize) -> [Vector6<f64>; 2] {
     let pose = &given[k].1;
     let before = (k > 0).then(|| -local_change(pose, &given[k - 1].1) / given[k].2);
@@ -135,7 +136,8 @@ impl Cubic {
         )
     }
 
-    /// An upper bound of the length of every stretch of the parameter, times the number of such stretches.
+    /// An upper bound of the length: eight times the longest chord over eight equal intervals of
+    /// the parameter.
     fn length(&self) -> f64 {
         let fastest = (0..8).map(|k| {
             length(
@@ -171,7 +173,7 @@ mod tests {
         assert!(subdivide(&[], 1e-3).is_empty());
     }
 
-    /// Poses along a circle of radius 1, turning with it.
+    /// Poses along a circle of radius 1, whose orientation follows the circle.
     fn circle(count: usize) -> Vec<Pose> {
         let poses = (0..=count).map(|k| {
             let angle = std::f64::consts::TAU * k as f64 / count as f64;
@@ -184,7 +186,7 @@ mod tests {
     fn smooth_poses_give_a_smooth_path_of_third_order() {
         let error = |count: usize| {
             let points = subdivide(&circle(count), 0.01);
-            // The ends have slopes of first order only.
+            // The slopes at the ends are of first order only.
             let inner = points
                 .iter()
                 .filter(|point| (2..count - 2).contains(&point.given));

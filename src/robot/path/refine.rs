@@ -1,11 +1,12 @@
-//! From the solutions on the ladder to joint positions at every point.
+//! Refines the solutions on the ladder to joint positions at every point.
 
 use super::ladder::Ladder;
 use super::{Obstruction, PathFailure, PathPoint, PathProblem};
 use crate::chain::Chain;
 
-/// Rounds of smoothing on the rungs, and at the points.
+/// Rounds of smoothing on the rungs.
 const COARSE_ROUNDS: usize = 120;
+/// Rounds of smoothing at the points.
 const FINE_ROUNDS: usize = 6;
 
 /// Smooths the joint path in the null space and follows the path from rung to rung.
@@ -40,7 +41,7 @@ pub(super) fn refine(
     }
 }
 
-/// Cubic Hermite interpolation between two rungs with slopes by their neighbours.
+/// Cubic Hermite interpolation between two rungs with slopes from neighbouring rungs.
 fn interpolated(rungs: &[PathPoint], joints: &[Vec<f64>], segment: usize, t: f64) -> Vec<f64> {
     let length = rungs[segment + 1].way - rungs[segment].way;
     let slope = |rung: usize, k: usize| {
@@ -60,8 +61,8 @@ fn interpolated(rungs: &[PathPoint], joints: &[Vec<f64>], segment: usize, t: f64
         .collect()
 }
 
-/// Moves the joints at every point but the first in the null space, halfway to the mean of their
-/// neighbours, unless limits or obstacles prevent it.
+/// Moves the joints at every point except the first in the null space, halfway to the mean of
+/// their neighbours, unless limits or obstacles prevent it.
 fn smooth(problem: &PathProblem<'_>, points: &[PathPoint], joints: &mut [Vec<f64>], rounds: usize) {
     let chain = problem.chain;
     let count = joints.len();
@@ -71,7 +72,7 @@ fn smooth(problem: &PathProblem<'_>, points: &[PathPoint], joints: &mut [Vec<f64
             let wish: Vec<f64> = (0..joints[k].len())
                 .map(|j| {
                     let here = joints[k][j];
-                    // At the free end the path stops along the last step.
+                    // At the free end the last step is mirrored.
                     let after = if k + 1 < count {
                         joints[k + 1][j]
                     } else {
@@ -93,8 +94,8 @@ fn smooth(problem: &PathProblem<'_>, points: &[PathPoint], joints: &mut [Vec<f64
     }
 }
 
-/// The posture after a desired joint motion in the null space, and its size; `None` if it violates
-/// the limits.
+/// The posture after a desired joint motion in the null space, and the size of the motion; `None`
+/// if the posture is too close to the limits.
 fn in_null_space(
     chain: &Chain,
     point: &PathPoint,
@@ -112,7 +113,7 @@ fn in_null_space(
         .zip(&direction)
         .map(|(q, d)| q + step * d)
         .collect();
-    // Slightly inside the joint limits, so that the path can be followed with errors.
+    // Stay slightly inside the joint limits, so that the path can still be corrected.
     if chain.distance_to_limits(&guess) < chain.distance_to_limits(joints).min(0.02) {
         return None;
     }

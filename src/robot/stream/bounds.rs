@@ -1,4 +1,4 @@
-//! Tolerances of a stream: deviations of joints, and times of silence and standstill.
+//! Tolerances of a stream: deviations of joints, and durations of silence and standstill.
 
 use crate::chain::JointKind;
 use std::time::Duration;
@@ -6,9 +6,9 @@ use std::time::Duration;
 /// A distance for revolute joints and one for prismatic joints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// Of revolute joints, rad.
+    /// Distance for revolute joints, rad.
     pub revolute: f64,
-    /// Of prismatic joints, m.
+    /// Distance for prismatic joints, m.
     pub prismatic: f64,
 }
 
@@ -22,27 +22,27 @@ impl Tolerance {
     }
 }
 
-/// Bounds of a stream.
+/// Tolerances of a stream.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StreamBounds {
     /// Greatest distance of a joint from the first point at the start, and from the last point at the end.
     pub start: Tolerance,
-    /// Greatest distance of a joint from the trajectory on the way.
+    /// Greatest distance of a joint from the trajectory during the motion.
     pub tracking: Tolerance,
     /// Longest time without reports.
     pub watchdog: Duration,
-    /// Longest pause of an arm during the motion. `None`: unlimited if the feedback of its
-    /// controller shows a constant setpoint, as in a pause; otherwise no pause is allowed.
+    /// Longest pause of an arm during the motion. With `None`, a pause is allowed only if the
+    /// feedback of the controller shows a constant setpoint; its length is then unlimited.
     pub longest_pause: Option<Duration>,
-    /// Time after which a controller comes to rest when no more goals are sent. `None`: the whole
-    /// motion is sent as one goal.
+    /// Time after which a controller comes to rest when no more goals are sent. With `None`, the
+    /// whole motion is sent as one goal.
     pub horizon: Option<Duration>,
 }
 
 impl Default for StreamBounds {
-    /// Start and end within 0.02 rad and 2 mm, the way within 0.05 rad and 5 mm, silence of 0.3 s:
-    /// reports of joints at 100 Hz may be lost 30 times before the arm is stopped, and the stop
-    /// follows within half a second.
+    /// Start and end within 0.02 rad and 2 mm, tracking within 0.05 rad and 5 mm, and silence of
+    /// at most 0.3 s. With joint reports at 100 Hz, 30 reports may be lost before the arm is
+    /// stopped, and the stop follows within half a second.
     fn default() -> Self {
         Self {
             start: Tolerance {

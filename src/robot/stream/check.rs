@@ -1,16 +1,18 @@
-//! Limits, checked before the first point is sent: of the points, and of the cubics that controllers put between them.
+//! Checks of limits before the first point is sent, for the points and for the cubics that
+//! controllers interpolate between them.
 
 use crate::chain::Limits;
 use crate::driver::{Interpolant, PartTrajectory};
 use std::fmt;
 
-/// Share of a limit by which rounding in a table may exceed it.
+/// Fraction of a limit by which rounding in a table may exceed it.
 const ROUNDING: f64 = 0.01;
-/// The spline through samples of a motion whose jerk jumps by `j` overshoots its acceleration by this part of `j` times the time
-/// between samples, and at most by [`MOST_OVERSHOOT`] of the limit.
+/// Allowed overshoot of the acceleration of a spline through samples, as a fraction of the jump of
+/// the jerk times the time between samples.
 const OVERSHOOT: f64 = 0.15;
+/// Largest allowed overshoot, as a fraction of the limit.
 const MOST_OVERSHOOT: f64 = 0.05;
-/// Tolerance of limits for cubics, rad or m, for the rounding of a motion along a limit.
+/// Tolerance of limits for cubics, rad or m; it allows for rounding in a motion along a limit.
 const POSITION_ROUNDING: f64 = 1e-5;
 
 /// A point that must not be sent.
@@ -20,11 +22,12 @@ pub struct Fault {
     pub joint: String,
     /// Index of the point.
     pub point: usize,
-    /// Whether it is between this point and the next, on the cubic that a controller puts there.
+    /// Whether the fault is between this point and the next, on the cubic that a controller
+    /// interpolates.
     pub is_between: bool,
     /// The quantity that exceeds its limit.
     pub what: &'static str,
-    /// Its value, in rad or m and seconds.
+    /// Value of the quantity, in rad or m and seconds.
     pub value: f64,
     /// The limit.
     pub allowed: [f64; 2],
@@ -48,9 +51,9 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Checks positions, velocities, accelerations and jerks of a part against limits, one per joint, by differences of
-/// neighbouring points, with rest before the first and after the last, and those of the cubics between the points
-/// ([`PartTrajectory::interpolant`]).
+/// Checks positions, velocities, accelerations and jerks of a part against limits, one per joint.
+/// Derivatives are differences of neighbouring points, with rest before the first and after the
+/// last point. The cubics between the points are checked, too ([`PartTrajectory::interpolant`]).
 ///
 /// # Errors
 /// The first fault of each joint.
@@ -125,7 +128,7 @@ fn first_fault(trajectory: &PartTrajectory, joint: usize, limits: &Limits) -> Op
         let position = trajectory.points[point][joint];
         return Some(("position", point, position, [limits.lower, limits.upper]));
     }
-    // Times and values of each derivative; zero outside.
+    // Times and values of each derivative, which is zero before and after the motion.
     let mut times = trajectory.times.clone();
     let mut values: Vec<f64> = trajectory.points.iter().map(|point| point[joint]).collect();
     let bounds = [
@@ -137,7 +140,8 @@ fn first_fault(trajectory: &PartTrajectory, joint: usize, limits: &Limits) -> Op
         let mut slopes = Vec::with_capacity(times.len() + 1);
         let mut middles = Vec::with_capacity(times.len() + 1);
         if order > 0 {
-            // From rest one interval before, to rest one after.
+            // The motion starts from rest one interval earlier, and ends at rest one interval
+            // later.
             let (first, last) = (
                 times[1] - times[0],
                 times[times.len() - 1] - times[times.len() - 2],

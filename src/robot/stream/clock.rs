@@ -1,7 +1,7 @@
 //! The clock of a motion: that of this machine, or that of the robot if it has one.
 //!
-//! A simulated robot publishes its own time (in ROS on the topic `/clock`): it may be faster than
-//! real time, or slower if it cannot keep up, and the trajectory follows it.
+//! A simulated robot publishes its own time (in ROS on the topic `/clock`), which may be faster or
+//! slower than real time. The trajectory follows this clock.
 
 use super::Part;
 use super::follow::LATENESS;
@@ -10,13 +10,13 @@ use crate::driver::JointState;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// Largest clock rate relative to real time. Faster changes count as a jump.
+/// Largest clock rate relative to real time; faster changes count as a jump.
 const FASTEST: f64 = 100.0;
 /// Largest clock rate relative to its greatest rate so far.
 const FASTER: f64 = 4.0;
-/// Longest jump of a clock that counts as late messages, s.
+/// Longest jump of a clock that may be caused by late messages, s.
 const JUMP: f64 = 2.0;
-/// Machine time after which a lasting jump is an error.
+/// Machine time after which a jump that persists is an error.
 const LONGEST_JUMP: Duration = Duration::from_millis(300);
 /// Machine time over which the rate of a clock is measured.
 const RATE_WINDOW: Duration = Duration::from_millis(100);
@@ -31,25 +31,25 @@ pub(super) struct MotionClock {
 
 /// The clock of a robot.
 struct RobotClock {
-    /// The part whose clock counts.
+    /// The part whose clock is used.
     part: usize,
-    /// Its time at the start, s.
+    /// Time of the clock at the start, s.
     began: f64,
-    /// When its time at the start was received, and that time, s.
+    /// Machine time and clock time, s, of the start.
     first: (Instant, f64),
-    /// Its last time without a jump, s, and when it was received.
+    /// Last time without a jump, s, and its time of reception.
     last: (f64, Instant),
-    /// When it jumped, if it has not returned since.
+    /// Time of the last jump, if the clock has not returned since.
     jumped: Option<Instant>,
-    /// Recent times of the machine and of the robot, s.
+    /// Recent pairs of machine time and clock time, s.
     kept: VecDeque<(Instant, f64)>,
-    /// Recent rates, and when they were measured.
+    /// Recent rates and the times of their measurement.
     rates: VecDeque<(Instant, f64)>,
     greatest_rate: f64,
 }
 
 impl MotionClock {
-    /// The clock of parts that are about to begin.
+    /// The clock of parts that are about to start.
     pub(super) fn of(parts: &[Part], timer: &dyn Timer) -> Self {
         let clocks = parts.iter().enumerate();
         let mut clocks = clocks.filter_map(|(part, known)| Some((part, known.driver.clock()?)));
@@ -68,8 +68,8 @@ impl MotionClock {
         }
     }
 
-    /// The parts have been started. The clock of a robot starts before: the motion then begins
-    /// slightly later, never earlier.
+    /// Records that the parts have been started. A robot's clock has started before, so that the
+    /// motion starts slightly late but never early.
     pub(super) fn set_off(&mut self, timer: &dyn Timer) {
         self.start = timer.now();
     }
@@ -99,10 +99,10 @@ impl MotionClock {
         }
     }
 
-    /// Time since the start at which joints were where a report puts them, s: the time of
-    /// reception, or the stamp on the clock of a robot. Reports and times arrive over different
-    /// connections and may overtake each other, so that the stamp differs from the last time
-    /// received; a stamp that differs by more than the allowed lag belongs to another clock.
+    /// Time since the start for which a report is valid, s: the time of reception, or the stamp on
+    /// the clock of a robot. Reports and clock times arrive over different connections, so that
+    /// the stamp may differ from the last clock time. A stamp that differs by more than the
+    /// allowed lag belongs to another clock.
     pub(super) fn time_of(&self, report: &JointState) -> f64 {
         let Some(robot) = &self.robot else {
             return match report.received.checked_duration_since(self.start) {
@@ -116,7 +116,7 @@ impl MotionClock {
         stamped.filter(is_near).unwrap_or(heard)
     }
 
-    /// Largest recent rate of the clock relative to real time, at least 1: processing delays are
+    /// Largest recent rate of the clock relative to real time, at least 1. Processing delays are
     /// longer on a fast clock.
     pub(super) fn rate(&self) -> f64 {
         let Some(robot) = &self.robot else { return 1.0 };
@@ -147,7 +147,7 @@ impl RobotClock {
         let since = received.saturating_duration_since(self.last.1);
         let by = time - self.last.0;
         let most = JUMP + FASTER * self.greatest_rate * since.as_secs_f64();
-        // A time that is not a number also counts as a jump.
+        // A time that is not a number counts as a jump, too.
         if !(by >= 0.0 && by <= most) {
             let jumped = *self.jumped.get_or_insert(received);
             if received.saturating_duration_since(jumped) > LONGEST_JUMP {
@@ -164,8 +164,8 @@ impl RobotClock {
         while self.kept.len() > 2 && received.duration_since(self.kept[1].0) > RATE_WINDOW {
             self.kept.pop_front();
         }
-        // Recently and since the start: a clock that sometimes waits for a busy machine is fast in
-        // between.
+        // Consider recent rates and the rate since the start, since a clock that sometimes waits
+        // for a busy machine is fast in between.
         let over = |since: (Instant, f64)| {
             let span = received.saturating_duration_since(since.0).max(RATE_WINDOW);
             (time - since.1) / span.as_secs_f64()

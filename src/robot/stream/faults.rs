@@ -1,7 +1,8 @@
-//! Streams to arms with random faults, in simulated time: a motion ends finished or commanded to
-//! stop, and its report is true.
+//! Streams to arms with random faults, in simulated time. Every motion must end as finished or
+//! with a stop command, and its report must be true.
 //!
-//! `RODLAB_FAULT_CASES=100000 cargo test --release random_faults` tries more than continuous integration does.
+//! `RODLAB_FAULT_CASES=100000 cargo test --release random_faults` runs more cases than continuous
+//! integration.
 
 use super::tests::BOUNDS;
 use super::*;
@@ -12,7 +13,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 const CASES: u64 = 600;
 const VARIABLE: &str = "RODLAB_FAULT_CASES";
 
-/// Duration of a sleep of a stream.
+/// A simulated time source: a sleep advances its time.
 #[derive(Clone)]
 struct Simulated(Arc<Mutex<Instant>>);
 
@@ -51,29 +52,29 @@ impl Random {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     None,
-    /// Its reports end.
+    /// The reports of the arm end.
     Silence,
-    /// Its joints stop, and reports continue.
+    /// The joints stop, and reports continue.
     DrivesOff,
     /// One joint stops.
     FrozenJoint,
-    /// One joint is somewhere else.
+    /// One joint jumps to another position.
     Jump,
-    /// One joint reports no number.
+    /// One joint reports NaN.
     NotANumber,
     /// The server reports success, and the joints stop.
     FalseEnd,
-    /// The server reports success, and the joints move on.
+    /// The server reports success, and the joints keep moving.
     EarlyEnd,
-    /// The server aborts the motion, and the joints move on.
+    /// The server aborts the motion, and the joints keep moving.
     FalseAbort,
     /// The server aborts the motion, and the joints stop.
     Abort,
-    /// The connection is lost, and the joints move on.
+    /// The connection is lost, and the joints keep moving.
     Lost,
     /// The connection is lost permanently.
     Gone,
-    /// The server confirms requests to stop, and the joints move on. The user interrupts.
+    /// The server confirms requests to stop, but the joints keep moving. The user interrupts.
     DeafServer,
     /// The user interrupts.
     Interruption,
@@ -85,7 +86,7 @@ enum Fault {
     Short,
     /// The joints oscillate about the last point.
     Swinging,
-    /// The joints are elsewhere at the start.
+    /// The joints are at another position at the start.
     Elsewhere,
     /// The server accepts no goal.
     Refusal,
@@ -123,13 +124,13 @@ const FAULTS: [Fault; 22] = [
 /// The arm itself, which moves independently of its client.
 struct Arm {
     fault: Fault,
-    /// When it happens, s after the start.
+    /// Time of the fault, s after the start.
     moment: f64,
     joint: usize,
     begun: Option<Instant>,
-    /// Its goals, and when they arrived, on its own time, s.
+    /// Goals with their times of arrival on the arm's own time, s.
     goals: Vec<(f64, Interpolant)>,
-    /// Its own time at which it stopped, s.
+    /// Time at which the arm stopped, on its own time, s.
     stopped: Option<f64>,
     requests: usize,
     lost: bool,
@@ -155,20 +156,20 @@ impl Arm {
         self.goals.push((time, goal));
     }
 
-    /// Its setpoint at its own time, s.
+    /// Setpoint at a time of the arm, s.
     fn place(&self, time: f64) -> Vec<f64> {
         let came = self.goals.iter().rfind(|(since, _)| *since <= time);
         let (since, goal) = came.unwrap_or(&self.goals[0]);
         goal.at(time - since)
     }
 
-    /// When its last goal ends, on its own time, s.
+    /// End of the last goal on the arm's own time, s.
     fn end(&self) -> f64 {
         let (since, last) = &self.goals[self.goals.len() - 1];
         since + last.duration()
     }
 
-    /// Its own time, s: it stops while the arm is paused.
+    /// The arm's own time, s, which stops while the arm is paused.
     fn own_time(&self, now: Instant) -> f64 {
         let elapsed = self.elapsed(now);
         let until = self.stopped.unwrap_or(f64::INFINITY);
@@ -219,7 +220,7 @@ impl Arm {
     }
 }
 
-/// A driver to it.
+/// A driver of the arm.
 struct Connection {
     arm: Arc<Mutex<Arm>>,
     timer: Simulated,
@@ -227,7 +228,7 @@ struct Connection {
     setpoint: Option<JointState>,
     clock: Option<(f64, Instant)>,
     has_clock: bool,
-    /// Time between two received clock times: joint reports overtake them.
+    /// Time between two received clock times; joint reports may overtake them.
     clock_period: Duration,
     opened: Instant,
 }
@@ -495,16 +496,16 @@ fn run_case(seed: u64) -> Result<(), String> {
             return wrong("it was not commanded to stop");
         }
     }
-    // Early enough, each fault decides how the motion ends.
+    // A fault at this time of the motion determines how the motion ends.
     let is_early = (0.2 * duration..0.7 * duration).contains(&moment);
     let should = match fault {
-        // Before the last piece is sent, the end cannot have been reached.
+        // The end cannot be reached before the last piece is sent.
         Fault::EarlyEnd if horizon.is_some() => "Failed",
         Fault::None | Fault::EarlyEnd => "Finished",
         Fault::Slow | Fault::Pause if !keeps_clock => "Finished",
         Fault::ClockJump if faulty_is_glitch(arms) => "Finished",
         Fault::Interruption => "Interrupted",
-        // The motion may be over, at rest, before the timeout.
+        // The arm may be at rest at its goal before the timeout.
         Fault::DeafServer if !arms[0].moves(now) => "Interrupted",
         _ => "Failed",
     };
@@ -513,10 +514,10 @@ fn run_case(seed: u64) -> Result<(), String> {
         Ending::Interrupted => "Interrupted",
         Ending::Failed(_) => "Failed",
     };
-    // In pieces a slow arm catches up at each of them.
+    // A motion sent in pieces lets a slow arm catch up at each piece.
     let slowest = if horizon.is_some() { 0.3 } else { 0.5 };
     let slow_enough = fault != Fault::Slow || !keeps_clock || moment < slowest;
-    // The last piece may have been sent.
+    // The last piece may already have been sent.
     let is_decided = fault != Fault::EarlyEnd || horizon.is_none() || moment < 0.2;
     if is_early && slow_enough && is_decided && is != should {
         return wrong(&format!("it should have {should}"));

@@ -10,23 +10,23 @@ use super::reports::{Reports, STILL};
 use crate::chain::JointKind;
 use crate::driver::{Interpolant, JointState, PartTrajectory, range_of};
 
-/// Allowed lag of an arm, s, before its distance from its trajectory counts.
+/// Allowed lag of an arm, s, up to which it may be away from its trajectory.
 pub(super) const LATENESS: f64 = 0.3;
-/// Time after which an arm that does not move, while its trajectory does, counts as still, s.
+/// Time, s, after which an arm counts as still if it does not move while its trajectory does.
 const WINDOW: f64 = 0.2;
 /// Time within which an arm must start to move, s.
 const START: f64 = 2.0;
-/// Time after which a constant setpoint counts as still, s: feedback is less frequent than joint
+/// Time after which a constant setpoint counts as still, s; feedback is less frequent than joint
 /// reports.
 const GRACE: f64 = 0.1;
-/// Motion of a trajectory that counts, as a share of the tracking tolerance.
+/// Least motion of a trajectory that is compared with that of the arm, as a fraction of the
+/// tracking tolerance.
 const NOTICEABLE: f64 = 0.2;
-/// Share of the motion of the trajectory below which an arm counts as still.
+/// Fraction of the motion of the trajectory below which an arm counts as still.
 const STILL_PART: f64 = 0.1;
 /// Growth of the lag after which an arm counts as still, s.
 const SLOW: f64 = 1.0;
-/// Number of samples of the trajectory within the allowed lag, and of trial times for a growing
-/// lag.
+/// Number of samples of the trajectory within the allowed lag, and of trial lags if the lag grows.
 const SAMPLES: usize = 16;
 
 /// Follows one part.
@@ -41,22 +41,22 @@ pub(super) struct Follower {
     /// Time of the trajectory that the arm has reached, s.
     reached: f64,
     has_moved: bool,
-    /// When it was found to be still during the motion, on the clock of the motion, s.
+    /// Time since which the arm has been still during the motion, on the clock of the motion, s.
     still_since: Option<f64>,
-    /// Whether that was reported as a pause.
+    /// Whether the standstill was reported as a pause.
     is_paused: bool,
     /// Lag when the joints came to rest, s.
     lag_at_rest: Option<f64>,
 }
 
-/// Result of a report.
+/// Result of the check of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Motion {
-    /// It follows, or has not started yet.
+    /// The arm follows, or has not started yet.
     Follows,
-    /// Its controller has paused; this is the first report of it.
+    /// Its controller has paused; returned once per pause.
     Pauses,
-    /// It moves again after a pause.
+    /// The arm moves again after a pause.
     Resumes,
 }
 
@@ -66,13 +66,14 @@ pub(super) struct Circumstances<'a> {
     pub time: f64,
     /// Rate of that clock relative to real time, at least 1.
     pub rate: f64,
-    /// Largest such rate so far.
+    /// Largest rate of that clock so far.
     pub greatest_rate: f64,
     /// Whether the controller has accepted the motion.
     pub is_accepted: bool,
     /// Whether the controller has reported the end of the motion.
     pub is_done: bool,
-    /// Whether it must keep the clock: other parts move with it, or the motion is sent in pieces.
+    /// Whether the part must keep the clock: other parts move, too, or the motion is sent in
+    /// pieces.
     pub keeps_clock: bool,
     /// Setpoint of the controller, if reported.
     pub setpoint: Option<&'a JointState>,
@@ -169,12 +170,12 @@ impl Follower {
     /// tolerance.
     fn distance_at(&self, positions: &[f64], due: f64, now: &Circumstances<'_>) -> (usize, f64) {
         let lateness = LATENESS * now.rate;
-        // An arm that lags may catch up.
+        // A lagging arm may also be catching up.
         let (since, until) = (due - lateness, now.time.min(due + lateness));
         let knots = self.path.times();
         let [first, last] = [since, until].map(|end| knots.partition_point(|t| *t < end));
         let samples = (0..=SAMPLES).map(|k| since + (until - since) * k as f64 / SAMPLES as f64);
-        // Of many points, a few are enough: they are then close together.
+        // If there are many points, a few suffice, since they are close together.
         let stride = (last - first).div_ceil(4 * SAMPLES).max(1);
         let knots = knots[first..last].iter().step_by(stride).copied();
         let places: Vec<Vec<f64>> = samples
@@ -195,7 +196,7 @@ impl Follower {
         let distances = self.kinds.iter().enumerate().map(|(joint, kind)| {
             let [low, high] = range(joint);
             let position = positions[joint];
-            // A position that is not a number is infinitely far.
+            // A position that is not a number counts as infinitely far.
             let distance = if position.is_finite() {
                 (low - position).max(position - high).max(0.0)
             } else {
@@ -219,8 +220,8 @@ impl Follower {
         }
         let since = *self.still_since.get_or_insert(now.time);
         if !self.has_moved {
-            // The driver waits for an answer to its goal; several parts are compared with their
-            // clock.
+            // The arm may start late: the driver may still wait for an answer to its goal, and
+            // several parts are checked against their common clock.
             let is_early = now.time / now.rate < START && !now.is_done;
             return match is_early || !now.is_accepted || now.keeps_clock {
                 true => Ok(Motion::Follows),
@@ -256,14 +257,15 @@ impl Follower {
         ))
     }
 
-    /// Whether the arm does not move although its trajectory did all the time in which the arm may be late.
+    /// Whether the arm stands still although its trajectory moved at all times within the allowed
+    /// lag.
     fn is_still(&mut self, now: &Circumstances<'_>) -> bool {
         let window = WINDOW * now.rate;
         let moved = self.reports.movement(window, &now.bounds.tracking);
         let (Some(moved), Some(noise)) = (moved, self.reports.movement(window, &STILL)) else {
             return false;
         };
-        // Where the trajectory is slow, the lag of the arm shows it.
+        // If the trajectory is slow, only the growing lag shows that the arm is still.
         let lag = self.lag;
         self.lag_at_rest = (noise <= 1.0).then(|| self.lag_at_rest.unwrap_or(lag));
         let falls_behind = (self.lag_at_rest).is_some_and(|then| lag - then > SLOW * now.rate);
@@ -300,7 +302,7 @@ impl Follower {
             && self.missed_joint(now.bounds).is_none()
     }
 
-    /// The joint that is not at the last point by the last report, with its distance from it, as
+    /// The joint that is not at the last point according to the last report, with its distance, as
     /// text.
     pub(super) fn missed_joint(&self, bounds: &StreamBounds) -> Option<String> {
         let positions = self.reports.last()?;

@@ -1,4 +1,4 @@
-//! The log of a stream: what was commanded, what came back, what happened.
+//! The log of a stream: commands, reports and events.
 
 use super::Part;
 use crate::driver::JointState;
@@ -8,12 +8,12 @@ use std::path::Path;
 use std::time::Instant;
 
 /// Tables `commanded.csv` and `state.csv` (`time_s`, `part`, `joint`, `position`) and `events.csv`
-/// (`time_s`, `event`); times count from the opening of the log; after the start, on the robot's
-/// clock if it has one.
+/// (`time_s`, `event`). Times are measured from the opening of the log, after the start on the
+/// robot's clock if it has one.
 pub struct StreamLog {
     files: Option<Files>,
     opened: Instant,
-    /// Time of the start, on the log's clock, and how many points of each part are logged.
+    /// Time of the start on the log's clock, and number of logged points of each part.
     started: Option<f64>,
     logged: Vec<usize>,
     heard: Vec<(String, Instant)>,
@@ -27,10 +27,10 @@ struct Files {
 }
 
 impl StreamLog {
-    /// Opens a log in a directory that exists.
+    /// Opens a log in an existing directory.
     ///
     /// # Errors
-    /// If a file cannot be made.
+    /// A file cannot be created.
     pub fn open(directory: &Path) -> io::Result<Self> {
         let create = |name: &str, header: &str| -> io::Result<BufWriter<File>> {
             let mut file = BufWriter::new(File::create(directory.join(name))?);
@@ -60,7 +60,7 @@ impl StreamLog {
         }
     }
 
-    /// The first error of writing, if there was one.
+    /// Ends the log; returns the first write error, if there was one.
     pub fn finish(mut self) -> io::Result<()> {
         if let Some(files) = &mut self.files {
             let written = [&mut files.commanded, &mut files.state, &mut files.events]

@@ -1,4 +1,4 @@
-//! Safe streaming: trajectories to drivers on one clock.
+//! Safe streamingof trajectories to drivers on a common clock.
 //!
 //! [`check`] checks the motion before the first point is sent. [`stream`] then connects, compares
 //! the joints with their first points, starts all parts at once, and watches their reports. A
@@ -45,14 +45,15 @@ use timer::{SystemTimer, Timer};
 
 /// Polling interval of the drivers.
 const CYCLE: Duration = Duration::from_millis(2);
-/// Longest wait for the end after the last point's time, s.
+/// Longest wait for the end of the motion after the time of the last point, s.
 const OVERTIME: f64 = 5.0;
-/// Longest time between the end that a controller reports and joints at rest at the last point.
+/// Longest time from the end that a controller reports until the joints are at rest at the last
+/// point.
 const SETTLING: Duration = Duration::from_secs(2);
-/// Longest silence of a server that has not answered the goal yet: it may be busy, and nothing
-/// moves.
+/// Longest silence of a server that has not answered the goal yet; it may be busy, and nothing
+/// moves yet.
 const ACCEPTANCE: Duration = Duration::from_secs(1);
-/// Lag of an arm that is logged, s.
+/// Lag of an arm above which it is logged, s.
 const NOTICED_LAG: f64 = 1.0;
 
 /// An arm or axis of a stream.
@@ -63,7 +64,7 @@ pub struct Part {
     pub driver: Box<dyn Driver>,
     /// Its motion.
     pub trajectory: PartTrajectory,
-    /// Motion type of each of its joints.
+    /// Kind of each joint.
     pub kinds: Vec<JointKind>,
 }
 
@@ -78,20 +79,21 @@ pub enum Ending {
     Failed(String),
 }
 
-/// Motions under way in this program.
+/// Number of motions in progress in this program.
 static MOVING: AtomicUsize = AtomicUsize::new(0);
 
-/// A motion under way: from the first goal until every part was commanded to stop or has arrived.
+/// A motion in progress: from the first goal until every part has arrived or was commanded to
+/// stop.
 pub struct Moving(());
 
 impl Moving {
-    /// A motion begins.
+    /// Records the start of a motion.
     pub fn begin() -> Self {
         MOVING.fetch_add(1, Ordering::SeqCst);
         Self(())
     }
 
-    /// Whether a motion is under way.
+    /// Whether a motion is in progress.
     pub fn is_under_way() -> bool {
         MOVING.load(Ordering::SeqCst) > 0
     }
@@ -158,12 +160,12 @@ struct Watched {
     follower: Option<Follower>,
     /// Goals of a motion that is sent in pieces; `None` if it is sent whole.
     pieces: Vec<Piece>,
-    /// Pieces that were sent.
+    /// Number of pieces that were sent.
     sent: usize,
-    /// Whether its driver has reported the end.
+    /// Whether the driver has reported the end.
     is_done: bool,
     has_arrived: bool,
-    /// Time since which it should have arrived.
+    /// Time at which the part should have arrived.
     due_since: Option<Instant>,
     lag_is_logged: bool,
 }
@@ -387,7 +389,7 @@ impl Watch<'_> {
         Ok(())
     }
 
-    /// Checks that reports arrive, and the clock of the robot if it has one.
+    /// Checks that reports arrive, and that the clock of the robot runs if it has one.
     fn listen(&self, part: &Part, state: &JointState, may_move: bool) -> Result<(), String> {
         let age = |received: Instant| self.timer.now().saturating_duration_since(received);
         let clock = part.driver.clock().map(|(_, received)| age(received));

@@ -1,39 +1,41 @@
-//! A motion in goals that end by themselves: if this program ends, the goal at the controller
-//! brings the arm to rest.
+//! A motion sent as a sequence of goals that each end at rest. If this program ends, the current
+//! goal of the controller brings the arm to rest.
 //!
-//! Each goal is the motion of the next moments and then a stop along the same path: from the time
-//! `t` of the motion, with `u` from 0 to 1 over the time `T` of the stop, at the position of the
-//! time `t + T (u − u³ + u⁴/2)`. The speed along the path falls by `1 − 3 u² + 2 u³` then, and the
-//! stop takes half as much of the path as a motion at full speed. The next goal replaces it before
-//! it stops.
+//! Each goal contains the motion of a short time and then a stop along the same path. A stop that
+//! begins at the time `t` of the motion lasts `T`. With `u` from 0 to 1 during the stop, the arm
+//! is at the position of the time `t + T (u − u³ + u⁴/2)` of the motion. The speed along the path
+//! is then multiplied by `1 − 3 u² + 2 u³`, and the stop covers half of the path that a motion at
+//! full speed would cover. The next goal replaces the current one before it stops.
 
 use super::check::first_fault_between;
 use crate::chain::Limits;
 use crate::driver::{Interpolant, PartTrajectory};
 use std::time::Duration;
 
-/// A goal begins this long after it is sent, s: controllers move the joints there from their
-/// present positions.
+/// Time from sending a goal to its first point, s. Controllers move the joints to this point from
+/// their present positions.
 const LEAD: f64 = 0.1;
-/// Points nearer than this to an end of a piece are left out, s: cubics between them and the end would be too short for their numbers.
+/// Points closer than this to an end of a piece are omitted, s. A cubic between such a point and
+/// the end would be too short for numerical accuracy.
 const NEAR: f64 = 1e-3;
-/// Largest time between the points of a stop, s, and their smallest number.
+/// Largest time between the points of a stop, s.
 const STOP_SPACING: f64 = 0.02;
+/// Smallest number of points of a stop.
 const STOP_POINTS: usize = 16;
 
-/// A part of a motion.
+/// A piece of a motion.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
-    /// When it must be sent, s after the start.
+    /// Time at which the piece must be sent, s after the start.
     sent: f64,
-    /// When it begins to stop, s after the start; infinite for the last piece.
+    /// Time at which its stop begins, s after the start; infinite for the last piece.
     stops: f64,
-    /// Its motion, at times since the start.
+    /// Motion of the piece, at times since the start.
     motion: Interpolant,
 }
 
-/// Pieces of a motion that each end `horizon`, at least 1 s, after they are sent. The second half
-/// of this time is for the stop, and the next piece may be late by a quarter of it.
+/// Divides a motion into pieces that each end `horizon` (at least 1 s) after they are sent. The
+/// stop takes the second half of `horizon`; the next piece may be late by a quarter of it.
 pub(super) fn pieces(path: &Interpolant, horizon: Duration) -> Vec<Piece> {
     let horizon = horizon.as_secs_f64();
     let until_stop = 0.5 * horizon;
@@ -62,20 +64,20 @@ pub(super) fn pieces(path: &Interpolant, horizon: Duration) -> Vec<Piece> {
 }
 
 impl Piece {
-    /// Whether it is time to send it.
+    /// Whether the piece must be sent now.
     pub(super) fn is_due(&self, elapsed: f64) -> bool {
         elapsed >= self.sent
     }
 
-    /// The goal that is sent at a time after the start; `None` if it is too late because `before`
-    /// already stops.
+    /// The goal to send at a time after the start; `None` if it is too late, since the stop of
+    /// `before` has begun.
     pub(super) fn goal(&self, before: &Self, elapsed: f64) -> Option<Interpolant> {
         let begin = elapsed + LEAD;
         (begin <= before.stops.min(self.motion.duration() - NEAR))
             .then(|| between(&self.motion, begin, self.motion.duration()).earlier_by(elapsed))
     }
 
-    /// Its motion, at times since the start.
+    /// Motion of the piece, at times since the start.
     pub(super) fn motion(&self) -> &Interpolant {
         &self.motion
     }
@@ -103,7 +105,7 @@ fn between(path: &Interpolant, begin: f64, end: f64) -> Interpolant {
     )
 }
 
-/// Adds the stop along `path` from the time `begin` of it, over `duration`, s.
+/// Adds the stop along `path` from its time `begin`, over `duration`, s.
 fn add_stop(motion: &mut Interpolant, path: &Interpolant, begin: f64, duration: f64) {
     let count = ((duration / STOP_SPACING).ceil() as usize).max(STOP_POINTS);
     for k in 1..=count {
@@ -166,7 +168,7 @@ mod tests {
         pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 
-    /// The motion of the joints by each goal from their positions when it arrives.
+    /// Each goal moves the joints from their positions at its arrival.
     #[test]
     fn a_controller_that_takes_all_pieces_follows_the_motion() {
         for (duration, horizon, late) in [(5.0, 1.0, 0.0), (5.0, 1.5, 0.1), (7.3, 2.0, 0.03)] {
@@ -204,7 +206,7 @@ mod tests {
             for step in 0..=100 {
                 let span = motion.duration() - motion.times()[0];
                 let point = motion.at(motion.times()[0] + 0.01 * f64::from(step) * span);
-                // The second joint is a multiple of the first all along the path.
+                // The second joint is a multiple of the first on the whole path.
                 assert!((point[1] + 0.7 * point[0]).abs() < 1e-6, "{point:?}");
             }
         }
@@ -235,7 +237,8 @@ mod tests {
         };
         let motion = rise(4.0);
         let check = |horizon| check_stops(&motion, &[limits; 2], Duration::from_secs_f64(horizon));
-        // Up to 0.47 rad/s, with 0.36 rad/s² on the way: a stop in half a second takes 1.4 rad/s² at least.
+        // The motion reaches 0.47 rad/s and 0.36 rad/s²; a stop from there in half a second takes
+        // at least 1.4 rad/s².
         let faults = check(1.0).unwrap_err();
         assert_eq!(faults.len(), 1, "{faults:?}");
         assert!(faults[0].contains("a: acceleration"), "{faults:?}");

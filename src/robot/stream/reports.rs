@@ -1,4 +1,4 @@
-//! The last reports of the joints of a part, and whether they are at rest by them.
+//! The last reports of the joints of a part, and whether they show the joints at rest.
 
 use super::bounds::Tolerance;
 use crate::chain::JointKind;
@@ -13,10 +13,10 @@ pub(super) const STILL: Tolerance = Tolerance {
 };
 /// Time without movement after which joints are at rest, s.
 const REST: f64 = 0.1;
-/// The same after a request to stop, which may have been ignored: motion slower than 4 mrad/s or
-/// 0.4 mm/s is not detected.
+/// Time without movement after which joints are at rest after a stop request, which may have been
+/// ignored. Motion slower than 4 mrad/s or 0.4 mm/s is not detected.
 const REST_AFTER_STOP: Duration = Duration::from_millis(250);
-/// Age up to which a report counts as new.
+/// Age up to which a report counts as current.
 const FRESH: Duration = Duration::from_millis(250);
 /// Time for which reports are stored, s.
 const KEPT: f64 = 2.0;
@@ -28,9 +28,9 @@ pub(super) struct Reports {
 }
 
 struct Report {
-    /// When it was received.
+    /// Time of reception.
     received: Instant,
-    /// Its time on the clock of the motion, s.
+    /// Time on the clock of the motion, s.
     time: f64,
     positions: Vec<f64>,
 }
@@ -53,7 +53,7 @@ impl Reports {
             time,
             positions: state.positions.clone(),
         });
-        // The last one before that time is kept.
+        // Keep the last report before the stored period, too.
         while self.kept.len() > 2 && self.kept[1].time < time - KEPT {
             self.kept.pop_front();
         }
@@ -80,8 +80,8 @@ impl Reports {
             .is_some_and(|moved| moved <= 1.0)
     }
 
-    /// Whether the joints have not moved in the last quarter of a second by the time at which reports came, and reports still
-    /// come at `now`.
+    /// Whether the joints have not moved in the last quarter of a second according to the times of
+    /// reception, with reports still arriving at `now`.
     pub(super) fn have_come_to_rest(&self, now: Instant) -> bool {
         let Some(last) = self.kept.back() else {
             return false;
@@ -93,7 +93,7 @@ impl Reports {
         is_fresh && first.is_some_and(|first| self.spread(first, &STILL) <= 1.0)
     }
 
-    /// Range of the positions of each joint from a report on, as a multiple of `unit`: the greatest.
+    /// Largest range of the positions of a joint since a report, as a multiple of `unit`.
     fn spread(&self, first: usize, unit: &Tolerance) -> f64 {
         let joints = self.kinds.iter().enumerate().map(|(joint, kind)| {
             let reports = self.kept.iter().skip(first);

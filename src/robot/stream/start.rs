@@ -9,8 +9,8 @@ use std::time::Duration;
 /// Longest wait for the first reports of all joints.
 const FIRST_STATE: Duration = Duration::from_secs(2);
 
-/// Connects, waits until every part reports its joints, and compares all joints with their first
-/// points at the same time, just before the goals are sent.
+/// Connects, waits until every part reports its joints. Just before the goals are sent, compares
+/// all joints with their first points at the same time.
 pub(super) fn prepare(
     parts: &mut [Part],
     bounds: &StreamBounds,
@@ -50,7 +50,8 @@ pub(super) fn prepare(
             Some(_) => timer.sleep(CYCLE),
         }
     }
-    // A motor without a sensor starts at its present position.
+    // Only parts with measured positions are compared: a motor without a sensor starts at its
+    // present position.
     for part in parts.iter_mut().filter(|part| part.driver.knows_position()) {
         let state = part.driver.state().map_err(|error| failed(part, &error))?;
         let Some(state) = state else { continue };

@@ -6,7 +6,7 @@ use super::{CYCLE, Part, StreamLog};
 use crate::driver::DriverError;
 use std::time::{Duration, Instant};
 
-/// Longest time in which joints come to rest.
+/// Longest time for joints to come to rest.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// Longest time without a report of joints: their state is then unknown.
 const SILENCE: Duration = Duration::from_millis(500);
@@ -16,11 +16,11 @@ const REPEAT: Duration = Duration::from_millis(200);
 /// Final state of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Left {
-    /// Its joints were observed at rest, or it reports none and gets no further points.
+    /// Its joints were observed at rest, or it reports no joints and receives no further points.
     Still,
     /// Its joints still move.
     Moving,
-    /// No report has arrived since.
+    /// No report has arrived since the stop request.
     Unseen,
 }
 
@@ -48,7 +48,7 @@ pub(super) fn stop(parts: &mut [Part], timer: &dyn Timer, log: &mut StreamLog) -
             heard: begin,
         })
         .collect();
-    // Motors without a sensor last: an unanswered line takes a while.
+    // Motors without a sensor are last, since an unanswered request takes a while.
     for is_measured in [true, false] {
         for (part, stopping) in parts.iter_mut().zip(&mut stopping) {
             if part.driver.knows_position() == is_measured {
@@ -115,7 +115,7 @@ impl Stopping {
         };
     }
 
-    /// Whether the part is at rest for good, and the message about it.
+    /// Whether the part is at rest permanently, and a message about it.
     fn in_words(&self, part: &Part) -> (bool, String) {
         let name = &part.name;
         let request = match &self.fault {

@@ -17,9 +17,9 @@ struct Arm {
     notes: Arc<Mutex<Notes>>,
     motion: Option<Interpolant>,
     start: Option<Instant>,
-    /// Its deviation from the trajectory.
+    /// Deviation of the arm from the trajectory.
     offset: fn(f64) -> f64,
-    /// Time at which its reports end, s.
+    /// Time at which the reports of the arm end, s.
     silent_after: f64,
 }
 
@@ -161,8 +161,9 @@ fn an_arm_that_leaves_the_path_stops_both() {
     assert!(all(&notes, |notes| notes.stopped.is_some()));
 }
 
-/// An arm with a clock of its own, which runs at 50 times real time until the arm has received the
-/// command, and at a tenth afterwards, like a simulation on a busy machine. It then follows.
+/// An arm with its own clock, which runs at 50 times real time until the arm has received the
+/// command, and at a tenth of real time afterwards, like a simulation on a busy machine. The arm
+/// then follows its trajectory.
 struct Simulated {
     trajectory: PartTrajectory,
     start: Option<Instant>,
@@ -170,7 +171,7 @@ struct Simulated {
 }
 
 impl Simulated {
-    /// When it receives a command, s on our clock.
+    /// Time at which the arm receives a command, s on our clock.
     const HEARS: f64 = 0.02;
 
     fn time(&self) -> f64 {
@@ -189,7 +190,7 @@ impl Driver for Simulated {
         true
     }
     fn state(&mut self) -> Result<Option<JointState>, DriverError> {
-        // The first report after the start is late: the clock has jumped by then.
+        // The first report after the start is late; the clock has jumped by then.
         if self.start == Some(self.now) {
             std::thread::sleep(Duration::from_millis(20));
         }
@@ -276,12 +277,14 @@ fn limits() -> Limits {
     }
 }
 
-/// A smooth step of one: velocity up to 15/8, acceleration up to 5.8, jerk up to 60, over the time and its powers.
+/// A smooth step of one unit in the time T, with velocity up to 15/8 /T, acceleration up to 5.8/T²
+/// and jerk up to 60/T³.
 fn smooth(duration: f64) -> PartTrajectory {
     PartTrajectory::smooth(&[("a", 1.0)], duration, 200)
 }
 
-/// A row a second: by their differences the motion is slow, and the cubics between them are not.
+/// With one row per second, the differences of the rows are slow, but the cubics between them are
+/// not.
 #[test]
 fn the_cubics_between_points_are_checked() {
     let coarse = PartTrajectory {

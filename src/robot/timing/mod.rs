@@ -1,15 +1,15 @@
-//! From a joint path to a trajectory: the speed of the hand along the path.
+//! Converts a joint path to a trajectory by choosing the speed of the hand along the path.
 //!
-//! The path is a natural cubic spline q(w) of the arc length w. Along it speed is bounded by the
-//! joints' velocities, by the hand's speed and by the accelerations and jerks that the curvature of
-//! q requires; a sweep forward and one backward bound the acceleration along the path (Bobrow et
-//! al. 1985). The motion w(t) is then smoothed in time by two moving averages, which bounds its
-//! jerk, and sampled at 1 kHz.
+//! The path is a natural cubic spline q(w) of the arc length w. The speed along it is limited by
+//! the velocities of the joints, by the speed of the hand, and by the accelerations and jerks that
+//! the curvature of q requires. A forward and a backward sweep limit the acceleration along the
+//! path (Bobrow et al. 1985). The motion w(t) is then smoothed in time by two moving averages,
+//! which bounds its jerk, and sampled at 1 kHz.
 //!
 //! The limits are checked on the samples: velocity, acceleration and jerk of every joint as
-//! differences of neighbouring samples, 1 ms apart. Where one is too large, the bound on the speed
-//! is lowered, and the procedure repeats until every limit is satisfied. The result is close to the
-//! fastest motion.
+//! differences of neighbouring samples, 1 ms apart. Where a value is too large, the bound on the
+//! speed is lowered. The procedure repeats until every limit is satisfied. The result is close to
+//! the fastest motion.
 
 mod profile;
 mod spline;
@@ -20,12 +20,13 @@ use spline::Spline;
 
 /// Time between samples, s.
 pub const SAMPLE: f64 = 1e-3;
-/// Rounds of lowering the speed.
+/// Largest number of rounds in which the speed is lowered.
 const ROUNDS: usize = 60;
-/// Share of each limit that is used: the rest is for the round-off of the robot's interpolation.
+/// Fraction of each limit that is used; the rest is for the round-off of the robot's
+/// interpolation.
 const PART_OF_LIMIT: f64 = 0.98;
 
-/// Why no motion within the limits was found.
+/// Reason why no motion within the limits was found.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum TimingError {
     /// A joint has no limit of its acceleration or its jerk.
@@ -36,7 +37,7 @@ pub enum TimingError {
         /// The missing limit.
         what: &'static str,
     },
-    /// The speeds could not be lowered to the limits.
+    /// The speeds could not be lowered enough for the limits.
     #[error("no motion within the limits was found; the joint path is not smooth enough")]
     NotSmooth,
 }
@@ -46,16 +47,17 @@ pub enum TimingError {
 pub struct Motion {
     /// Joint positions every [`SAMPLE`], from rest to rest.
     pub samples: Vec<Vec<f64>>,
-    /// Arc length along the path at each, m.
+    /// Arc length along the path at each sample, m.
     pub way: Vec<f64>,
 }
 
-/// Largest velocity, acceleration and jerk of samples as parts of the limits, each with the joint and the sample.
+/// Largest velocity, acceleration and jerk of samples as fractions of the limits, each with the
+/// joint and the sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Utilisation {
     /// Of velocity.
     pub velocity: f64,
-    /// Of acceleration.
+    /// Fraction for the acceleration.
     pub acceleration: f64,
     /// Of jerk.
     pub jerk: f64,
@@ -65,7 +67,7 @@ pub struct Utilisation {
 /// which the speed of the hand is at most `speed`, m/s.
 ///
 /// # Errors
-/// If a joint lacks limits, or the path has kinks.
+/// A joint lacks limits, or the path has kinks.
 pub fn parametrise(
     joints: &[Vec<f64>],
     way: &[f64],
@@ -102,9 +104,9 @@ pub fn parametrise(
     Err(TimingError::NotSmooth)
 }
 
-/// Factor by which each sample is too fast: the greatest of the velocity's part of its limit, of
-/// the square root of the acceleration's and of the cube root of the jerk's, because all of these
-/// fall with the speed.
+/// Factor by which each sample is too fast: the greatest of the used fraction of the velocity
+/// limit, the square root of that of the acceleration limit and the cube root of that of the jerk
+/// limit. All of these are proportional to the speed.
 fn excesses(samples: &[Vec<f64>], way: &[f64], limits: &[Limits], speed: f64) -> Vec<f64> {
     let mut excess = vec![0.0_f64; samples.len()];
     for (k, pair) in way.windows(2).enumerate() {
@@ -121,8 +123,8 @@ fn excesses(samples: &[Vec<f64>], way: &[f64], limits: &[Limits], speed: f64) ->
     excess
 }
 
-/// Velocity, acceleration and jerk of a joint at each sample by differences, at rest before the first and after
-/// the last.
+/// Velocity, acceleration and jerk of a joint at each sample from differences, with rest before
+/// the first and after the last.
 fn differences(samples: &[Vec<f64>], joint: usize) -> impl Iterator<Item = [f64; 3]> + '_ {
     let last = samples.len() - 1;
     let at = move |k: isize| samples[k.clamp(0, last as isize) as usize][joint];
@@ -136,7 +138,7 @@ fn differences(samples: &[Vec<f64>], joint: usize) -> impl Iterator<Item = [f64;
     })
 }
 
-/// Share of their limits that samples use, with rest before and after them.
+/// Fraction of the limits that samples use, with rest before and after them.
 pub fn utilisation(samples: &[Vec<f64>], limits: &[Limits]) -> Utilisation {
     let mut used = Utilisation::default();
     for (joint, limits) in limits.iter().enumerate() {
@@ -189,7 +191,7 @@ mod tests {
         let bounds = [limits(1.0, 4.0, 40.0), limits(9.0, 99.0, 999.0)];
         let motion = parametrise(&joints, &way, &bounds, 9.0).unwrap();
         assert_within(&motion, &bounds);
-        // The fastest: l/v + v/a + a/j.
+        // Duration of the fastest motion: l/v + v/a + a/j.
         let fastest = 2.0 / 1.0 + 1.0 / 4.0 + 4.0 / 40.0;
         let time = motion.samples.len() as f64 * SAMPLE;
         assert!(time > fastest && time < 1.25 * fastest, "{time} {fastest}");
@@ -217,7 +219,7 @@ mod tests {
 
     #[test]
     fn limits_hold_around_a_corner() {
-        // A right angle: one joint stops, the other starts.
+        // A right-angled path: one joint stops, then the other starts.
         let way: Vec<f64> = (0..=400).map(|k| 1e-3 * f64::from(k)).collect();
         let joints: Vec<Vec<f64>> = way
             .iter()
@@ -227,7 +229,8 @@ mod tests {
         let motion = parametrise(&joints, &way, &bounds, 1.0).unwrap();
         assert_within(&motion, &bounds);
         assert!(motion.samples.len() < 6000, "{}", motion.samples.len());
-        // By differences of its own, since the motion is made with those of `utilisation`.
+        // Compute the differences independently, since `utilisation` was used to generate the
+        // motion.
         for joint in 0..2 {
             let jerk = motion.samples.windows(4).map(|four| {
                 let [a, b, c, d] = [0, 1, 2, 3].map(|k: usize| four[k][joint]);

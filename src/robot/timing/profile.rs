@@ -1,15 +1,15 @@
-//! The speed along a path, and the motion in time that follows from it.
+//! The speed along a path, and the motion in time that results from it.
 
 use super::SAMPLE;
 use super::spline::Spline;
 use crate::chain::Limits;
 
-/// Points of the profile, at least.
+/// Smallest number of points of the profile.
 const FEWEST: usize = 1000;
-/// Longest distance of points, m.
+/// Longest distance between points, m.
 const SPACING: f64 = 5e-4;
-/// Share of the acceleration limit for the curvature of the path; the rest is for the change of
-/// speed.
+/// Fraction of the acceleration limit that is reserved for the curvature of the path; the rest is
+/// for the change of speed.
 const PART_FOR_CURVATURE: f64 = 0.5;
 
 /// Bounds on speed and acceleration along a path, at evenly spaced points.
@@ -18,12 +18,12 @@ pub(super) struct SpeedProfile {
     spacing: f64,
     speed: Vec<f64>,
     acceleration: Vec<f64>,
-    /// Samples of each moving average.
+    /// Number of samples of each moving average.
     window: usize,
 }
 
 impl SpeedProfile {
-    /// The bounds of a path.
+    /// Computes the bounds of a path.
     pub fn new(spline: &Spline, limits: &[Limits], speed: f64) -> Self {
         let length = spline.end() - spline.start();
         let count = ((length / SPACING) as usize).max(FEWEST);
@@ -50,7 +50,8 @@ impl SpeedProfile {
             profile.speed.push(fastest);
             profile.acceleration.push(strongest);
         }
-        // An average over 2a/j bounds the jerk of a change of the acceleration from a to −a.
+        // Each average lasts a/j, so that both together limit the jerk when the acceleration
+        // changes from a to −a.
         let seconds = limits
             .iter()
             .map(|limits| limits.acceleration / limits.jerk)
@@ -83,7 +84,7 @@ impl SpeedProfile {
             .collect()
     }
 
-    /// The speed at every point with accelerations bounded, from rest to rest.
+    /// The speed at every point, from rest to rest, with bounded accelerations.
     fn swept(&self) -> Vec<f64> {
         let mut speed = self.speed.clone();
         let last = speed.len() - 1;
@@ -102,18 +103,18 @@ impl SpeedProfile {
         speed
     }
 
-    /// Lowers the bounds around samples that are too fast by the given factors.
+    /// Lowers the bounds around samples that are too fast; `excess` is the factor for each sample.
     pub fn lower(&mut self, way: &[f64], excess: &[f64], allowed: f64) {
         let count = self.speed.len();
         let mut factor = vec![1.0_f64; count];
-        // An excess comes from all samples in the windows of the averages.
+        // All samples in the windows of the averages contribute to an excess.
         let reach = self.window;
         for (k, excess) in excess
             .iter()
             .enumerate()
             .filter(|(_, excess)| **excess > allowed)
         {
-            // Not all at once: neighbours that are lowered as well help.
+            // Lower the speed in several rounds, since lowered neighbours help, too.
             let scale = libm::pow((allowed / excess).max(0.5), 0.7) * 0.995;
             let at = |k: usize| (((way[k] - self.start) / self.spacing) as usize).min(count - 1);
             let from = at(k.saturating_sub(reach));
@@ -129,12 +130,12 @@ impl SpeedProfile {
     }
 }
 
-/// Moving average over `window` samples, with rest before the first and after the last; longer by
-/// the window.
+/// Moving average over `window` samples, with rest before the first and after the last. The result
+/// is longer by the window.
 fn averaged(values: &[f64], window: usize) -> Vec<f64> {
     let last = values.len() - 1;
     let at = |k: usize| values[k.saturating_sub(window).min(last)];
-    // Sums of differences keep round-off from growing along the motion.
+    // Summing differences keeps round-off from growing along the motion.
     let mut sum = values[0] * window as f64;
     let mut averages = Vec::with_capacity(values.len() + window + 1);
     averages.push(values[0]);

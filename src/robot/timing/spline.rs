@@ -1,6 +1,6 @@
 //! Natural cubic splines through joint positions.
 
-/// A natural cubic spline of several components over a growing parameter.
+/// A natural cubic spline of several components over an increasing parameter.
 pub(super) struct Spline {
     knots: Vec<f64>,
     values: Vec<Vec<f64>>,
@@ -9,7 +9,7 @@ pub(super) struct Spline {
 }
 
 impl Spline {
-    /// The spline through values at knots, with no second derivative at its ends.
+    /// The spline through values at knots, with zero second derivative at its ends.
     pub fn natural(knots: &[f64], values: &[Vec<f64>]) -> Self {
         let count = knots.len();
         let components = values[0].len();
@@ -95,7 +95,8 @@ mod tests {
             let knots: Vec<f64> = (0..=count)
                 .map(|k| std::f64::consts::PI * k as f64 / count as f64)
                 .collect();
-            // The sine has no second derivative at its zeros, as the spline at its ends.
+            // The second derivative of the sine is zero at its zeros, like that of the spline at
+            // its ends.
             let values: Vec<Vec<f64>> = knots.iter().map(|x| vec![x.sin()]).collect();
             let spline = Spline::natural(&knots, &values);
             let probe = |x: f64| {

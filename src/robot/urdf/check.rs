@@ -4,9 +4,9 @@ use super::model::{self, Geometry, Robot};
 use rodlab_files::finite::{self, NotFinite};
 use std::collections::BTreeSet;
 
-/// Most links, joints and collision shapes of a file, each.
+/// Largest number of links, of joints, and of collision shapes of a file.
 const MOST: usize = 1000;
-/// Largest length, m: squares of larger ones lose the precision of distances.
+/// Largest length, m. Squares of larger lengths lose precision in distances.
 pub(super) const LARGEST_LENGTH: f64 = 1e6;
 
 /// Checks a parsed robot.

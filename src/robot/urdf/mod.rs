@@ -18,14 +18,15 @@ use model::{Geometry, JointType, Robot};
 /// Largest file, bytes.
 const LARGEST: u64 = 16 << 20;
 
-/// Velocities of joints of which a file states none: rad/s and m/s.
+/// Assumed velocity limit of revolute joints without one in the file, rad/s.
 const ASSUMED_TURNING: f64 = 1.0;
+/// Assumed velocity limit of prismatic joints without one, m/s.
 const ASSUMED_SLIDING: f64 = 0.1;
 
-/// Why a URDF file is rejected.
+/// Reason why a URDF file is rejected.
 #[derive(Debug, thiserror::Error)]
 pub enum UrdfError {
-    /// It cannot be read, or is not a URDF file.
+    /// The file cannot be read, or is not a URDF file.
     #[error("{path}: {reason}")]
     Unreadable {
         /// The file.
@@ -33,7 +34,7 @@ pub enum UrdfError {
         /// Why.
         reason: String,
     },
-    /// Its links and joints do not form the requested chain.
+    /// The links and joints of the file do not form the requested chain.
     #[error("{path}: {reason}")]
     Chain {
         /// The file.
@@ -43,28 +44,29 @@ pub enum UrdfError {
     },
 }
 
-/// A chain and the collision bodies of its links.
+/// A chain and the collision shapes of its links.
 #[derive(Debug)]
 pub struct UrdfArm {
-    /// The chain; accelerations and jerks are infinite where the file gives none.
+    /// The chain; accelerations and jerks are unlimited if the file gives no limits.
     pub chain: Chain,
     /// Shapes of the links of the chain and of everything fixed to them, in the frames of the
     /// chain's links.
     pub bodies: Vec<Body>,
-    /// Collision meshes that were ignored: only STL files are used, as their convex hulls, and
-    /// `package://` is resolved only in folders above the URDF.
+    /// Collision meshes that were ignored. Only STL files are used, as convex hulls; `package://`
+    /// is resolved only in the folder of the URDF and in those above it.
     pub meshes: Vec<String>,
     /// Messages about other ignored parts and assumed values.
     pub notes: Vec<String>,
 }
 
-/// Reads the chain from the link `base` to the link `tip` (the only link without a parent, and the only one without
-/// children, where they are not given).
+/// Reads the chain from the link `base` to the link `tip` . If they are not given, `base` is the
+/// only link without a parent, and `tip` the only one without children.
 ///
 /// # Errors
-/// If the file cannot be read, is nested too deep or has too many links, joints or shapes; if a
-/// name is used twice, a number is not finite or a size not positive; if it has a loop, misses a
-/// link or a mesh, has limits the wrong way round, or has more than twelve joints in the chain.
+/// The file cannot be read, is nested too deep, or has too many links, joints or shapes; a name is
+/// used twice, a number is not finite, or a size is not positive; the file has a loop, lacks a
+/// link or a mesh, has a lower limit above the upper one, or has more than twelve joints in the
+/// chain.
 pub fn read_urdf(path: &Path, base: Option<&str>, tip: Option<&str>) -> Result<UrdfArm, UrdfError> {
     let unreadable = |reason: String| UrdfError::Unreadable {
         path: path.to_owned(),
@@ -82,7 +84,7 @@ pub fn read_urdf(path: &Path, base: Option<&str>, tip: Option<&str>) -> Result<U
     })
 }
 
-/// The robot of a text whose names are unique and whose numbers are usable.
+/// Parses a robot from text; checks that names are unique and numbers are usable.
 fn robot(text: &str, name: &str) -> Result<Robot, String> {
     let robot = Robot::read(text, name)?;
     check::check(&robot)?;
@@ -154,7 +156,7 @@ fn arm(
     })
 }
 
-/// The only link without children; of several, the only one that moves.
+/// The only link without children. If there are several, the only one of them that moves.
 fn moving_tip<'a>(
     robot: &'a Robot,
     base: &str,
@@ -235,7 +237,8 @@ fn end_of<'a>(
     }
 }
 
-/// The joints of a path as a chain. Joints that they mimic must be on the path too.
+/// The joints of a path as a chain. If a joint mimics another joint, that joint must be on the
+/// path, too.
 fn chain(robot: &Robot, path: &[&model::Joint], notes: &mut Vec<String>) -> Result<Chain, String> {
     let own: Vec<&&model::Joint> = path
         .iter()
@@ -413,7 +416,8 @@ fn limits_of(joint: &model::Joint) -> Limits {
     }
 }
 
-/// Limits of a joint that mimics another. A range from 0 to 0 is that of a `<limit>` without a range.
+/// Limits of a joint that mimics another. A range from 0 to 0 means a `<limit>` without a range,
+/// so that the range is unlimited.
 fn follower_limits(joint: &model::Joint) -> Limits {
     let mut limits = limits_of(joint);
     if limits.lower == 0.0 && limits.upper == 0.0 {
@@ -466,7 +470,7 @@ fn bodies(
                     half_length: 0.0,
                     radius: *radius,
                 },
-                // A capsule as long as the cylinder contains it.
+                // A capsule with the length of the cylinder contains the cylinder.
                 Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
                     Shape::Capsule {
                         half_length: length / 2.0,

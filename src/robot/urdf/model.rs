@@ -4,7 +4,7 @@
 use rodlab_files::input;
 use roxmltree::{Document, Node, ParsingOptions};
 
-/// Most nodes of a file.
+/// Largest number of XML nodes of a file.
 const MOST_NODES: u32 = 1_000_000;
 
 /// A robot.
@@ -34,7 +34,7 @@ pub(super) enum Geometry {
     Box {
         size: [f64; 3],
     },
-    /// A capsule has the length between the centres of its half spheres.
+    /// The length of a capsule is the distance between the centres of its half spheres.
     Cylinder {
         radius: f64,
         length: f64,
@@ -99,11 +99,12 @@ pub(super) struct Origin {
 }
 
 impl Robot {
-    /// Reads a URDF file; `name` is that of the file, for the conversion commands in messages.
+    /// Reads a URDF file; `name` is the name of the file, used in messages that give a conversion
+    /// command.
     ///
     /// # Errors
-    /// A message if the text is not XML, is in another format, or has an element that is needed and
-    /// cannot be read, with its line.
+    /// A message, with its line, if the text is not XML, is in another format, or has a required
+    /// element that cannot be read.
     pub fn read(text: &str, name: &str) -> Result<Self, String> {
         input::check_nesting(text)?;
         let options = ParsingOptions {
@@ -176,7 +177,7 @@ fn in_link(name: &str, error: String) -> String {
     format!("link `{name}`: {error}")
 }
 
-/// Rejects other descriptions of robots, and names a converter to URDF.
+/// Rejects other descriptions of robots, and reports a converter to URDF.
 fn is_urdf(root: Node, text: &str, name: &str) -> Result<(), String> {
     let stem = name.split('.').next().unwrap_or(name);
     let is_xacro = |node: Node| {

@@ -21,17 +21,17 @@ const BAG_HEADER: u8 = 3;
 const CHUNK: u8 = 5;
 const CONNECTION: u8 = 7;
 
-/// Why the pictures of a bag cannot be read.
+/// Reason why the pictures of a bag cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {reason}", path.display())]
 pub struct BagError {
     /// The file.
     pub path: PathBuf,
-    /// The error, and the allowed values.
+    /// The error and the allowed values.
     pub reason: String,
 }
 
-/// A picture and when it was recorded.
+/// A picture and the time of its recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BagPicture {
     /// Seconds from the first picture of its topic.
@@ -78,7 +78,7 @@ impl Bag {
         })
     }
 
-    /// The next message of the topic; none at the end.
+    /// The next message of the topic; `None` at the end.
     fn next_message(&mut self) -> Result<Option<Message>, String> {
         loop {
             if let Some(message) = self.waiting.pop_front() {
@@ -167,7 +167,7 @@ impl Iterator for Bag {
     }
 }
 
-/// The file after its bag header, and its picture topics.
+/// Opens a file; returns a reader after its bag header, and its picture topics.
 fn open(path: &Path) -> Result<(BufReader<File>, Vec<Topic>), String> {
     let unreadable = |error: std::io::Error| format!("cannot be read: {error}");
     if !path.metadata().map_err(unreadable)?.is_file() {
@@ -240,7 +240,7 @@ mod tests {
         record(&fields, data)
     }
 
-    /// `sensor_msgs/Image` of two pixels.
+    /// `sensor_msgs/Image` with two pixels.
     fn image(encoding: &str, pixels: &[u8]) -> Vec<u8> {
         let mut data = vec![0; 16];
         for number in [1, 2, encoding.len() as u32] {
@@ -258,7 +258,7 @@ mod tests {
     const COLOUR: &str = "/device_0/sensor_1/Color_0/image/data";
     const DEPTH: &str = "/device_0/sensor_0/Depth_0/image/data";
 
-    /// A bag like those of RealSense: depth and colour, one chunk for each moment.
+    /// A bag like those of RealSense: depth and colour, one chunk per time.
     fn bag(compression: &str, is_closed: bool) -> Vec<u8> {
         let connections = [
             connection(0, DEPTH, "sensor_msgs/Image"),
@@ -340,7 +340,7 @@ mod tests {
         assert!(fault(&bag("none", false), None).contains("rosbag reindex"));
         assert!(fault(&bag("bz2", true), None).contains("rosbag decompress"));
         assert!(fault(b"SQLite format 3\0", None).contains("not a bag of ROS 1"));
-        // Truncated in the connections at its end, and in a chunk.
+        // One bag is truncated in the connections at its end, another one in a chunk.
         let cut = fault(&whole[..whole.len() - 3], None);
         assert!(cut.contains("truncated"), "{cut}");
     }
@@ -356,7 +356,7 @@ mod tests {
                 let place = (seed >> 33) as usize % bytes.len();
                 bytes[place] = (seed >> 25) as u8;
             }
-            // A picture, or a fault.
+            // The result may be a picture or a fault.
             let _ = opened(&bytes, None);
         }
     }

@@ -5,10 +5,10 @@ use std::io::{ErrorKind, Read};
 
 /// Largest header of a record.
 const LARGEST_HEADER: usize = 1 << 20;
-/// Largest chunk and largest message, bytes: ten pictures of eight million pixels.
+/// Largest chunk and largest message, bytes: enough for ten pictures of eight million pixels.
 const LARGEST_DATA: usize = 256 << 20;
 
-/// A header, fields `name=value` after their lengths, and its data.
+/// A header of fields `name=value`, each after its length, and data.
 pub struct Record {
     /// The fields.
     pub header: Vec<u8>,
@@ -16,7 +16,7 @@ pub struct Record {
     pub data: Vec<u8>,
 }
 
-/// The records of a chunk, `size` bytes of them.
+/// Decompresses the records of a chunk, `size` bytes.
 ///
 /// # Errors
 /// A message if the compression is unknown, or the chunk is damaged or too large.
@@ -41,7 +41,7 @@ pub fn decompressed(
     }
 }
 
-/// Decodes an LZ4 frame of exactly `size` bytes, and at most one block more.
+/// Decodes an LZ4 frame of exactly `size` bytes, and at most one additional block.
 fn decode_lz4(frame: &[u8], size: usize) -> Result<Vec<u8>, String> {
     let mut decoded = Vec::new();
     let mut bounded = FrameDecoder::new(frame).take(size as u64 + 1);
@@ -51,7 +51,7 @@ fn decode_lz4(frame: &[u8], size: usize) -> Result<Vec<u8>, String> {
     }
 }
 
-/// The next record of a file; none at its end.
+/// The next record of a file; `None` at its end.
 ///
 /// # Errors
 /// A message if the file is truncated or cannot be read.
@@ -149,7 +149,8 @@ mod tests {
     /// An LZ4 frame with independent blocks: twenty letters a, then "bcd".
     fn frame() -> Vec<u8> {
         let descriptor = [0x04, 0x22, 0x4d, 0x18, 0x60, 0x40, 0x82];
-        // Token 0x1f: one literal, match of 15 + 0 + 4 at offset 1; then three literals.
+        // Token 0x1f: one literal, then a match of 15 + 0 + 4 bytes at offset 1; then three
+        // literals.
         let block = [0x1f, b'a', 1, 0, 0, 0x30, b'b', b'c', b'd'];
         let size = (block.len() as u32).to_le_bytes();
         [&descriptor[..], &size, &block, &[0; 4]].concat()

@@ -7,9 +7,9 @@ use super::message::{COMPRESSED_IMAGE, IMAGE};
 pub struct Topic {
     /// Number of its connection.
     pub connection: u32,
-    /// Such as `/camera/image_raw`.
+    /// Name, such as `/camera/image_raw`.
     pub name: String,
-    /// Whether it sends files.
+    /// Whether the topic sends files.
     pub is_compressed: bool,
 }
 

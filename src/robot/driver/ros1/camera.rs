@@ -17,7 +17,7 @@ pub struct Ros1Camera {
     _node: Node,
 }
 
-/// The newest message; older ones are dropped, because pictures are large.
+/// The newest message; older ones are dropped, since pictures are large.
 #[derive(Default)]
 struct Newest {
     message: Mutex<Option<Heard>>,
@@ -42,10 +42,10 @@ impl Newest {
 }
 
 impl Ros1Camera {
-    /// Subscribes a topic at a master such as `http://10.0.0.1:11311`.
+    /// Subscribes to a topic at a master such as `http://10.0.0.1:11311`.
     ///
     /// # Errors
-    /// If the master does not answer.
+    /// The master does not answer.
     pub fn open(master: &str, topic: &str) -> Result<Self, DriverError> {
         let master = master_uri(master);
         let lost = |error: std::io::Error| {

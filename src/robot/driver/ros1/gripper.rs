@@ -18,7 +18,7 @@ const ABORTED: u8 = 4;
 /// A gripper by its action at a master.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ros1Gripper {
-    /// Such as `http://10.0.0.1:11311`.
+    /// Address, such as `http://10.0.0.1:11311`.
     pub master: String,
     /// Name of the action.
     pub action: String,
@@ -72,7 +72,7 @@ impl Ros1Gripper {
     }
 }
 
-/// A goal, and the topics about it.
+/// A goal, and the topics of its action.
 struct SentGoal<'a> {
     gripper: &'a Ros1Gripper,
     heard: Receiver<Heard>,
@@ -93,7 +93,7 @@ impl GripperGoal for SentGoal<'_> {
         let Some(status) = status else {
             return Ok(false);
         };
-        // Fingers that hold an object have stalled; some controllers then abort.
+        // Fingers stall when they hold an object; some controllers then abort the goal.
         if status.status == ABORTED && message::is_stalled(&bytes) {
             return Ok(true);
         }

@@ -7,9 +7,9 @@ use super::super::picture::RawImage;
 /// Type of a topic: name and MD5 sum of its definition.
 #[derive(Clone, Copy, Debug)]
 pub struct MessageType {
-    /// Such as `sensor_msgs/JointState`.
+    /// Name, such as `sensor_msgs/JointState`.
     pub name: &'static str,
-    /// Such as `3066dcd76a6cfaef579bd0f34173e9fd`.
+    /// MD5 sum, such as `3066dcd76a6cfaef579bd0f34173e9fd`.
     pub md5: &'static str,
 }
 
@@ -33,7 +33,7 @@ pub const GOAL: MessageType = MessageType {
     name: "control_msgs/FollowJointTrajectoryActionGoal",
     md5: "cff5c1d533bf2f82dd0138d57f4304bb",
 };
-/// Its feedback.
+/// The feedback of a motion.
 pub const FEEDBACK: MessageType = MessageType {
     name: "control_msgs/FollowJointTrajectoryActionFeedback",
     md5: "d8920dc4eae9fc107e00999cce4be641",
@@ -96,7 +96,7 @@ impl Writer {
             .for_each(|number| self.0.extend(number.to_le_bytes()));
     }
 
-    /// A header without a time: at once.
+    /// Writes a header without a time, which means "at once".
     fn header(&mut self) {
         (0..3).for_each(|_| self.u32(0));
         self.text("");
@@ -114,7 +114,7 @@ impl Writer {
     }
 }
 
-/// A goal, to be followed at once; tolerances are the controller's own.
+/// Writes a goal to be followed at once, with the tolerances of the controller.
 pub fn goal(joints: &[String], motion: &Interpolant, id: &str) -> Vec<u8> {
     let mut writer = Writer::default();
     writer.header();
@@ -147,7 +147,7 @@ pub fn gripper_goal(opening: f64, max_effort: f64, id: &str) -> Vec<u8> {
     writer.0
 }
 
-/// A cancellation.
+/// Writes a cancellation.
 pub fn cancel(id: &str) -> Vec<u8> {
     let mut writer = Writer::default();
     writer.goal_id(id);
@@ -200,7 +200,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Time, s, names and positions of a joint state; `None` where the message is damaged.
+/// Time, s, names and positions of a joint state; `None` if the message is damaged.
 pub fn joint_state(message: &[u8]) -> Option<(f64, Vec<String>, Vec<f64>)> {
     let mut reader = Reader(message);
     let time = reader.header()?;
@@ -232,8 +232,8 @@ pub fn status_of(message: &[u8]) -> Option<GoalStatus> {
     goal_status(&mut Reader(message))
 }
 
-/// The goal of a feedback, with the names of the joints and the setpoint, rad or m; these are empty
-/// if missing.
+/// The goal of a feedback message, the names of the joints and the setpoint, rad or m. Missing
+/// names and setpoints are empty.
 pub fn feedback(message: &[u8]) -> Option<(GoalStatus, Vec<String>, Vec<f64>)> {
     let mut reader = Reader(message);
     let status = goal_status(&mut reader)?;
@@ -264,12 +264,12 @@ pub fn is_stalled(message: &[u8]) -> bool {
     stalled.is_some_and(|byte| byte[0] != 0)
 }
 
-/// The time of a simulated robot, s; `None` where the message is damaged.
+/// The time of a simulated robot, s; `None` if the message is damaged.
 pub fn clock(message: &[u8]) -> Option<f64> {
     Reader(message).time()
 }
 
-/// A picture as its pixels; `None` where the message is damaged.
+/// A picture as its pixels; `None` if the message is damaged.
 pub fn raw_image(message: &[u8]) -> Option<RawImage<'_>> {
     let mut reader = Reader(message);
     reader.header()?;
@@ -287,7 +287,7 @@ pub fn raw_image(message: &[u8]) -> Option<RawImage<'_>> {
     })
 }
 
-/// The file in a `sensor_msgs/CompressedImage`; `None` where the message is damaged.
+/// The file in a `sensor_msgs/CompressedImage`; `None` if the message is damaged.
 pub fn compressed_image(message: &[u8]) -> Option<&[u8]> {
     let mut reader = Reader(message);
     reader.header()?;

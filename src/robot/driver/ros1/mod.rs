@@ -1,9 +1,9 @@
 //! `control_msgs/FollowJointTrajectory` of ROS 1, natively, without a ROS installation or a bridge.
 //!
-//! A node (`node`) speaks XML-RPC (`xmlrpc`) with the master and TCPROS with the action server:
-//! goal and cancellation out, joint states, feedback, result and the clock of a simulated robot in
-//! (`message`). A `gripper` uses another action. Pictures come from a `camera` or from a recording
-//! (`bag`).
+//! A node (`node`) uses XML-RPC (`xmlrpc`) for the master and TCPROS for the action server. It
+//! sends goals and cancellations, and receives joint states, feedback, results and the clock of a
+//! simulated robot (`message`). A `gripper` uses another action. Pictures come from a `camera` or
+//! from a recording (`bag`).
 
 mod bag;
 mod bag_record;
@@ -42,7 +42,7 @@ const RESULT: &str = "result";
 pub type Ros1Driver = ActionDriver<Ros1Link>;
 
 impl Ros1Driver {
-    /// A driver at a master such as `http://10.0.0.1:11311`, for the action of that name and the topic of joint
+    /// A driver at a master such as `http://10.0.0.1:11311`, for an action and a topic of joint
     /// states.
     pub fn new(master: &str, action: &str, joint_states: &str) -> Self {
         Self::over(Ros1Link {

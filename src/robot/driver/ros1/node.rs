@@ -12,12 +12,12 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// Size of the queue of messages. Faster publishers are blocked by their full connections.
 const MOST_WAITING: usize = 64;
-/// Maximum number of connections to a node, and of publishers of a topic that are read.
+/// Maximum number of connections to a node, and of publishers from which it reads a topic.
 const MOST_CONNECTIONS: usize = 64;
 const MOST_PUBLISHERS: usize = 16;
 /// Time between checks of the master.
 const MASTER_INTERVAL: Duration = Duration::from_millis(150);
-/// Longest time for a connection to a publisher, and for a subscriber to take a message.
+/// Longest time for a connection to a publisher, and for sending a message to a subscriber.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// An event of a subscription.
@@ -28,7 +28,7 @@ pub enum Heard {
     MasterIsGone,
 }
 
-/// A node. Its threads end with it.
+/// A node. Its threads end when it is dropped.
 pub struct Node {
     inner: Arc<Inner>,
 }
@@ -65,7 +65,7 @@ pub fn mailbox() -> (SyncSender<Heard>, Receiver<Heard>) {
     sync_channel(MOST_WAITING)
 }
 
-/// The content of a lock, also if it was poisoned.
+/// The content of a lock, even if it was poisoned.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -76,16 +76,16 @@ pub fn master_uri(master: &str) -> String {
 }
 
 impl Node {
-    /// A node with a name of its own at a master, such as `http://10.0.0.1:11311/`.
+    /// Starts a node with a unique name at a master, such as `http://10.0.0.1:11311/`.
     ///
     /// # Errors
-    /// If the master does not answer or no port can be opened.
+    /// The master does not answer, or no port can be opened.
     pub fn start(master: &str) -> io::Result<Self> {
         let since = SystemTime::now().duration_since(UNIX_EPOCH);
         let unique = since.map_or(0, |since| since.as_micros());
         let name = format!("/rodlab_{}_{unique}", std::process::id());
         call(master, "getPid", &[Value::text(&name)])?;
-        // The local address of the connection to the master is reachable from the master.
+        // The master can reach the local address of the connection to it.
         let authority = authority(master).unwrap_or_default();
         let host = TcpStream::connect(authority)?.local_addr()?.ip();
         let (calls, topics) = (TcpListener::bind((host, 0))?, TcpListener::bind((host, 0))?);
@@ -109,10 +109,10 @@ impl Node {
         Ok(Self { inner })
     }
 
-    /// Subscribes a topic; its messages go to `sender` under `label`.
+    /// Subscribes to a topic; its messages go to `sender` with `label`.
     ///
     /// # Errors
-    /// If the master rejects it.
+    /// The master rejects the subscription.
     pub fn subscribe(
         &self,
         label: &'static str,
@@ -133,10 +133,10 @@ impl Node {
         Ok(())
     }
 
-    /// Offers a topic.
+    /// Advertises a topic.
     ///
     /// # Errors
-    /// If the master rejects it.
+    /// The master rejects the topic.
     pub fn advertise(&self, topic: &str, kind: MessageType) -> io::Result<Arc<Publication>> {
         let publication = Arc::new(Publication {
             topic: topic.to_owned(),
@@ -154,7 +154,7 @@ impl Node {
         std::thread::spawn(move || {
             while !inner.closed.load(Ordering::Relaxed) {
                 if call(&inner.master, "getPid", &[Value::text(&inner.name)]).is_err() {
-                    // Fails only if the receiver is closed.
+                    // Sending fails only if the receiver is closed.
                     let _ = sender.send(Heard::MasterIsGone);
                     return;
                 }
@@ -169,7 +169,7 @@ impl Drop for Node {
         self.inner.closed.store(true, Ordering::Relaxed);
         let topics = |method: &str, topic: &str| {
             let parameters = [&self.inner.name, topic, &self.inner.uri].map(Value::text);
-            // The master may be gone.
+            // The master may no longer exist.
             let _ = call(&self.inner.master, method, &parameters);
         };
         for subscription in lock(&self.inner.subscriptions).drain(..) {
@@ -178,7 +178,7 @@ impl Drop for Node {
         for publication in lock(&self.inner.publications).drain(..) {
             topics("unregisterPublisher", &publication.topic);
         }
-        // Wakes the listening threads.
+        // Connects to the own ports, so that the listening threads wake up.
         let port = authority(&self.inner.uri).and_then(|at| at.rsplit_once(':')?.1.parse().ok());
         for port in [Some(self.inner.topics_port), port].into_iter().flatten() {
             let _ = TcpStream::connect((self.inner.host, port));
@@ -245,7 +245,7 @@ impl Inner {
         }
     }
 
-    /// Takes a subscriber of one of our topics.
+    /// Accepts a subscriber of one of the node's topics.
     fn welcome(&self, mut stream: TcpStream) -> io::Result<()> {
         stream.set_read_timeout(Some(PATIENCE))?;
         stream.set_write_timeout(Some(PATIENCE))?;
@@ -289,8 +289,8 @@ impl Publication {
         lock(&self.subscribers).len()
     }
 
-    /// Sends a message to all subscribers, removes disconnected ones and returns how many received
-    /// it.
+    /// Sends a message to all subscribers, removes disconnected ones and returns the number of
+    /// receivers.
     pub fn publish(&self, message: &[u8]) -> usize {
         let mut framed = (message.len() as u32).to_le_bytes().to_vec();
         framed.extend(message);
@@ -300,7 +300,7 @@ impl Publication {
     }
 }
 
-/// Connects to the publishers of a topic that are new.
+/// Connects to new publishers of a topic.
 fn connect_all(inner: &Arc<Inner>, subscription: &Arc<Subscription>, publishers: &[String]) {
     for publisher in publishers {
         let mut known = lock(&subscription.publishers);
@@ -317,13 +317,13 @@ fn connect_all(inner: &Arc<Inner>, subscription: &Arc<Subscription>, publishers:
             if let Err(error) = listen(&inner, &subscription, &publisher) {
                 tracing::debug!("{} from {publisher}: {error}", subscription.topic);
             }
-            // It may reconnect under the same address.
+            // The publisher may reconnect under the same address.
             lock(&subscription.publishers).remove(&publisher);
         });
     }
 }
 
-/// Reads from one publisher until it or the node ends.
+/// Reads from one publisher until the publisher or the node ends.
 fn listen(inner: &Inner, subscription: &Subscription, publisher: &str) -> io::Result<()> {
     let broken = |what: String| io::Error::new(io::ErrorKind::InvalidData, what);
     let protocols = Value::Array(vec![Value::Array(vec![Value::text("TCPROS")])]);
@@ -340,7 +340,7 @@ fn listen(inner: &Inner, subscription: &Subscription, publisher: &str) -> io::Re
         u16::try_from(*port).map_err(|_| broken("the publisher sent an invalid port".into()))?;
     let mut stream = TcpStream::connect((host.as_str(), port))?;
     stream.set_nodelay(true)?;
-    // So that the thread notices the end of the node.
+    // With a timeout, the thread notices the end of the node.
     stream.set_read_timeout(Some(Duration::from_secs(1)))?;
     let kind = subscription.kind;
     let header = [
@@ -382,7 +382,7 @@ fn listen(inner: &Inner, subscription: &Subscription, publisher: &str) -> io::Re
     }
 }
 
-/// Fills the buffer; `false` if the node is closed before.
+/// Fills the buffer; `false` if the node is closed first.
 fn read_whole(inner: &Inner, stream: &mut TcpStream, bytes: &mut [u8]) -> io::Result<bool> {
     let mut done = 0;
     while done < bytes.len() {
@@ -405,7 +405,8 @@ fn read_whole(inner: &Inner, stream: &mut TcpStream, bytes: &mut [u8]) -> io::Re
     Ok(true)
 }
 
-/// A connection header: `key=value` fields, each after its length, all after the length of all.
+/// Writes a connection header: the length of all fields, then `key=value` fields, each after its
+/// length.
 fn write_header(stream: &mut TcpStream, fields: &[(&str, &str)]) -> io::Result<()> {
     let mut body = Vec::new();
     for (key, value) in fields {

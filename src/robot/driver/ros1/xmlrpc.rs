@@ -1,4 +1,4 @@
-//! XML-RPC over HTTP, as ROS 1 masters and nodes speak it.
+//! XML-RPC over HTTP, as used by ROS 1 masters and nodes.
 
 use rodlab_files::input;
 use roxmltree::{Document, ParsingOptions};
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_millis(1500);
 /// Longest message, bytes.
 const LONGEST: usize = 1 << 20;
-/// Most nodes of a message: elements and texts.
+/// Largest number of nodes of a message: elements and texts.
 const MOST_NODES: u32 = 100_000;
 
 /// A value of a call or an answer.
@@ -32,7 +32,7 @@ impl Value {
         Self::Text(text.to_owned())
     }
 
-    /// The text, if it is one.
+    /// The text, if the value is a text.
     pub fn as_text(&self) -> Option<&str> {
         match self {
             Self::Text(text) => Some(text),
@@ -40,7 +40,7 @@ impl Value {
         }
     }
 
-    /// The values, if it is an array.
+    /// The values, if the value is an array.
     pub fn as_array(&self) -> Option<&[Value]> {
         match self {
             Self::Array(values) => Some(values),
@@ -48,7 +48,7 @@ impl Value {
         }
     }
 
-    /// The texts in it, if it is an array.
+    /// The texts in an array; empty for other values.
     pub fn texts(&self) -> Vec<String> {
         let values = self.as_array().unwrap_or_default().iter();
         let texts = values.filter_map(Self::as_text);
@@ -101,7 +101,7 @@ pub fn authority(uri: &str) -> Option<&str> {
 /// Calls a method of a node or a master and returns the third part of its answer, after code and message.
 ///
 /// # Errors
-/// If there is no answer, the answer is not XML-RPC, or its code is not 1.
+/// There is no answer, the answer is not XML-RPC, or its code is not 1.
 pub fn call(uri: &str, method: &str, parameters: &[Value]) -> io::Result<Value> {
     let broken =
         |what: &str| io::Error::new(io::ErrorKind::InvalidData, format!("{method}: {what}"));
@@ -150,7 +150,7 @@ pub struct Call {
 /// Reads a call.
 ///
 /// # Errors
-/// If it is not XML-RPC, or does not arrive in time.
+/// The call is not XML-RPC, or does not arrive in time.
 pub fn read_call(stream: &TcpStream) -> io::Result<Call> {
     let text = read_body(&mut BufReader::new(Timely::new(stream)))?;
     let document = parse(&text).map_err(|reason| invalid(&format!("a call: {reason}")))?;
@@ -175,7 +175,7 @@ fn call_in(document: &Document<'_>) -> Call {
     }
 }
 
-/// The document of a message: its depth is bounded first, because [`Value::from_xml`] recurses.
+/// The document of a message. Its depth is checked first, since [`Value::from_xml`] recurses.
 fn parse(text: &str) -> Result<Document<'_>, String> {
     if text.len() > LONGEST {
         return Err(format!("longer than {LONGEST} bytes"));
@@ -192,7 +192,7 @@ fn invalid(what: &str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, what.to_owned())
 }
 
-/// A connection whose whole message must arrive within [`PATIENCE`], in any number of parts.
+/// A connection whose whole message must arrive within [`PATIENCE`], in any number of pieces.
 struct Timely<'a> {
     stream: &'a TcpStream,
     end: Instant,
@@ -221,7 +221,7 @@ impl Read for Timely<'_> {
 /// Answers a call with success.
 ///
 /// # Errors
-/// If the caller has disconnected.
+/// The caller has disconnected.
 pub fn answer(mut stream: &TcpStream, result: Value) -> io::Result<()> {
     let answer = Value::Array(vec![Value::Integer(1), Value::text(""), result]);
     let body = format!(

@@ -1,4 +1,4 @@
-//! An action of ROS 2: its three services and the discovery of its server.
+//! An action of ROS 2: three services, and the discovery of its server.
 
 use super::super::DriverError;
 use super::super::gripper_goal::wait_for_server;
@@ -14,11 +14,11 @@ use std::time::{Duration, Instant};
 
 /// Longest wait for the action server.
 const DISCOVERY_PATIENCE: Duration = Duration::from_secs(5);
-/// Time between the discovery of the server and the first request: the server may discover this
-/// client later.
+/// Time between the discovery of the server and the first request, since the server may discover
+/// this client later.
 const SETTLING: Duration = Duration::from_millis(500);
 
-/// Message for a rejected goal: the answer has no field for a reason.
+/// Message for a rejected goal, since the answer has no field for a reason.
 pub const WITHOUT_REASON: &str =
     "no reason given: compare the names of the joints and the goal with the log of the controller";
 
@@ -31,10 +31,11 @@ pub fn unique() -> GoalId {
     id
 }
 
-/// A participant of a domain, on one network if the address of this machine there is given.
+/// A participant of a domain. If the address of this machine on a network is given, only this
+/// network is used.
 ///
 /// # Errors
-/// A message if there is no such network, or no free participant index.
+/// A message: there is no such network, or no free participant index.
 pub fn participant(domain: u16, interface: Option<IpAddr>) -> Result<DomainParticipant, String> {
     let mut builder = DomainParticipantBuilder::new(domain);
     if let Some(interface) = interface {
@@ -43,7 +44,7 @@ pub fn participant(domain: u16, interface: Option<IpAddr>) -> Result<DomainParti
     builder.build().map_err(|error| error.to_string())
 }
 
-/// The services of an action with goals `Goal`, which end with results `End`.
+/// The services of an action with goals `Goal`and results `End`.
 pub struct Action<Goal, End> {
     /// Accepts goals.
     pub send_goal: Service<Goal, GoalAnswer>,
@@ -54,7 +55,7 @@ pub struct Action<Goal, End> {
 }
 
 impl<Goal: Serialize, End: DeserializeOwned> Action<Goal, End> {
-    /// A client of the action `name`, without a slash in front, of a kind of `control_msgs`.
+    /// A client of the action `name`, without a leading slash, of a kind of `control_msgs`.
     ///
     /// # Errors
     /// A message about the failure.
@@ -107,7 +108,7 @@ impl<Goal: Serialize, End: DeserializeOwned> Action<Goal, End> {
     }
 }
 
-/// The error that no server of an action was found; `what` must be started.
+/// The error that no server of an action was found; `what` names the program to start.
 pub fn absence(action: &str, what: &str) -> String {
     format!(
         "no action server of {action} was found in {} s; is the {what} started, and is `domain` its ROS_DOMAIN_ID?",

@@ -22,17 +22,17 @@ pub struct Ros2Camera {
     _participant: DomainParticipant,
 }
 
-/// Two readers each: a reliable one, and one for best-effort publishers.
+/// Readers of a topic: a reliable one, and one for best-effort publishers.
 enum Readers {
     Pixels([Reader<Image>; 2]),
     Files([Reader<CompressedImage>; 2]),
 }
 
 impl Ros2Camera {
-    /// Subscribes a topic.
+    /// Subscribes to a topic.
     ///
     /// # Errors
-    /// A message if there is no such network, or no free participant index.
+    /// A message: there is no such network, or no free participant index.
     pub fn open(address: &Ros2CameraAddress) -> Result<Self, String> {
         let participant = participant(address.domain, address.interface)?;
         let topic = format!("rt/{}", address.topic.trim_matches('/'));
@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn pixels_and_files_come_through() {
-        // Larger than a datagram.
+        // The picture is larger than a datagram.
         let (width, height) = (320, 240);
         let data: Vec<u8> = (0..3 * width * height).map(|k| (k % 251) as u8).collect();
         let image = Image {

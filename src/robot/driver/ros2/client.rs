@@ -62,7 +62,7 @@ impl Connection {
         })
     }
 
-    /// Reads one report of the joints, or one feedback of the goal; `false` where none has arrived.
+    /// Reads one report of the joints, or one feedback of the goal; `false` if none has arrived.
     fn read_sample(&mut self, news: &mut News<GoalId>) -> Result<bool, String> {
         if let Some(states) = self.joint_states.next()? {
             let position = |index: usize| states.position.get(index).copied();
@@ -92,7 +92,7 @@ impl Connection {
             return Ok(());
         };
         let goal_id = *goal.id();
-        // A goal that was replaced ends, too.
+        // The end of a replaced goal is ignored.
         let ended = ended.filter(|_| self.asked == Some(goal_id));
         if let Some(answer) = answered {
             if answer.accepted {
@@ -107,7 +107,7 @@ impl Connection {
             let (status, code) = (result.status.into(), result.error_code.into());
             goal.end(ros_2_outcome(Some(status), code, &result.error_string));
         } else if cancelled.is_some_and(|answer| answer.return_code != 0) {
-            // The server has not received the goal yet, or does not cancel it: the request is
+            // The server has not received the goal yet, or does not cancel it. The request is
             // repeated until the wait ends.
             action.cancel_goal.ask(CancelGoal::new(goal_id))?;
         }

@@ -61,7 +61,7 @@ impl GripperDriver for Ros2Gripper {
     }
 }
 
-/// A goal, and the services about it.
+/// A goal, and the services of its action.
 struct SentGoal<'a> {
     gripper: &'a Ros2Gripper,
     action: Action<GripperCommand, GripperResult>,
@@ -71,7 +71,7 @@ struct SentGoal<'a> {
 }
 
 impl SentGoal<'_> {
-    /// Cancels it; `true` if the server confirms that in time.
+    /// Cancels the goal; `true` if the server confirms that in time.
     fn is_cancelled(&mut self) -> Result<bool, String> {
         let begin = Instant::now();
         let service = &mut self.action.cancel_goal;
@@ -111,7 +111,7 @@ impl GripperGoal for SentGoal<'_> {
             std::thread::sleep(LOOK);
             return Ok(false);
         };
-        // Fingers that hold an object have stalled; some controllers then abort.
+        // Fingers stall when they hold an object; some controllers then abort the goal.
         if result.status == ABORTED && result.stalled {
             return Ok(true);
         }

@@ -1,15 +1,15 @@
-//! The messages of ROS 2 that a trajectory or a picture needs, field by field in the order of their
-//! definitions, for CDR.
+//! ROS 2 messages for trajectories and pictures. The fields are in the order of their definitions,
+//! as CDR requires.
 //!
-//! Unused fields at the end of an answer are not read.
+//! Trailing fields of an answer that are not needed are omitted.
 
 use super::super::Interpolant;
 use serde::{Deserialize, Serialize};
 
-/// Names a goal.
+/// Identifier of a goal.
 pub type GoalId = [u8; 16];
 
-/// `std_msgs/Header`, `builtin_interfaces/Time` in it.
+/// `std_msgs/Header`, including its `builtin_interfaces/Time`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Header {
     seconds: i32,
@@ -34,7 +34,7 @@ impl Duration {
     }
 }
 
-/// An empty sequence of any type: its length.
+/// An empty sequence of any type: only its length.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Empty(u32);
 
@@ -48,7 +48,7 @@ struct Point {
     time_from_start: Duration,
 }
 
-/// `trajectory_msgs/JointTrajectory`, to be followed at once: its header has no time.
+/// `trajectory_msgs/JointTrajectory`; a header without time means "at once".
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Trajectory {
     header: Header,
@@ -64,7 +64,8 @@ struct NoMultiDof {
     points: Empty,
 }
 
-/// `control_msgs/action/FollowJointTrajectory_SendGoal_Request`; tolerances are the controller's own.
+/// `control_msgs/action/FollowJointTrajectory_SendGoal_Request`; the tolerances are those of the
+/// controller.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SendGoal {
     goal_id: GoalId,
@@ -131,12 +132,13 @@ pub struct GripperResult {
     pub status: i8,
     position: f64,
     effort: f64,
-    /// Whether the fingers exert their greatest effort and do not move: they hold something.
+    /// Whether the fingers exert their greatest effort without moving, which means that they hold
+    /// something.
     pub stalled: bool,
     reached_goal: bool,
 }
 
-/// `FollowJointTrajectory_SendGoal_Response`, up to the acceptance of the goal.
+/// Beginning of `FollowJointTrajectory_SendGoal_Response`: whether the goal is accepted.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct GoalAnswer {
     /// Whether the controller accepts the goal.
@@ -161,7 +163,7 @@ pub struct ResultAnswer {
     pub error_string: String,
 }
 
-/// `action_msgs/srv/CancelGoal_Request`: of one goal, whenever it was accepted.
+/// `action_msgs/srv/CancelGoal_Request`for one goal, independent of its time.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct CancelGoal {
     goal_id: GoalId,
@@ -178,14 +180,14 @@ impl CancelGoal {
     }
 }
 
-/// `action_msgs/srv/CancelGoal_Response`, up to its code.
+/// Beginning of `action_msgs/srv/CancelGoal_Response`: its code.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct CancelAnswer {
-    /// 0 if the goal is being cancelled, 1 if the controller refuses.
+    /// 0 if the goal is being cancelled, 1 if the controller rejects the request.
     pub return_code: i8,
 }
 
-/// `FollowJointTrajectory_FeedbackMessage`, up to the setpoint.
+/// Beginning of `FollowJointTrajectory_FeedbackMessage`, including the setpoint.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Feedback {
     /// The goal.
@@ -197,7 +199,7 @@ pub struct Feedback {
     pub setpoint: Vec<f64>,
 }
 
-/// `sensor_msgs/JointState`, up to the positions.
+/// Beginning of `sensor_msgs/JointState`, including the positions.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct JointStates {
     header: Header,
@@ -210,7 +212,7 @@ pub struct JointStates {
 /// `sensor_msgs/Image`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Image {
-    /// Time and camera.
+    /// Time stamp and camera.
     pub header: Header,
     /// Rows.
     pub height: u32,
@@ -220,16 +222,16 @@ pub struct Image {
     pub encoding: String,
     /// Whether numbers of two bytes are big-endian.
     pub is_bigendian: u8,
-    /// Bytes from row to row.
+    /// Number of bytes per row.
     pub step: u32,
-    /// Rows from above.
+    /// Rows from top to bottom.
     pub data: Vec<u8>,
 }
 
 /// `sensor_msgs/CompressedImage`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CompressedImage {
-    /// Time and camera.
+    /// Time stamp and camera.
     pub header: Header,
     /// Such as `jpeg`.
     pub format: String,
@@ -247,8 +249,8 @@ mod tests {
         assert_eq!((almost.seconds, almost.nanoseconds), (2, 0));
     }
 
-    /// Encoded by hand from the definitions and the rules of CDR: little-endian, each number at a
-    /// multiple of its size.
+    /// The expected bytes were encoded by hand from the definitions and the rules of CDR:
+    /// little-endian, each number at a multiple of its size.
     #[test]
     fn a_goal_has_the_bytes_of_its_definition() {
         let motion = Interpolant::new(&[0.0, 1.5], &[vec![0.0], vec![2.0]]);
@@ -264,7 +266,8 @@ mod tests {
         let word = |bytes: &mut Vec<u8>, number: u32| bytes.extend(number.to_le_bytes());
         let header = |bytes: &mut Vec<u8>| {
             (0..2).for_each(|_| word(bytes, 0));
-            // An empty text is its closing zero; the next number starts at a multiple of four.
+            // An empty text is a single closing zero; the next number starts at a multiple of
+            // four.
             bytes.extend([1, 0, 0, 0, 0, 0, 0, 0]);
         };
         header(&mut expected);

@@ -1,10 +1,10 @@
 //! `control_msgs/FollowJointTrajectory` and `GripperCommand` of ROS 2, natively, without a ROS
-//! installation or a bridge; DDS by rustdds.
+//! installation or a bridge. DDS is that of rustdds.
 //!
-//! An action of ROS 2 (`action`) is three services, send_goal, get_result and cancel_goal
-//! (`service`), and topics of feedback and status; their messages (`message`) are CDR. Arms use
-//! `client` and grippers `gripper`; pictures come from a `camera`. All of this needs the cargo
-//! feature `ros2`.
+//! An action of ROS 2 (`action`) consists of three services, send_goal, get_result and cancel_goal
+//! (`service`), and of topics for feedback and status. Their messages (`message`) are encoded in
+//! CDR. Arms use `client` and grippers `gripper`; pictures come from a `camera`. All of this needs
+//! the cargo feature `ros2`.
 
 #[cfg(feature = "ros2")]
 mod action;
@@ -33,7 +33,7 @@ pub enum Middleware {
 }
 
 impl Middleware {
-    /// Its name in cell files.
+    /// Name in cell files.
     pub fn name(self) -> &'static str {
         match self {
             Self::FastDds => "fast-dds",
@@ -45,11 +45,11 @@ impl Middleware {
 /// Address of a robot of ROS 2.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ros2Address {
-    /// Its `ROS_DOMAIN_ID`.
+    /// `ROS_DOMAIN_ID` of the robot.
     pub domain: u16,
-    /// Its middleware.
+    /// Middleware of the robot.
     pub middleware: Middleware,
-    /// Address of this machine on the robot's network; `None`: all networks.
+    /// Address of this machine on the robot's network; `None` means all networks.
     pub interface: Option<IpAddr>,
     /// Name of the action.
     pub action: String,
@@ -61,7 +61,7 @@ impl Ros2Address {
     /// Whether this program was built with the feature `ros2`.
     pub const IS_BUILT: bool = cfg!(feature = "ros2");
 
-    /// A driver for the robot there; `None` unless [`Self::IS_BUILT`].
+    /// A driver for the robot at this address; `None` unless [`Self::IS_BUILT`].
     pub fn driver(&self) -> Option<Box<dyn Driver>> {
         #[cfg(feature = "ros2")]
         {
@@ -77,11 +77,11 @@ impl Ros2Address {
 /// Address of a gripper of ROS 2, and its grip force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ros2GripperAddress {
-    /// Its `ROS_DOMAIN_ID`.
+    /// `ROS_DOMAIN_ID` of the gripper.
     pub domain: u16,
-    /// Its middleware.
+    /// Middleware of the gripper.
     pub middleware: Middleware,
-    /// Address of this machine on its network; `None`: all networks.
+    /// Address of this machine on the gripper's network; `None` means all networks.
     pub interface: Option<IpAddr>,
     /// Name of the action `control_msgs/GripperCommand`.
     pub action: String,
@@ -90,7 +90,7 @@ pub struct Ros2GripperAddress {
 }
 
 impl Ros2GripperAddress {
-    /// A driver for the gripper there; `None` unless [`Ros2Address::IS_BUILT`].
+    /// A driver for the gripper at this address; `None` unless [`Ros2Address::IS_BUILT`].
     pub fn driver(self) -> Option<Box<dyn GripperDriver>> {
         #[cfg(feature = "ros2")]
         {
@@ -106,19 +106,20 @@ impl Ros2GripperAddress {
 /// Address of a camera of ROS 2.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ros2CameraAddress {
-    /// Its `ROS_DOMAIN_ID`.
+    /// `ROS_DOMAIN_ID` of the camera.
     pub domain: u16,
-    /// Address of this machine on the camera's network; `None`: all networks.
+    /// Address of this machine on the camera's network; `None` means all networks.
     pub interface: Option<IpAddr>,
-    /// Topic of its pictures.
+    /// Topic of the pictures.
     pub topic: String,
 }
 
 impl Ros2CameraAddress {
-    /// Subscribes the topic; the camera may start later.
+    /// Subscribes to the topic; the camera may start later.
     ///
     /// # Errors
-    /// If there is no such network, or the program was built without the feature `ros2` ([`Ros2Address::IS_BUILT`]).
+    /// There is no such network, or the program was built without the feature `ros2`
+    /// ([`Ros2Address::IS_BUILT`]).
     pub fn open(&self) -> Result<Box<dyn PictureTopic>, DriverError> {
         #[cfg(feature = "ros2")]
         {

@@ -1,8 +1,8 @@
 //! Services of ROS 2 as topics of DDS, for two kinds of middleware.
 //!
-//! With Fast DDS an answer names its request in the parameters beside the message; with Cyclone DDS
-//! request and answer begin with 16 bytes that name the request. A server of either kind does not
-//! answer clients of the other kind.
+//! With Fast DDS, an answer identifies its request in parameters outside the message. With Cyclone
+//! DDS, request and answer begin with 16 bytes that identify the request. A server of either kind
+//! does not answer clients of the other kind.
 
 use super::Middleware;
 use rustdds::bytes::Bytes;
@@ -26,8 +26,7 @@ const DEPTH: i32 = 10;
 /// Longest wait for space in the queue of unacknowledged messages, ms.
 const WRITE_PATIENCE: i32 = 100;
 
-/// A message as it is on the wire, in CDR: code that reads and writes topics is compiled for this
-/// type only.
+/// A message encoded in CDR. Code that reads and writes topics is compiled for this type only.
 #[derive(Clone, Debug)]
 pub struct Encoded {
     bytes: Vec<u8>,
@@ -132,7 +131,7 @@ pub fn reliable() -> QosPolicies {
     profile(Reliability::Reliable { max_blocking_time })
 }
 
-/// Quality of service of joint states: it fits publishers of either kind.
+/// Quality of service of joint states; compatible with publishers of either kind.
 pub fn best_effort() -> QosPolicies {
     profile(Reliability::BestEffort)
 }
@@ -145,7 +144,7 @@ fn profile(reliability: Reliability) -> QosPolicies {
         .build()
 }
 
-/// Subscribes a topic of DDS.
+/// Subscribes to a topic of DDS.
 ///
 /// # Errors
 /// A message about the failure.
@@ -189,10 +188,10 @@ fn in_words(error: impl Display) -> String {
 
 /// Place of the request identifier in an answer.
 enum Naming {
-    /// In the parameters beside it, by the identity of the last request: Fast DDS.
+    /// In parameters outside the message, as the identity of the last request: Fast DDS.
     Beside(Option<SampleIdentity>),
-    /// In front of it, by half of the client's identity and the number of the last request: Cyclone
-    /// DDS.
+    /// At the beginning of the message, as half of the client's identity and the number of the
+    /// last request: Cyclone DDS.
     InFront([u8; 8], i64),
 }
 
@@ -207,7 +206,8 @@ pub struct Service<Q, A> {
 }
 
 impl<Q: Serialize, A: DeserializeOwned> Service<Q, A> {
-    /// A client of the service `name`, without a slash in front, whose messages are of the kind `package::srv::dds_::Kind`.
+    /// A client of the service `name`, without a leading slash, with messages of the kind
+    /// `package::srv::dds_::Kind`.
     ///
     /// # Errors
     /// A message about the failure.
@@ -240,7 +240,7 @@ impl<Q: Serialize, A: DeserializeOwned> Service<Q, A> {
         })
     }
 
-    /// Whether the requests have a reader and the answers a writer.
+    /// Whether a server reads the requests and writes the answers.
     pub fn is_served(&self, participant: &DomainParticipant) -> bool {
         let readers = participant.discovered_readers();
         let writers = participant.discovered_writers();

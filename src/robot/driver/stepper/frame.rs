@@ -1,7 +1,8 @@
-//! Frames: a sequence number, a kind, data and a checksum, stuffed so that no byte of them is zero, and a zero.
+//! Frames: a sequence number, a kind, data and a checksum, stuffed so that no byte is zero,
+//! followed by a zero.
 //!
-//! The stuffing is Consistent Overhead Byte Stuffing (Cheshire & Baker 1999): wherever a receiver
-//! starts, the next zero ends a frame. The checksum is CRC-16/GENIBUS.
+//! The stuffing is Consistent Overhead Byte Stuffing (Cheshire & Baker 1999), so that a zero
+//! always ends a frame, wherever a receiver starts. The checksum is CRC-16/GENIBUS.
 
 /// Longest frame, bytes before stuffing.
 pub const LONGEST: usize = 32;
@@ -37,7 +38,7 @@ pub fn encode(sequence: u8, kind: u8, data: &[u8]) -> Vec<u8> {
     stuffed
 }
 
-/// A frame received.
+/// A received frame.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Frame {
     /// Its sequence number.

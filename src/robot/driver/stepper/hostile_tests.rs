@@ -1,5 +1,5 @@
-//! Motions over serial lines with a faulty board: each ends with the right error, and none is
-//! reported finished.
+//! Motions over serial lines with a faulty board. Each must end with the right error, and none may
+//! be reported as finished.
 
 use super::super::PartTrajectory;
 use super::frame;
@@ -14,25 +14,25 @@ use std::sync::{Arc, Mutex};
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     None,
-    /// It accepts moves, but its motor does not move.
+    /// The board accepts moves, but its motor does not move.
     Stuck,
-    /// It stops answering after a while.
+    /// The board stops answering after a while.
     Mute,
-    /// It sends bytes endlessly.
+    /// The board sends bytes endlessly.
     Garbage,
-    /// It answers with the number of another frame.
+    /// The board answers with the number of another frame.
     OldAnswers,
-    /// It reports a count that does not follow from the moves.
+    /// The board reports a position that does not follow from the moves.
     Jump,
-    /// It accepts stop requests, but its motor continues.
+    /// The board accepts stop requests, but its motor continues.
     Deaf,
-    /// Its queue is always full.
+    /// The queue of the board is always full.
     Full,
 }
 
 struct Board {
     fault: Fault,
-    /// Accepted moves, with their times, s.
+    /// Accepted moves: time of acceptance, steps, and duration, s.
     moves: Vec<(Instant, i32, f64)>,
     answers: VecDeque<u8>,
     received: Vec<u8>,
@@ -41,7 +41,7 @@ struct Board {
 }
 
 impl Board {
-    /// Steps by now.
+    /// Present position in steps.
     fn count(&self) -> i32 {
         let mut count = 0.0;
         for (begin, steps, seconds) in &self.moves {
@@ -129,7 +129,7 @@ impl Write for Line {
     }
 }
 
-/// Turns the motor by half a turn in 0.8 s; interrupts after 0.4 s if requested.
+/// Commands half a turn of the motor in 0.8 s, with an interruption after 0.4 s if requested.
 fn turn(fault: Fault, interrupts: bool) -> (Ending, usize) {
     let board = Arc::new(Mutex::new(Board {
         fault,
@@ -180,7 +180,7 @@ fn a_faulty_board_is_commanded_to_stop_and_named() {
             let (ending, holds) = turn(fault, interrupts);
             match &ending {
                 Ending::Failed(reason) => assert!(reason.contains(words), "{fault:?}: {reason}"),
-                // The last moves may end before the wait for a silent board does.
+                // The last moves may end before the wait for a silent board times out.
                 Ending::Interrupted if fault == Fault::Deaf => {}
                 _ => panic!("{fault:?}: {ending:?}"),
             }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 /// Time after which a request is repeated.
 const PATIENCE: Duration = Duration::from_millis(25);
-/// Number of attempts; together shorter than the watchdog of the motor.
+/// Number of attempts; all of them together take less time than the watchdog of the motor allows.
 const ATTEMPTS: u32 = 10;
 
 const HELLO: u8 = 0x01;
@@ -33,12 +33,12 @@ pub enum Request {
     Hello,
     /// A number of steps, evenly spread over a time.
     Move {
-        /// Steps; negative ones backwards.
+        /// Number of steps; negative for backward motion.
         steps: i32,
-        /// Time for them.
+        /// Duration of the move.
         microseconds: u32,
     },
-    /// Request for the position.
+    /// Request for the current position.
     Status,
     /// Stop and empty the queue.
     Hold,
@@ -47,11 +47,11 @@ pub enum Request {
 /// Answer of the microcontroller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Acknowledgement {
-    /// Steps since it was switched on.
+    /// Steps since the motor was switched on.
     pub position: i32,
     /// Whether the queue was full and the move was rejected.
     pub full: bool,
-    /// Whether its watchdog has stopped the motor.
+    /// Whether the watchdog has stopped the motor.
     pub watchdog: bool,
 }
 
@@ -94,7 +94,7 @@ impl Link {
     /// is executed once.
     ///
     /// # Errors
-    /// If no answer arrives within 0.25 s, or the request is rejected.
+    /// No answer arrives within 0.25 s, or the request is rejected.
     pub fn ask(&mut self, request: Request) -> io::Result<Acknowledgement> {
         self.sequence = self.sequence.wrapping_add(1);
         // A leading zero ends any noise on the line.
@@ -153,7 +153,7 @@ impl Link {
                     return Ok(answer);
                 }
             }
-            // Endless noise.
+            // The line sends endless noise.
             if self.received.len() > 4 * frame::LONGEST {
                 self.received.clear();
             }
@@ -161,7 +161,7 @@ impl Link {
         Ok(None)
     }
 
-    /// The answer in a frame; `None` if it answers an earlier request.
+    /// The answer in a frame; `None` if it belongs to an earlier request.
     fn ours(&self, frame: &Frame) -> Option<(u8, Acknowledgement)> {
         let [status, _free, a, b, c, d, flags] = *frame.data.as_slice() else {
             return None;

@@ -1,11 +1,11 @@
 //! A stepper motor on a microcontroller, over a serial line that may corrupt, lose and repeat
 //! bytes.
 //!
-//! Firmware: `scripts/firmware/stepper.c`. The host sends requests and the microcontroller answers:
-//! frames (`frame`) with a sequence number, one outstanding at a time, resent until acknowledged
-//! (`line`). The motor executes a queue of moves, each a number of steps in a number of
-//! microseconds; if no valid frame arrives for 300 ms while it moves, it stops and rejects moves
-//! until the host sends a new hello.
+//! Firmware: `scripts/firmware/stepper.c`. The host sends requests and the microcontroller
+//! answers, in frames (`frame`) with a sequence number. One request at a time is outstanding, and
+//! is resent until acknowledged (`line`). The motor executes a queue of moves, each a number of
+//! steps in a number of microseconds; if no valid frame arrives for 300 ms while it moves, it
+//! stops and rejects moves until the host sends a new hello.
 
 mod frame;
 #[cfg(test)]
@@ -21,9 +21,9 @@ use line::{Acknowledgement, Link, Request};
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
 
-/// Time of a move, s.
+/// Duration of a move, s.
 const MOVE: f64 = 0.02;
-/// Lead with which moves are sent, s: the largest allowed delay of the line.
+/// Time by which moves are sent in advance, s: the largest allowed delay of the line.
 const AHEAD: f64 = 0.12;
 /// Time between position requests at rest.
 const STATUS_INTERVAL: Duration = Duration::from_millis(20);
@@ -34,7 +34,7 @@ pub struct StepperDriver {
     place: String,
     radians_per_step: f64,
     link: Option<Link>,
-    /// Angle at which the motor's own count is zero, rad.
+    /// Angle at the zero of the motor's step count, rad.
     zero: f64,
     /// Last reported count of the motor.
     position: i64,
@@ -47,7 +47,7 @@ struct Motion {
     path: Interpolant,
     /// Time up to which moves have been sent, s.
     sent: f64,
-    /// Steps from the zero of the motor at that time.
+    /// Step count of the motor at that time.
     steps: i64,
 }
 
@@ -163,9 +163,9 @@ impl Driver for StepperDriver {
         Ok(self.state.clone())
     }
 
-    /// The motor has no absolute sensor: its present position is the first point. Nothing is sent
-    /// before the first [`Driver::advance`], so that the other parts of a stream, which start at
-    /// once, do not wait for the line.
+    /// The motor has no absolute sensor, so that its present position is taken as the first point.
+    /// Nothing is sent before the first [`Driver::advance`], so that the other parts of a stream,
+    /// which start at once, do not wait for the line.
     fn start(&mut self, motion: &Interpolant) -> Result<(), DriverError> {
         if self.link.is_none() {
             return Err(self.lost("not connected"));
@@ -203,7 +203,7 @@ impl Driver for StepperDriver {
             return Ok(());
         }
         match self.ask(Request::Hold) {
-            // Its own watchdog has stopped it.
+            // The watchdog of the motor has stopped it.
             Ok(_) | Err(DriverError::Aborted(_)) => Ok(()),
             Err(error) => Err(error),
         }
