@@ -1,17 +1,17 @@
-//! Ends that emerge at the other side of a strand at which they seem to stop.
+//! Extension of ends across another strand at which they seem to stop.
 
 use super::Point;
 use super::centreline::Strand;
 use super::contrast::Contrast;
 use super::strand_end::{end_direction, normal};
 
-/// Farthest that an end reaches across another strand, in widths.
+/// Largest distance over which an end is searched across another strand, in widths.
 const FARTHEST_ACROSS: f64 = 4.0;
-/// Smallest length that must emerge at the other side, pixels.
+/// Smallest length that must emerge at the other side of that strand, pixels.
 const LEAST_BEYOND: f64 = 1.0;
 
-/// Moves ends that stop at another strand to its other side, if the mask continues there: the
-/// emerging part is often too short for a skeleton of its own.
+/// Moves ends that stop at another strand to its other side, if the mask continues there. The
+/// emerging part is often too short for its own skeleton.
 pub(super) fn reach_across(contrast: &Contrast, strands: &mut [Strand]) {
     for number in 0..strands.len() {
         if strands[number].closed || strands[number].points.len() < 4 {
@@ -42,7 +42,7 @@ fn beyond_another(contrast: &Contrast, strands: &[Strand], number: usize) -> Vec
     let Some((along, turn)) = end_direction(&strand.points, width, step.max(1e-3)) else {
         return Vec::new();
     };
-    // For the strand itself, the part farther along it than its end can reach.
+    // Number of the strand's own points that the end cannot reach.
     let own = ((FARTHEST_ACROSS + 2.0) * width / step.max(1e-3)) as usize;
     let own = strand.points.len().saturating_sub(own);
     let place = |t: f64| last + along * t + normal(along) * (0.5 * turn * t * t);

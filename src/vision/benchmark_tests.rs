@@ -4,7 +4,7 @@ use super::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Images of rods and their true labels, beside the checkout.
+/// Images of rods and their true labels, next to the checkout.
 fn benchmark() -> Option<PathBuf> {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
         .join("../shared/vision/mbest_sample");
@@ -19,7 +19,7 @@ fn strands_of_the_public_benchmark_are_found() {
     let Some(folder) = benchmark() else {
         return;
     };
-    // The released code's mean instance Dice on its 300 images.
+    // Mean instance Dice of the authors' released code on its 300 images.
     for (set, least) in [(1, 0.966), (2, 0.958), (3, 0.961)] {
         let (mut sum, mut count) = (0.0, 0.0);
         for number in [0, 21, 42, 63, 84] {

@@ -12,19 +12,19 @@ use super::reprojection::{LENS, POSE, State};
 use super::{Point, VisionError};
 use nalgebra::{Isometry3, Matrix3};
 
-/// A calibrated lens, and the poses of the board.
+/// A calibrated lens and the poses of the board.
 #[derive(Clone, Debug)]
 pub struct Calibration {
     /// The lens.
     pub lens: Lens,
     /// Pose of the board in the camera's axes, for each view.
     pub boards: Vec<Isometry3<f64>>,
-    /// Root mean square of the distances between found and computed corners over all views, pixels.
+    /// Root mean square reprojection error of the corners over all views, pixels.
     pub reprojection_rms: f64,
-    /// The same for each view.
+    /// Root mean square reprojection error of each view, pixels.
     pub view_rms: Vec<f64>,
-    /// Standard deviations of fx, fy, cx, cy, k1, k2, p1, p2, k3, from the scatter of the corners, enlarged where the model does not
-    /// fit.
+    /// Standard deviations of fx, fy, cx, cy, k1, k2, p1, p2, k3, from the scatter of the corners,
+    /// enlarged if the model does not fit.
     pub lens_deviations: [f64; 9],
     /// The part of the residuals that noise does not explain, if any.
     pub misfit: Option<LensMisfit>,
@@ -34,8 +34,9 @@ pub struct Calibration {
 const MOST_MISFIT: f64 = 0.5;
 
 impl Calibration {
-    /// The camera of a view whose board lies on the table and is the origin of the world: its corner at the lower
-    /// left, x to the right, y upwards in the picture, z up. `height` is that of the board's face.
+    /// The camera of a view in which the board lies on the table. The origin of the world is the
+    /// corner of the board at the lower left; x points to the right, y upwards in the picture, and
+    /// z up. `height` is the height of the board's face.
     pub fn camera(&self, view: usize, width: u32, height: u32) -> Camera {
         Camera {
             width,
@@ -50,8 +51,8 @@ impl Calibration {
 /// Calibrates a lens from the corners found in several views.
 ///
 /// # Errors
-/// There are fewer than three views, or they are too similar: pictures from one direction do not
-/// separate the focal length from the distance. Or the lens does not fit the model, such as a
+/// There are fewer than three views, or they are too similar, since pictures from one direction do
+/// not separate the focal length from the distance; or the lens does not fit the model, such as a
 /// fisheye lens.
 pub fn calibrate(
     board: &Checkerboard,
@@ -121,7 +122,8 @@ pub fn calibrate(
     })
 }
 
-/// The board's pose in the axes of a camera whose lens is known, and the root mean square reprojection error.
+/// The pose of the board in the axes of a camera with a known lens, and the root mean square
+/// reprojection error.
 ///
 /// # Errors
 /// The corners do not determine a pose.
@@ -301,8 +303,8 @@ mod tests {
         let (pose, _) = board_pose(&BOARD, &corners, &far.lens).expect("a pose");
         let off = (pose * aim - far.pose.inverse() * aim).norm();
         assert!(off < 0.03e-3, "with the true lens the pose is {off} m off");
-        // The principal point is the least accurate: here 0.04 pixels, which moves points 0.6 m
-        // away by 0.03 mm.
+        // The principal point is the least accurate parameter: here its error is 0.04 pixels,
+        // which moves points at a distance of 0.6 m by 0.03 mm.
         assert!(found.lens_deviations[2] < 0.08 && found.lens_deviations[3] < 0.08);
         let (pose, _) = board_pose(&BOARD, &corners, &found.lens).expect("a pose");
         let off = (pose * aim - far.pose.inverse() * aim).norm();

@@ -5,8 +5,9 @@ use nalgebra::{Isometry3, Vector3};
 
 /// Lens of a camera: focal lengths, principal point and distortion.
 ///
-/// A point (X, Y, Z) in the camera's axes, x to the right, y down, z along the view, has x = X/Z, y = Y/Z and, with
-/// r² = x² + y² (Brown 1971; the five coefficients as OpenCV orders them),
+/// The camera's axes are x to the right, y down, and z along the view. A point (X, Y, Z) in these
+/// axes has x = X/Z, y = Y/Z and, with r² = x² + y² (Brown 1971; the five coefficients as OpenCV
+/// orders them),
 ///
 /// x' = x (1 + k1 r² + k2 r⁴ + k3 r⁶) + 2 p1 x y + p2 (r² + 2 x²),
 /// y' = y (1 + k1 r² + k2 r⁴ + k3 r⁶) + p1 (r² + 2 y²) + 2 p2 x y,
@@ -53,7 +54,7 @@ impl Lens {
         (distorted, derivatives)
     }
 
-    /// Direction (X/Z, Y/Z) that is imaged at a pixel, by Newton's method; `None` where the
+    /// Direction (X/Z, Y/Z) that is imaged at a pixel, by Newton's method; `None` if the
     /// distortion is not invertible.
     pub fn direction(&self, pixel: Point) -> Option<Point> {
         let target = Point::new(
@@ -68,7 +69,8 @@ impl Lens {
                 break;
             }
             let step = derivatives.try_inverse()? * residual;
-            // Far from the centre a full step may leave the range in which the polynomial rises.
+            // Far from the centre a full step may leave the range in which the polynomial
+            // increases.
             let limit = 0.25 / step.norm().max(0.25);
             direction -= step * limit;
         }
@@ -100,23 +102,24 @@ impl Lens {
     }
 }
 
-/// A camera in the world, which has its z axis upwards, and a table whose top is horizontal.
+/// A camera and a table with a horizontal top in the world, whose z axis points up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Pixels along a row.
+    /// Width of the picture, pixels.
     pub width: u32,
     /// Rows.
     pub height: u32,
     /// Its lens.
     pub lens: Lens,
-    /// Its axes in the world: x to the right of the image, y down, z along the view. Metres.
+    /// Pose of the camera's axes in the world, metres: x to the right of the image, y down, z
+    /// along the view.
     pub pose: Isometry3<f64>,
     /// Height z of the plane on which image points are located, metres.
     pub table_height: f64,
 }
 
 impl Camera {
-    /// Pixel of a point of the world in metres; `None` behind the camera.
+    /// Pixel of a point of the world in metres; `None` for a point behind the camera.
     pub fn project(&self, point: Vector3<f64>) -> Option<Point> {
         let seen = self.pose.inverse_transform_point(&point.into());
         (seen.z > 1e-9).then(|| {
@@ -133,10 +136,10 @@ impl Camera {
         self.on_plane(pixel, self.table_height)
     }
 
-    /// The same for a horizontal plane at another height z.
+    /// Locates a pixel on a horizontal plane at another height z.
     ///
     /// # Errors
-    /// As [`on_table`](Self::on_table).
+    /// See [`on_table`](Self::on_table).
     pub fn on_plane(&self, pixel: Point, height: f64) -> Result<Point, VisionError> {
         let missing = |reason: &str| VisionError::NotFound {
             what: "a point of the table",
@@ -156,10 +159,10 @@ impl Camera {
         Ok(Point::new(point.x, point.y))
     }
 
-    /// Rejects pictures of another size, which would give wrong coordinates.
+    /// Rejects pictures with a size other than the camera's, which would give wrong coordinates.
     ///
     /// # Errors
-    /// [`VisionError::Size`].
+    /// [`VisionError::Size`] for another size.
     pub fn check_size(&self, width: u32, height: u32) -> Result<(), VisionError> {
         if (width, height) == (self.width, self.height) {
             return Ok(());
@@ -179,7 +182,8 @@ pub(super) mod tests {
     use super::*;
     use nalgebra::{Translation3, UnitQuaternion};
 
-    /// A camera of a size, in pixels, that looks at a place from a distance, m, turned from the view straight down.
+    /// A camera of a size, in pixels, that looks at a place from a distance, m, rotated from the
+    /// view straight down.
     pub fn looking_at(
         aim: Vector3<f64>,
         away: f64,
@@ -203,7 +207,7 @@ pub(super) mod tests {
         }
     }
 
-    /// A camera 0.6 m above a table, looking down at a slant.
+    /// A camera 0.6 m above a table, which looks down obliquely.
     pub fn slanted_camera() -> Camera {
         let slant = UnitQuaternion::from_euler_angles(0.25, -0.1, 0.3);
         let distortion = [0.08, -0.15, 0.001, -0.0007, 0.05];

@@ -32,7 +32,7 @@ impl Camera {
         reader.camera()
     }
 
-    /// The camera as a TOML table `[camera]`.
+    /// Returns the camera as a TOML table `[camera]`.
     pub fn to_toml(&self) -> String {
         let list = |values: &[f64]| {
             let texts: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();

@@ -1,4 +1,5 @@
-//! Centrelines to sub-pixel accuracy: the middle between both edges of a strand, smoothed along it.
+//! Centrelines to sub-pixel accuracy: the middle between the two edges of a strand, smoothed along
+//! it.
 
 use super::Point;
 use super::contrast::Contrast;
@@ -22,7 +23,7 @@ pub struct Strand {
 }
 
 impl Strand {
-    /// Length, pixels.
+    /// Length of the strand, pixels.
     pub fn length(&self) -> f64 {
         let steps = self
             .points
@@ -35,7 +36,7 @@ impl Strand {
         steps.sum::<f64>() + seam
     }
 
-    /// Median width, pixels.
+    /// Median width of the strand, pixels.
     pub fn width(&self) -> f64 {
         median(&self.widths)
     }
@@ -67,7 +68,8 @@ impl Strand {
 const POINTS_PER_WIDTH: f64 = 6.0;
 /// Smoothing length ℓ, in widths: waves shorter than about four widths are noise of the edges.
 const SMOOTHING: f64 = 0.6;
-/// A strand is measured where its width is within these bounds of its median: elsewhere it meets another one.
+/// A strand is measured only where the ratio of its width to its median width is within these
+/// bounds. Elsewhere it meets another strand.
 const PLAUSIBLE_WIDTH: [f64; 2] = [0.7, 1.18];
 /// Length of the straight extension of an end where its width cannot be measured, in widths; beyond
 /// that it follows the skeleton.
@@ -126,7 +128,7 @@ pub(super) fn centreline(
             }
         }
         if measured.iter().flatten().count() < 3 {
-            // Too thin or too short to measure: the skeleton is used.
+            // The strand is too thin or too short to measure, so that the skeleton is used.
             weights.fill(1.0);
         }
         if !path.closed {
@@ -148,7 +150,8 @@ pub(super) fn centreline(
     }
 }
 
-/// Points of the skeleton along a path at a step, smoothed later; those where it is distorted have no weight.
+/// Points along a path of the skeleton, spaced by a step, for later smoothing. Points where the
+/// skeleton is distorted have zero weight.
 fn first_guess(
     skeleton: &Skeleton,
     path: &Path,
@@ -169,7 +172,7 @@ fn first_guess(
             } else if ends.has(arm) {
                 distorted_pixels(skeleton, arm)
             } else {
-                // Skeletons bend to a corner at the end of a strand.
+                // At the end of a strand, the skeleton bends towards a corner.
                 (0.5 * branch.half_width()).round().min(count as f64 / 3.0) as usize
             }
         };
@@ -178,13 +181,13 @@ fn first_guess(
             pixels.reverse();
         }
         raw.extend(pixels.iter().copied());
-        // After the last one there is a bridge.
+        // The last pixel is not trusted, since a bridge follows.
         trusted.extend((0..pixels.len()).map(|index| index + 1 < pixels.len()));
         raw.extend(bridge.iter().copied());
         trusted.extend((0..bridge.len()).map(|index| index + 1 < bridge.len()));
     }
     if raw.is_empty() {
-        // A path of branches without pixels: from node to node.
+        // The branches of the path have no pixels, so that it connects the nodes.
         let nodes = path.entries.iter().filter_map(|entry| {
             let nodes = skeleton.branches[entry.branch].nodes?;
             Some(nodes.map(|node| skeleton.nodes[node].position))
@@ -243,7 +246,7 @@ fn chord(contrast: &Contrast, strand: &Strand, index: usize, width: f64) -> Opti
     };
     const STEP: f64 = 0.5;
     let reach = (width / STEP).ceil().max(4.0) as i32;
-    // A curve outside the strand starts at its nearest pixel.
+    // If the point is outside the strand, start at the nearest pixel of the strand.
     let start = (0..=reach / 2)
         .flat_map(|k| [k, -k])
         .find(|k| value(f64::from(*k) * STEP) >= 0.0)?;
@@ -270,7 +273,8 @@ fn chord(contrast: &Contrast, strand: &Strand, index: usize, width: f64) -> Opti
     })
 }
 
-/// Points that are farther than a margin before the first chord or behind the last one, of strands with chords.
+/// Indices of the points more than `margin` before the first chord or behind the last one; none
+/// without chords.
 fn tails(chords: &[Option<Chord>], margin: usize) -> impl Iterator<Item = usize> + use<> {
     let count = chords.len();
     let first = chords.iter().position(Option::is_some).unwrap_or(0);
@@ -278,7 +282,7 @@ fn tails(chords: &[Option<Chord>], margin: usize) -> impl Iterator<Item = usize>
     (0..first.saturating_sub(margin)).chain((last + margin + 1).min(count)..count)
 }
 
-/// Drops chords of another width than the strand's, and their neighbours.
+/// Removes chords whose width differs from the strand's, and their neighbours.
 fn reject_outliers(chords: &mut [Option<Chord>], width: f64) {
     let plausible: Vec<bool> = chords
         .iter()
@@ -298,7 +302,7 @@ fn reject_outliers(chords: &mut [Option<Chord>], width: f64) {
     }
 }
 
-/// Widths at all points, mean over five neighbours, between measured ones by interpolation.
+/// Widths at all points: means over five neighbours, interpolated between measured points.
 fn fill_gaps(chords: &[Option<Chord>], width: f64) -> Vec<f64> {
     let measured: Vec<(usize, f64)> = chords
         .iter()

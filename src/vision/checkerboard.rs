@@ -1,6 +1,7 @@
 //! Corners of a checkerboard in a picture, to a fraction of a pixel.
 //!
-//! Inner corners are saddles of the brightness, put in order by growing a grid from one of them.
+//! Inner corners are saddles of the brightness. They are ordered by growing a grid from one of
+//! them.
 
 use super::saddle::Grey;
 use super::{Point, VisionError};
@@ -34,14 +35,14 @@ impl Checkerboard {
         self.columns * self.rows
     }
 
-    /// Whether a picture shows the orientation of the board: a half turn swaps dark and bright
-    /// squares.
+    /// Whether a picture shows the orientation of the board, since a half turn swaps dark and
+    /// bright squares.
     pub fn is_directed(&self) -> bool {
         (self.columns + self.rows) % 2 == 1
     }
 
-    /// Finds all inner corners in a picture, row by row; the square to the lower right of the first one is dark
-    /// where the board is [directed](Self::is_directed).
+    /// Finds all inner corners in a picture, row by row. The square to the lower right of the
+    /// first corner is dark if the board is [directed](Self::is_directed).
     ///
     /// # Errors
     /// The board is not completely visible.
@@ -76,7 +77,7 @@ impl Checkerboard {
         )))
     }
 
-    /// The corners row by row, if a grid is as large as the board.
+    /// The corners row by row, if the grid has the size of the board.
     fn in_order(&self, grid: &[([i32; 2], usize)], saddles: &[Point]) -> Option<Vec<Point>> {
         let range = |axis: usize| {
             let places = || grid.iter().map(|(place, _)| place[axis]);
@@ -94,7 +95,7 @@ impl Checkerboard {
             let (column, row) = if turned { (y, x) } else { (x, y) };
             corners[row * self.columns + column] = saddles[*saddle];
         }
-        // Columns to the right, rows downwards: seen from the front, that is a positive area.
+        // Columns to the right, rows downwards: seen from the front, this gives a positive area.
         let along = corners[self.columns - 1] - corners[0];
         let down = corners[(self.rows - 1) * self.columns] - corners[0];
         if along.perp(&down) < 0.0 {
@@ -120,7 +121,7 @@ impl Checkerboard {
 
     fn directed(&self, grey: &Grey, mut corners: Vec<Point>) -> Vec<Point> {
         if !self.is_directed() || self.columns < 2 || self.rows < 2 {
-            // Of both orientations, the one with the first corner more to the top left.
+            // Of the two orientations, use the one whose first corner is nearer to the top left.
             let last = corners[corners.len() - 1];
             if corners[0].sum() > last.sum() {
                 corners.reverse();
@@ -147,8 +148,8 @@ impl Checkerboard {
     }
 }
 
-/// Positions of a grid and the points there, grown from a seed; empty if the seed has no
-/// neighbours.
+/// Grows a grid from a seed: returns positions in the grid with the indices of their points. Empty
+/// if the seed has no neighbours.
 fn grow_grid(points: &[Point], seed: usize) -> Vec<([i32; 2], usize)> {
     let Some([right, down]) = first_steps(points, seed) else {
         return Vec::new();
@@ -170,7 +171,8 @@ fn grow_grid(points: &[Point], seed: usize) -> Vec<([i32; 2], usize)> {
             if at(&grid, place).is_some() {
                 continue;
             }
-            // The step from the opposite side, else one beside, else the first one.
+            // Use the step from the opposite side, otherwise a parallel step beside it, otherwise
+            // the first step.
             let step = at(&grid, [x - dx, y - dy])
                 .map(|before| here - before)
                 .or_else(|| {

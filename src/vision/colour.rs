@@ -21,14 +21,15 @@ pub enum ColourRule {
         /// Largest colour difference ΔE (CIE 1976).
         radius: f64,
     },
-    /// Darker than the mean of its surroundings, as pen on paper is under uneven light.
+    /// Pixels darker than the mean of their surroundings, such as pen on paper in uneven light.
     Pen {
-        /// Difference in brightness, of 255.
+        /// Difference in brightness, out of 255.
         offset: u8,
     },
 }
 
-/// A box in hue, saturation and value. The hue is a circle: a lower end above the upper one passes through 0°.
+/// A box in hue, saturation and value. The hue is cyclic: a range with a lower end above the upper
+/// one passes through 0°.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HsvBox {
     /// Hue, degrees, 0 to 360.
@@ -48,7 +49,7 @@ pub struct LabBall {
     pub radius: f64,
 }
 
-/// Colour difference of samples, unless a radius is given: roughly the colours of one name.
+/// Default radius of colour samples: roughly the range of colours with a common name.
 const SAMPLE_RADIUS: f64 = 30.0;
 /// Default difference in brightness of a pen stroke from its surroundings.
 const PEN_OFFSET: u8 = 20;
@@ -234,7 +235,7 @@ fn lab_of_linear([red, green, blue]: [f64; 3]) -> [f64; 3] {
             t / (3.0 * KNEE * KNEE) + 4.0 / 29.0
         }
     };
-    // XYZ over that of white.
+    // XYZ relative to that of white.
     let x = f((0.412_456_4 * red + 0.357_576_1 * green + 0.180_437_5 * blue) / 0.950_47);
     let y = f(0.212_672_9 * red + 0.715_152_2 * green + 0.072_175_0 * blue);
     let z = f((0.019_333_9 * red + 0.119_192_0 * green + 0.950_304_1 * blue) / 1.088_83);

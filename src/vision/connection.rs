@@ -1,4 +1,4 @@
-//! Connections from arm to arm: at their crossing, along branches that other strands also use, or
+//! Connections between arms: at their crossing, along branches that other strands also use, or
 //! across a gap under another strand.
 
 use super::Point;
@@ -11,17 +11,17 @@ use std::collections::BTreeMap;
 
 /// Longest shared stretch, in widths.
 const LONGEST_SHARED: f64 = 40.0;
-/// Most branches of a shared stretch.
+/// Largest number of branches of a shared stretch.
 const MOST_BRANCHES: usize = 4;
 /// Energy of a shared stretch.
 const SHARED_ENERGY: f64 = 0.2;
 /// Widest gap, in widths.
 const WIDEST_GAP: f64 = 13.0;
-/// Length of a gap that nothing covers, in widths.
+/// Widest gap that no other strand covers, in widths.
 const WIDEST_BARE: f64 = 1.6;
-/// Share of a gap that other strands must fill for it to count as covered.
+/// Fraction of a gap that other strands must fill so that it counts as covered.
 const COVERED: f64 = 0.35;
-/// Energy of each width of a gap.
+/// Energy of a gap per width of the strand.
 const GAP_ENERGY: f64 = 0.1;
 /// Energy of a gap under other strands.
 const COVERED_ENERGY: f64 = 1.0;
@@ -35,7 +35,8 @@ pub(super) const MOST_ENERGY: f64 = 2.0 * END_ENERGY;
 /// A connection between two arms.
 #[derive(Clone, Debug)]
 pub(super) struct Connection {
-    /// Branches of other strands that it runs along, each by the arm at which it is entered.
+    /// Branches of other strands along which the connection runs, each given by the arm at which
+    /// it is entered.
     pub route: Vec<Arm>,
     /// Whether both arms meet at a crossing.
     pub is_direct: bool,
@@ -51,7 +52,7 @@ pub(super) fn ordered(a: Arm, b: Arm) -> [Arm; 2] {
 pub(super) struct Connections<'a> {
     skeleton: &'a Skeleton,
     crossings: Vec<Vec<Arm>>,
-    /// Number of the crossing of each arm that is at one.
+    /// Number of the crossing of each arm that ends at one.
     pub crossing_of: BTreeMap<Arm, usize>,
     /// All arms, including free ends.
     pub departures: BTreeMap<Arm, Departure>,
@@ -60,7 +61,7 @@ pub(super) struct Connections<'a> {
 }
 
 impl<'a> Connections<'a> {
-    /// Arms without connections.
+    /// Prepares the arms, without connections yet.
     pub fn new(
         skeleton: &'a Skeleton,
         links: &[bool],
@@ -104,7 +105,7 @@ impl<'a> Connections<'a> {
         })
     }
 
-    /// Whether an arm meets one other: at a corner, where a branch was cut.
+    /// Whether an arm meets exactly one other arm, which is a corner where a branch was cut.
     pub fn is_at_corner(&self, arm: Arm) -> bool {
         let crossing = self.crossing_of.get(&arm);
         crossing.is_some_and(|crossing| self.crossings[*crossing].len() == 2)
@@ -114,13 +115,13 @@ impl<'a> Connections<'a> {
         (2.0 * self.skeleton.branches[arm.branch].half_width()).max(1.0)
     }
 
-    /// Energy of the path straight from one arm to another.
+    /// Energy of the direct path from one arm to another.
     pub fn energy(&self, from: Arm, to: Arm) -> f64 {
         let width = self.width(from).max(self.width(to));
         pair_energy(&self.departures[&from], &self.departures[&to], width)
     }
 
-    /// The part of it that does not come from colours.
+    /// Energy of the direct path without the part for the change of colour.
     fn bending(&self, from: Arm, to: Arm) -> f64 {
         let width = self.width(from).max(self.width(to));
         let from = self.departures[&from];
@@ -131,7 +132,7 @@ impl<'a> Connections<'a> {
         pair_energy(&from, &to, width)
     }
 
-    /// The part of it that comes from colours.
+    /// Energy for the change of colour of the direct path.
     fn change_of_colour(&self, from: Arm, to: Arm) -> f64 {
         let from = self.departures[&from];
         let straight_on = Departure {
@@ -168,7 +169,7 @@ impl<'a> Connections<'a> {
         }
     }
 
-    /// Continues from an arm with the length and the energy so far.
+    /// Continues the search from an arm, with the length and the energy so far.
     fn search(&mut self, from: Arm, here: Arm, length: f64, energy: f64, route: &mut Vec<Arm>) {
         for next in self.crossings[self.crossing_of[&here]].clone() {
             let is_used = route.iter().any(|arm| arm.branch == next.branch);
@@ -242,7 +243,7 @@ impl<'a> Connections<'a> {
         }
     }
 
-    /// The pixels of the branches between two arms, in their order.
+    /// The pixels of the branches between two arms, in the order of the path.
     pub fn via(&self, pair: [Arm; 2]) -> Vec<Point> {
         let mut via = Vec::new();
         for entry in &self.known[&pair].route {
@@ -257,7 +258,7 @@ impl<'a> Connections<'a> {
     }
 }
 
-/// Share of the cubic between two points, with the directions at both, that is inside the mask.
+/// Fraction inside the mask of the cubic between two points with given directions.
 fn covered(mask: &Mask, [from, to]: [Point; 2], directions: [Point; 2]) -> f64 {
     const SAMPLES: usize = 24;
     let chord = (to - from).norm();

@@ -1,4 +1,4 @@
-//! Contrast of every pixel: the grey image from which a threshold gives the mask.
+//! Contrast of every pixel: a grey image whose threshold gives the mask.
 
 use super::VisionError;
 use super::colour::{ColourRule, LabBall, colour_difference, lab};
@@ -9,24 +9,25 @@ use image::{GrayImage, RgbImage};
 /// between pixels, the contour at the threshold is the edge of the rod.
 #[derive(Clone, Debug)]
 pub struct Contrast {
-    /// Pixels along a row.
+    /// Width of the picture, pixels.
     pub width: usize,
     /// Rows.
     pub height: usize,
     /// Row by row.
     pub values: Vec<u8>,
-    /// The least value of a rod, at least 1.
+    /// Smallest value of a rod; at least 1.
     pub threshold: u8,
 }
 
-/// Least difference of a rod from its background, of 255, for [`ColourRule::Background`]: larger
-/// than sensor noise.
+/// Least difference of a rod from its background, out of 255, for [`ColourRule::Background`];
+/// larger than sensor noise.
 const LEAST_CONTRAST: f64 = 24.0;
 /// Threshold of the rules other than [`ColourRule::Background`].
 const MIDDLE: u8 = 128;
 
 impl Contrast {
-    /// Applies a colour rule to a picture, after a binomial blur of 3 × 3 pixels against noise.
+    /// Applies a colour rule to a picture, after a binomial blur of 3 × 3 pixels that reduces
+    /// noise.
     ///
     /// # Errors
     /// The pixel to pick is outside the picture.
@@ -62,7 +63,7 @@ impl Contrast {
         })
     }
 
-    /// Uses a given mask: white, or any label, is rod.
+    /// Uses a given mask; all nonzero pixels, white or labels, belong to rods.
     pub fn of_mask(mask: &GrayImage) -> Self {
         Self {
             width: mask.width() as usize,
@@ -111,11 +112,11 @@ fn threshold_of(rule: &ColourRule, values: &[u8], fixed: u8) -> u8 {
     }
     let (threshold, [dark, bright]) = otsu(&histogram);
     if bright - dark < LEAST_CONTRAST {
-        // Nothing stands out.
+        // No colour differs enough from the background.
         return u8::MAX;
     }
-    // An edge is half-way between the background and its own rod: that of a dim one must also be
-    // found.
+    // The edge of a rod is half-way between the background and this rod. Lower the threshold so
+    // that the edge of a dim rod is found, too.
     let above = usize::from(threshold);
     let count: u64 = histogram[above..].iter().sum();
     let (mut dim, mut below) = (above, histogram[above]);
@@ -126,8 +127,9 @@ fn threshold_of(rule: &ColourRule, values: &[u8], fixed: u8) -> u8 {
     ((dark + dim as f64) / 2.0).ceil().max(1.0) as u8
 }
 
-/// Threshold that separates a histogram into two classes with the largest variance between them, and the means of
-/// the classes. Values at the threshold belong to the upper class (Otsu, IEEE Trans. SMC 9:62, 1979).
+/// Returns the threshold that divides a histogram into two classes with the largest variance
+/// between them, and the means of the classes. Values at the threshold belong to the upper class
+/// (Otsu, IEEE Trans. SMC 9:62, 1979).
 pub fn otsu(histogram: &[u64; 256]) -> (u8, [f64; 2]) {
     let total: u64 = histogram.iter().sum();
     let weighted = |(value, count): (usize, &u64)| value as f64 * *count as f64;
@@ -191,7 +193,7 @@ fn commonest_colour(picture: &RgbImage) -> [u8; 3] {
     [red, green, blue].map(|sum| (sum / count.max(1)) as u8)
 }
 
-/// 255 at the centre of a ball, [`MIDDLE`] at its surface, less outside.
+/// Contrast that is 255 at the centre of a ball, [`MIDDLE`] at its surface, and less outside.
 fn lab_contrast(picture: &RgbImage, ball: &LabBall) -> Vec<u8> {
     // Neighbouring pixels often have the same colour, and conversion is expensive.
     let mut last = ([0; 3], ball_value(ball, [0; 3]));
@@ -208,7 +210,7 @@ fn ball_value(ball: &LabBall, rgb: [u8; 3]) -> u8 {
     (255.0 - 127.0 * distance).max(0.0) as u8
 }
 
-/// Mean L\*a\*b\* of the 3 × 3 pixels about one.
+/// Mean L\*a\*b\* of the 3 × 3 pixels around a pixel.
 fn sample(picture: &RgbImage, u: u32, v: u32) -> Option<[f64; 3]> {
     if u >= picture.width() || v >= picture.height() {
         return None;
@@ -223,7 +225,7 @@ fn sample(picture: &RgbImage, u: u32, v: u32) -> Option<[f64; 3]> {
     Some(sum.map(|sum| sum / count))
 }
 
-/// Darkness of a pixel relative to the mean of its surroundings, scaled such that `offset` gives
+/// Darkness of a pixel relative to the mean of its surroundings, scaled so that `offset` gives
 /// [`MIDDLE`].
 fn pen_contrast(picture: &RgbImage, offset: u8) -> Vec<u8> {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
@@ -242,7 +244,7 @@ fn pen_contrast(picture: &RgbImage, offset: u8) -> Vec<u8> {
         .collect()
 }
 
-/// Mean over the square of half side `reach` about every pixel, cut at the border.
+/// Mean over a square with half side `reach` around every pixel, cut off at the border.
 fn local_means(values: &[u8], width: usize, height: usize, reach: usize) -> Vec<u8> {
     let mut columns = vec![0u32; width];
     let mut means = vec![0; values.len()];
@@ -278,7 +280,8 @@ fn local_means(values: &[u8], width: usize, height: usize, reach: usize) -> Vec<
     means
 }
 
-/// Binomial blur with weights 1, 2, 1 along rows and columns; the border is repeated outwards.
+/// Binomial blur with weights 1, 2, 1 along rows and columns; pixels beyond the border repeat
+/// those on it.
 pub(super) fn blur(values: &mut [u8], width: usize, height: usize) {
     if width < 3 || height < 3 {
         return;
@@ -296,7 +299,8 @@ pub(super) fn blur(values: &mut [u8], width: usize, height: usize) {
         }
         sums[width - 1] = value(width - 2) + 3 * value(width - 1);
     };
-    // Three rows of sums, used in turn: the row above, the row itself, the row below.
+    // Three rows of sums, used cyclically: those of the row above, of the row itself, and of the
+    // row below.
     let slot = |row: usize| (row % 3) * width..(row % 3 + 1) * width;
     along_row(&values[..width], &mut sums[slot(0)]);
     for row in 0..height {

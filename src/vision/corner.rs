@@ -1,15 +1,17 @@
-//! Corners of a skeleton: where two strands that end on a third one look like one.
+//! Corners of a skeleton, at which two strands that end on a third one look like one strand.
 //!
-//! Two strands of one hue that cross under a strand of another hue, or close beside it, leave two
-//! wedges in their layer: the skeleton of each is a line with a corner, sharper than strands bend.
-//! Such a line is cut there, so that each of its halves may continue beyond the strand above.
+//! Two strands of one hue that cross under a strand of another hue, or close to it, leave two
+//! wedges in their layer. The skeleton of each wedge is a line with a corner that is sharper than
+//! the bend of a strand. The line is cut at this corner, so that each half can continue on the
+//! other side of the upper strand.
 
 use super::path_energy::unit;
 use super::skeleton::{Branch, Node, Skeleton};
 
 /// Length on both sides of a corner that determines its angle, in widths.
 const STRETCH: f64 = 1.5;
-/// Cosine of the least angle by which a corner turns: 60°, as of a curve with a radius of one and a half widths.
+/// Cosine of the least angle by which a corner turns: 60°, which corresponds to a curve with a
+/// radius of one and a half widths.
 const COSINE: f64 = 0.5;
 
 /// Cuts the branches of a skeleton at their corners.
@@ -44,7 +46,7 @@ fn cut(branch: Branch, nodes: &mut Vec<Node>, branches: &mut Vec<Branch>) {
     cut(part(rest, [node, end]), nodes, branches);
 }
 
-/// The pixel at which a branch turns most, if that is a corner.
+/// The pixel at which a branch bends most, if it is a corner.
 fn sharpest(branch: &Branch) -> Option<usize> {
     let reach = (STRETCH * 2.0 * branch.half_width()).ceil().max(4.0) as usize;
     let pixels = &branch.pixels;

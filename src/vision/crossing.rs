@@ -1,15 +1,15 @@
 //! Crossings of strands in a skeleton, and the pairing of their arms.
 //!
-//! At a crossing, arms are paired such that the paths through it bend least (the idea of mBEST:
-//! Choi et al., IEEE RA-L 8, 2023). The energy of a path is that of the cubic with the positions
-//! and directions of both arms, and a change of colour adds a penalty.
+//! At a crossing, arms are paired so that the paths through it bend least (the idea of mBEST: Choi
+//! et al., IEEE RA-L 8, 2023). The energy of a path is that of the cubic with the positions and
+//! directions of both arms, and a change of colour adds a penalty.
 
 use super::Point;
 use super::junction::{group_junctions, width_at};
 use super::path_energy::{Departure, departure, pair_energies};
 use super::skeleton::{Arm, Skeleton};
 
-/// Arms that meet, and their pairing. Arms without a partner are ends of strands.
+/// Arms that meet at a crossing, and their pairing. Arms without a partner are ends of strands.
 #[derive(Clone, Debug)]
 pub(super) struct Crossing {
     pub position: Point,
@@ -19,15 +19,17 @@ pub(super) struct Crossing {
     pub via: Vec<Point>,
 }
 
-/// Energy of an end of a strand at a crossing: a path turns by more than some 60° only if there is
-/// no better one.
+/// Energy of an end of a strand at a crossing. A path turns by more than about 60° only if there
+/// is no better one.
 pub(super) const END_ENERGY: f64 = 2.0;
-/// More arms than this are paired greedily, not by trying all pairings (764 of them for eight arms).
+/// Largest number of arms for which all pairings are tried (764 for eight arms). More arms are
+/// paired greedily.
 const MOST_ARMS_TRIED: usize = 8;
-/// More arms than this are noise: they are not paired at all.
+/// Largest number of arms that are paired. More arms are noise.
 const MOST_ARMS: usize = 40;
 
-/// Finds the crossings of a skeleton, and which branches are links. `colour` gives L\*a\*b\* of a pixel.
+/// Finds the crossings of a skeleton, and whether each branch is a link. `colour` returns
+/// L\*a\*b\* of a pixel.
 pub(super) fn crossings(
     skeleton: &Skeleton,
     colour: impl Fn(Point) -> [f64; 3],

@@ -8,7 +8,7 @@ use image::{Rgb, RgbImage};
 const RED: [u8; 3] = [200, 60, 70];
 const GREEN: [u8; 3] = [70, 170, 90];
 
-/// Strokes 7 pixels wide on black, each above those before it.
+/// Strokes 7 pixels wide on black, each on top of the previous ones.
 fn picture(strokes: &[([[f64; 2]; 2], [u8; 3])]) -> RgbImage {
     RgbImage::from_fn(200, 120, |u, v| {
         let pixel = Point::new(f64::from(u), f64::from(v));
@@ -70,8 +70,8 @@ fn an_end_that_stops_on_another_strand_is_not_followed_beyond_it() {
     assert_eq!((found.strands.len(), found.crossings.len()), (2, 0));
 }
 
-/// The end of a strand emerged from under another one too narrow to be measured, and was extended
-/// straight by 26 pixels.
+/// A regression test: the end of a strand that emerges from under another one was too narrow to be
+/// measured, and was extended straight by 26 pixels.
 #[test]
 fn an_end_that_cannot_be_measured_stays_on_the_mask() {
     let view = camera(0.0, 0.0);

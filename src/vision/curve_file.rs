@@ -8,11 +8,13 @@ use std::path::Path;
 /// Maximum number of points of a curve.
 const MOST_POINTS: usize = 1_000_000;
 
-/// Reads a curve in the plane from a CSV file, see [`Table`]: columns `x` and `y`, with their unit in any of the usual forms, or the
-/// first two of a file without a header; metres unless the header says otherwise.
+/// Reads a plane curve in metres from a CSV file, see [`Table`]. The columns are `x` and `y`, with
+/// their unit in any of the usual forms, or the first two columns of a file without a header.
+/// Without a unit, values are in metres.
 ///
-/// Of several strands (a column `strand`, from 1) `strand` is taken, or the first one in the file;
-/// of several rods (a column `rod`) the first; of several times (`time_s`) the last.
+/// If the file has several strands (a column `strand`, from 1), `strand` is read, or else the
+/// first one in the file. Of several rods (a column `rod`) the first is read, and of several times
+/// (`time_s`) the last.
 ///
 /// # Errors
 /// The file cannot be read, has no such columns, or a value is not a finite number.
@@ -39,7 +41,7 @@ fn parse_curve(text: &str, strand: Option<usize>) -> Result<Vec<Point>, String> 
             }
         ));
     };
-    // A file without a header has none of these.
+    // A file without a header has none of these columns.
     let named = |name: &str| table.column(name, usize::MAX);
     let group = named("strand").or_else(|| named("rod"));
     let time = named("time");

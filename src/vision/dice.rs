@@ -6,12 +6,12 @@ use image::GrayImage;
 /// Agreement of a label image with the true one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InstanceDice {
-    /// Mean Dice coefficient 2 |A ∩ B|/(|A| + |B|) over the strands. Strands are matched one to one
-    /// such that the sum is largest; a strand without a match, missing or spurious, counts 0.
+    /// Mean Dice coefficient 2 |A ∩ B|/(|A| + |B|) over the strands. Strands are matched one to
+    /// one so that the sum is largest. A missing or spurious strand has the coefficient 0.
     pub mean: f64,
     /// For each true label, in order: the label, the label matched with it, and their coefficient.
     pub pairs: Vec<(u8, Option<u8>, f64)>,
-    /// Number of labels found.
+    /// Number of labels in the compared image.
     pub found: usize,
     /// Number of true labels.
     pub expected: usize,
@@ -84,11 +84,12 @@ pub fn instance_dice(found: &GrayImage, truth: &GrayImage) -> Result<InstanceDic
     })
 }
 
-/// For each row the column such that the sum of scores is largest and no column is used twice, by dynamic
-/// programming over sets of columns.
+/// Assigns a column to each row so that the sum of scores is largest and no column is used twice,
+/// by dynamic programming over sets of columns.
 fn best_matching(scores: &[Vec<f64>], columns: usize) -> Vec<Option<usize>> {
     let sets = 1usize << columns;
-    // best[row][set]: the largest sum of the rows from `row` on when the columns of `set` are taken.
+    // best[row][set]: the largest sum of the rows from `row` on if the columns in `set` are
+    // already used.
     let mut best = vec![vec![0.0f64; sets]; scores.len() + 1];
     for row in (0..scores.len()).rev() {
         for set in 0..sets {
@@ -140,11 +141,11 @@ mod tests {
     #[test]
     fn a_label_is_used_once_and_strays_count_nothing() {
         let truth = stripes(&[(1, 1), (2, 1), (5, 2), (6, 2)]);
-        // One label for both strands: 2·2/(2 + 4) for one of them, 0 for the other.
+        // Both strands have one label: 2·2/(2 + 4) for one strand, 0 for the other.
         let merged = stripes(&[(1, 1), (2, 1), (5, 1), (6, 1)]);
         let dice = instance_dice(&merged, &truth).expect("a score");
         assert!((dice.mean - (2.0 / 3.0) / 2.0).abs() < 1e-12, "{dice:?}");
-        // A third label that does not exist.
+        // A third label without a true counterpart.
         let stray = stripes(&[(1, 1), (2, 1), (5, 2), (6, 2), (15, 3)]);
         let dice = instance_dice(&stray, &truth).expect("a score");
         assert!((dice.mean - 2.0 / 3.0).abs() < 1e-12);
@@ -153,7 +154,7 @@ mod tests {
 
     #[test]
     fn the_matching_is_the_best_of_all() {
-        // Greedy takes 0.9 and is left with 0.
+        // A greedy choice of 0.9 leaves only 0 for the second row.
         let scores = vec![vec![0.9, 0.8], vec![0.85, 0.0]];
         assert_eq!(best_matching(&scores, 2), [Some(1), Some(0)]);
     }

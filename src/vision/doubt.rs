@@ -1,4 +1,4 @@
-//! Signs that strands were joined or cut in the wrong way.
+//! Signs that strands were joined or divided incorrectly.
 
 use super::centreline::Strand;
 use super::layers::{hue_apart, hue_at};
@@ -7,16 +7,16 @@ use super::pixels::between;
 use super::skeleton::median;
 use image::RgbImage;
 
-/// With more strands than this the mask is noise.
+/// Largest number of strands; more mean that the mask is noise.
 const MOST_STRANDS: usize = 60;
-/// Hues of one strand differ by less than this, in bins of 5°.
+/// Hue difference of different strands, in bins of 5°; within one strand it is smaller.
 const OTHER_HUE: f64 = 5.0;
-/// Length of the other hue that makes a strand doubtful, in widths.
+/// Length of a part with another hue at which a strand is doubtful, in widths.
 const LONGEST_OTHER: f64 = 1.5;
 
 /// Number of signs: ends of strands on other strands, strands that change their hue, and parts of
-/// the mask, each as large as the square of a strand's width, without a strand. `None` if
-/// everything is noise.
+/// the mask without a strand, each as large as the square of a strand's width. 0 if the mask is
+/// noise.
 pub(super) fn doubts(picture: &RgbImage, mask: &Mask, strands: &[Strand]) -> usize {
     if strands.len() > MOST_STRANDS {
         return 0;
@@ -27,7 +27,7 @@ pub(super) fn doubts(picture: &RgbImage, mask: &Mask, strands: &[Strand]) -> usi
     doubtful_ends(strands) + changing.count() + owners.unexplained(mask, strands)
 }
 
-/// Ends of strands that touch another strand: there, one may have been cut in two.
+/// Ends of strands that touch another strand, since a strand may have been divided there.
 fn doubtful_ends(strands: &[Strand]) -> usize {
     let open = strands
         .iter()
@@ -50,7 +50,7 @@ fn doubtful_ends(strands: &[Strand]) -> usize {
     .count()
 }
 
-/// Whether a strand, where no other one is, has two hues.
+/// Whether a strand has two hues outside the overlaps with other strands.
 fn changes_hue(picture: &RgbImage, strands: &[Strand], number: usize, owners: &Owners) -> bool {
     let strand = &strands[number];
     let width = strand.width();
@@ -100,7 +100,7 @@ impl Owners {
         for (number, strand) in strands.iter().enumerate() {
             let owner = number as u8 + 1;
             for (point, width) in strand.points.iter().zip(&strand.widths).step_by(2) {
-                // Blurred edges, and corners between strands that meet.
+                // A margin for blurred edges, and for corners between strands that meet.
                 let reach = 0.5 * width + 1.5;
                 let range = |x: f64, reach: f64, size| between(x - reach, x + reach, size);
                 for row in range(point.y, reach, mask.height()) {

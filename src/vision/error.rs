@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// Why an image gives no result. All of these are errors of the input.
+/// Reason why an image gives no result. All of these are errors of the input.
 #[derive(Debug, thiserror::Error)]
 pub enum VisionError {
     /// A file could not be read.
@@ -37,7 +37,7 @@ pub enum VisionError {
         /// The error, and the allowed values.
         reason: String,
     },
-    /// No pixel, or hardly one, looks like a rod.
+    /// Almost no pixel looks like a rod.
     #[error(
         "the mask is empty: {found} of {pixels} pixels look like a rod and none of them form a line; \
          choose another colour rule, or give a mask"
@@ -59,7 +59,7 @@ pub enum VisionError {
         found: usize,
         /// Pixels of the image.
         pixels: usize,
-        /// The largest share for lines.
+        /// Largest percentage that lines may cover.
         limit_percent: usize,
     },
     /// The mask has a part that is not a line.
@@ -68,16 +68,16 @@ pub enum VisionError {
          choose another colour rule, or give a mask without it"
     )]
     Blob {
-        /// Centre, pixels from the left.
+        /// Centre of the part, pixels from the left.
         u: f64,
-        /// Centre, pixels from the top.
+        /// Centre of the part, pixels from the top.
         v: f64,
-        /// Length of its skeleton, pixels.
+        /// Length of the skeleton of the part, pixels.
         length: f64,
-        /// Its width, pixels.
+        /// Width of the part, pixels.
         width: f64,
     },
-    /// Two images that belong together differ in size.
+    /// An image has a different size than the image to which it belongs.
     #[error("{what} has {found_width} × {found_height} pixels, expected {width} × {height}")]
     Size {
         /// Name of the image.
@@ -86,9 +86,9 @@ pub enum VisionError {
         found_width: usize,
         /// Its height.
         found_height: usize,
-        /// Width of the image it belongs to.
+        /// Width of the image to which it belongs.
         width: usize,
-        /// Height of the image it belongs to.
+        /// Height of the image to which it belongs.
         height: usize,
     },
     /// A camera file lacks a key, or has an impossible value.
@@ -106,10 +106,10 @@ pub enum VisionError {
     NotFound {
         /// The object.
         what: &'static str,
-        /// Why it was not found, and advice.
+        /// Reason, and advice.
         reason: String,
     },
-    /// Too little, or degenerate, data for a unique answer.
+    /// The data are too few or degenerate, so that there is no unique answer.
     #[error("{problem} is not determined: {reason}")]
     Undetermined {
         /// The problem.

@@ -1,9 +1,11 @@
-//! Mount of a camera: hand–eye calibration from pairs of poses.
+//! Hand–eye calibration: the mount of a camera from pairs of poses.
 //!
-//! A camera on a hand sees a target that does not move: Gᵢ X Tᵢ is the same for all i, with the hand Gᵢ in the base,
-//! the target Tᵢ in the camera and the camera X in the hand. Two poses give A X = X B with A = Gⱼ⁻¹ Gᵢ and
-//! B = Tⱼ Tᵢ⁻¹; their rotation vectors obey a = R b, from which R follows by least squares, then the translation
-//! (Park and Martin, IEEE Trans. Robotics and Automation 10:717, 1994).
+//! A camera on a hand takes pictures of a fixed target. The pose of the target in the base, Gᵢ X
+//! Tᵢ, is then the same for all i, with the pose Gᵢ of the hand in the base, the pose X of the
+//! camera in the hand and the pose Tᵢ of the target in the camera. Two poses give A X = X B with A
+//! = Gⱼ⁻¹ Gᵢ and B = Tⱼ Tᵢ⁻¹; their rotation vectors satisfy a = R b, which gives the rotation R
+//! of X by least squares, and then its translation (Park and Martin, IEEE Trans. Robotics and
+//! Automation 10:717, 1994).
 
 use super::VisionError;
 use super::hand_eye_consensus::{agreeing, deviations};
@@ -11,38 +13,40 @@ use super::hand_eye_mount::mount;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
-/// Mount of a camera, and its agreement with the pairs of poses.
+/// Mount of a camera, and its errors over the pairs of poses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandEye {
-    /// The camera in the hand (or in the base, for a camera that does not move and a target on the hand).
+    /// Pose of the camera in the hand (or in the base, for a fixed camera and a target on the
+    /// hand).
     pub camera: Isometry3<f64>,
-    /// The target in the base (or in the hand).
+    /// Pose of the target in the base (or in the hand).
     pub target: Isometry3<f64>,
     /// Root mean square distance of the target's positions from their mean, metres.
     pub position_rms: f64,
     /// Root mean square angle of the target's orientations from their mean, radians.
     pub rotation_rms: f64,
-    /// Standard deviations of the camera's position, metres, and of its rotation, radians, by
-    /// leaving out pairs; `None` for fewer than five.
+    /// Standard deviations of the camera's position, metres, and of its rotation, radians, from a
+    /// jackknife over the pairs; `None` for fewer than five pairs.
     pub deviations: Option<([f64; 3], f64)>,
-    /// Pairs that do not agree with the others: they are excluded from all numbers above.
+    /// Pairs that do not agree with the others. They are excluded from all numbers above.
     pub rejected: Vec<RejectedPair>,
 }
 
 /// A pair of poses that does not agree with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RejectedPair {
-    /// Its number, from 1.
+    /// Number of the pair, from 1.
     pub pair: usize,
-    /// Deviation of its target position from that of the others, metres.
+    /// Deviation of the target position from that of the other pairs, metres.
     pub position_error_m: f64,
-    /// Deviation of its target orientation, degrees.
+    /// Deviation of the target orientation from that of the other pairs, degrees.
     pub rotation_error_degrees: f64,
 }
 
-/// Finds the camera in the hand from poses of the hand in the base and of a fixed target in the camera.
+/// Finds the pose of the camera in the hand from poses of the hand in the base and poses of a
+/// fixed target in the camera.
 ///
-/// For a camera that does not move and a target on the hand, pass the inverse poses of the hand.
+/// For a fixed camera and a target on the hand, pass the inverse poses of the hand.
 ///
 /// # Errors
 /// There are fewer than three pairs, the hand turned about one axis only, or most pairs disagree.
@@ -94,7 +98,7 @@ pub fn hand_eye(
     })
 }
 
-/// The target by a mount, and the deviations of the pairs.
+/// Pose of the target for a given mount, and the deviations of the pairs from it.
 struct Spread {
     target: Isometry3<f64>,
     position_rms: f64,
@@ -241,7 +245,7 @@ mod tests {
             clean.camera.rotation.angle_to(&mount.rotation) < 3.0 * turn,
             "{clean:?}"
         );
-        // A pose of the hand that belongs to another picture, and a target that was moved by 4 cm.
+        // One pose of the hand belongs to another picture, or one target was moved by 4 cm.
         for spoil in [0, 1, 2] {
             let (mut hands, mut targets) = (hands.clone(), targets.clone());
             match spoil {

@@ -1,25 +1,26 @@
-//! Selection of the pairs of poses that agree on the mount of a camera: least median of squares
-//! over mounts of three pairs each (Rousseeuw, J. Am. Stat. Assoc. 79:871, 1984), then least
-//! squares over those that agree, until the selection is stable.
+//! Selection of the pairs of poses that agree on the mount of a camera. The first mount has the
+//! least median of squares among mounts from three pairs each (Rousseeuw, J. Am. Stat. Assoc.
+//! 79:871, 1984). Least squares over the agreeing pairs are then repeated until the selection is
+//! stable.
 
 use super::VisionError;
 use super::hand_eye_mount::mount;
 use nalgebra::{Isometry3, Vector3};
 
-/// Smallest number of pairs with rejection.
+/// Smallest number of pairs for which pairs are rejected.
 const LEAST: usize = 5;
 /// Maximum number of trial mounts of three pairs.
 const MOST_TRIALS: usize = 600;
-/// Largest deviation of a pair, relative to the root mean square of those that agree.
+/// Largest deviation of a pair, relative to the root mean square of the agreeing pairs.
 const FAR: f64 = 3.0;
-/// Errors that rounding leaves, as a share of the distance of the target.
+/// Errors due to rounding, as a fraction of the distance of the target.
 const ROUNDING: f64 = 1e-9;
 /// Maximum number of rounds until the selection is stable.
 const ROUNDS: usize = 20;
-/// Number of groups of pairs that are left out in turn for the standard deviations.
+/// Number of groups of pairs that the jackknife for standard deviations omits in turn.
 const PARTS: usize = 20;
-/// Largest error of the middle pair, as a share of the distance of the target: with more, the pairs
-/// are inconsistent.
+/// Largest error of the middle pair, as a fraction of the distance of the target. Pairs with a
+/// larger error are inconsistent.
 const LARGEST_ERROR: f64 = 0.05;
 
 /// Indices of the pairs that agree; all of them if there are too few to judge.
@@ -32,7 +33,7 @@ pub fn agreeing(
 ) -> Result<Vec<usize>, VisionError> {
     let count = hands.len();
     let all: Vec<usize> = (0..count).collect();
-    // The error applies to all of them.
+    // An error here concerns all pairs.
     let first = mount(hands, targets)?;
     if count < LEAST {
         return Ok(all);
@@ -59,7 +60,7 @@ pub fn agreeing(
     if middle > LARGEST_ERROR * lever {
         return Err(disagreeing(count));
     }
-    // The median of errors in six directions is nearly their root mean square.
+    // The median of errors with six components is close to their root mean square.
     let mut limit = FAR * middle.max(ROUNDING * lever);
     let mut kept = Vec::new();
     for _ in 0..ROUNDS {
@@ -94,8 +95,8 @@ fn disagreeing(count: usize) -> VisionError {
     }
 }
 
-/// Deviation of the target by each pair from that by most pairs, m: rotations count by the
-/// displacement at a distance, m.
+/// Deviation of the target pose of each pair from the median pose, m. Rotations count as the
+/// displacement at a given distance, m.
 fn errors(
     camera: &Isometry3<f64>,
     hands: &[Isometry3<f64>],
@@ -113,8 +114,8 @@ fn errors(
     };
     let middle = Vector3::new(along(0), along(1), along(2));
     let away = |pose: &Isometry3<f64>| (pose.translation.vector - middle).norm();
-    // The rotation of the pose nearest to the median position has an error itself, so the median of
-    // rotations relative to it is used.
+    // Use the median of rotations relative to the pose nearest to the median position, since the
+    // rotation of that pose has an error, too.
     let nearest = seen.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
     let Some(reference) = nearest.map(|pose| pose.rotation) else {
         return Vec::new();
@@ -145,8 +146,9 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Standard deviations of the position along each axis, m, and of the rotation, rad, of a mount, by
-/// the jackknife, which leaves out one group of pairs at a time. `None` for too few pairs.
+/// Standard deviations of a mount: of the position along each axis, m, and of the rotation, rad.
+/// They come from the jackknife, which omits one group of pairs at a time. `None` for too few
+/// pairs.
 pub fn deviations(hands: &[Isometry3<f64>], targets: &[Isometry3<f64>]) -> Option<([f64; 3], f64)> {
     let count = hands.len();
     if count < LEAST {

@@ -29,7 +29,7 @@ pub fn mount(
             pairs.push((a, b));
         }
     }
-    // a = R b over all pairs: the rotation nearest to Σ a bᵀ.
+    // Least squares of a = R b over all pairs: R is the rotation nearest to Σ a bᵀ.
     let mut correlation = Matrix3::zeros();
     let mut axes = Matrix3::zeros();
     for (a, b) in &pairs {
@@ -54,7 +54,7 @@ pub fn mount(
     };
     let sign = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, (u * v_t).determinant().signum()));
     let rotation = Rotation3::from_matrix_unchecked(u * sign * v_t);
-    // (R_A − 1) t = R t_B − t_A.
+    // Translation t from (R_A − 1) t = R t_B − t_A.
     let mut matrix = DMatrix::zeros(3 * pairs.len(), 3);
     let mut right = DVector::zeros(3 * pairs.len());
     for (index, (a, b)) in pairs.iter().enumerate() {

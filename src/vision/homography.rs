@@ -1,4 +1,4 @@
-//! Homographies of a plane, and the closed-form focal lengths and poses of the plane from them
+//! Homographies of a plane, and focal lengths and poses of the plane in closed form from them
 //! (Zhang, IEEE TPAMI 22:1330, 2000).
 
 use super::Point;
@@ -32,7 +32,7 @@ pub(super) fn homography(board: &Checkerboard, corners: &[Point]) -> Option<Matr
     (homography.determinant().abs() > 1e-12).then_some(homography)
 }
 
-/// Points moved and scaled to mean 0 and mean distance √2, and the transformation that does it.
+/// Moves and scales points to mean 0 and mean distance √2; also returns the transformation.
 fn normalised(points: &[Point]) -> Option<(Matrix3<f64>, Vec<Point>)> {
     let middle = points.iter().sum::<Point>() / points.len() as f64;
     let spread: f64 = points.iter().map(|point| (point - middle).norm()).sum();
@@ -49,8 +49,9 @@ fn normalised(points: &[Point]) -> Option<(Matrix3<f64>, Vec<Point>)> {
     Some((matrix, moved))
 }
 
-/// Focal lengths for the principal point in the middle of the picture: columns of a homography are images of
-/// orthogonal directions of equal length, which is linear in 1/fx² and 1/fy².
+/// Focal lengths for a principal point in the middle of the picture. Two columns of a homography
+/// are images of orthogonal directions of equal length; these conditions are linear in 1/fx² and
+/// 1/fy².
 pub(super) fn first_lens(homographies: &[Matrix3<f64>], width: u32, height: u32) -> Option<Lens> {
     let centre = [
         0.5 * (f64::from(width) - 1.0),
@@ -89,13 +90,13 @@ pub(super) fn first_lens(homographies: &[Matrix3<f64>], width: u32, height: u32)
     })
 }
 
-/// Pose of the plane of a homography in front of a lens without distortion.
+/// Pose of the plane of a homography, for a lens without distortion.
 pub(super) fn first_pose(homography: &Matrix3<f64>, lens: &Lens) -> Option<Isometry3<f64>> {
     let camera =
         Matrix3::new_nonuniform_scaling(&lens.focal.into()).append_translation(&lens.centre.into());
     let columns = camera.try_inverse()? * homography;
     let scale = 2.0 / (columns.column(0).norm() + columns.column(1).norm());
-    // In front of the camera.
+    // The plane is in front of the camera.
     let scale = if columns[(2, 2)] < 0.0 { -scale } else { scale };
     let (x, y) = (columns.column(0) * scale, columns.column(1) * scale);
     let rotation = Rotation3::from_matrix(&Matrix3::from_columns(&[x, y, x.cross(&y)]));

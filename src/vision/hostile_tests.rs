@@ -1,6 +1,7 @@
 //! Damaged and extreme images give an error or a result, never a panic.
 //!
-//! `RODLAB_MUTATIONS=1000000 cargo test --release --lib vision::hostile -- --nocapture` tries that many.
+//! `RODLAB_MUTATIONS=1000000 cargo test --release --lib vision::hostile -- --nocapture` runs that
+//! many mutations.
 
 use super::camera::tests::looking_at;
 use super::picture::tests::crc32;
@@ -119,7 +120,7 @@ fn mutated_files_give_an_error_or_a_result() {
             }
         };
         decoded += 1;
-        // Damage to the header may give large pictures: these are only decoded.
+        // Damaged headers may give large pictures, which are only decoded.
         if picture.width() * picture.height() > 400_000 {
             continue;
         }

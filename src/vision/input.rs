@@ -1,4 +1,4 @@
-//! Files of a bounded size.
+//! Reading of files with a size limit.
 
 use super::VisionError;
 use rodlab_files::input;
@@ -7,8 +7,8 @@ use std::path::Path;
 /// Largest text file, bytes.
 const LARGEST_TEXT: u64 = 256 << 20;
 
-/// Reads a regular file of at most `largest` bytes; pipes and devices, which may be endless, are
-/// rejected.
+/// Reads a regular file of at most `largest` bytes. Pipes and devices are rejected, since they may
+/// be endless.
 ///
 /// # Errors
 /// [`VisionError::Unreadable`].
@@ -19,7 +19,7 @@ pub fn read_file(path: &Path, largest: u64) -> Result<Vec<u8>, VisionError> {
     })
 }
 
-/// Reads a text of at most 256 MiB.
+/// Reads a text file of at most 256 MiB.
 ///
 /// # Errors
 /// [`VisionError::Unreadable`].

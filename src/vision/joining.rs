@@ -1,11 +1,11 @@
 //! Pairing of arms where strands run along each other or are interrupted.
 //!
-//! Where one strand joins another at a small angle and leaves it later, each of the two junctions
-//! has one arm too many: such arms are joined through the branches between them, which belong to
-//! another strand already. A strand that another one hides is joined across the gap. All arms are
-//! paired such that the sum of energies is least: of the connections, by bending and colour change,
-//! and of the remaining ends. Starting from the pairs of each crossing, pairs are exchanged while
-//! the sum decreases; a global minimum is not guaranteed.
+//! If a strand meets another one at a small angle and leaves it later, each of the two junctions
+//! has one unpaired arm. Such arms are joined through the branches between them, which already
+//! belong to the other strand. A strand that is partly hidden by another one is joined across the
+//! gap. All arms are paired so that the sum of energies is least: the energies of the connections,
+//! from bending and colour change, and those of the remaining ends. Starting from the pairs of
+//! each crossing, pairs are exchanged while the sum decreases. A global minimum is not guaranteed.
 
 use super::Point;
 use super::connection::{Connection, Connections, MOST_ENERGY, ordered};
@@ -14,12 +14,12 @@ use super::mask::Mask;
 use super::skeleton::{Arm, Skeleton};
 use std::collections::BTreeMap;
 
-/// With more arms than this the mask is noise.
+/// Largest number of arms; more mean that the mask is noise.
 const MOST_ARMS: usize = 200;
 /// Maximum number of exchanges.
 const MOST_EXCHANGES: usize = 200;
 
-/// Pairs the arms of a skeleton. `colour` gives L\*a\*b\* of a pixel; the mask is that of all
+/// Pairs the arms of a skeleton. `colour` returns L\*a\*b\* of a pixel; the mask contains all
 /// strands.
 pub(super) fn join_arms(
     skeleton: &Skeleton,
@@ -59,7 +59,7 @@ struct Pairing<'a> {
     partner: BTreeMap<Arm, Arm>,
 }
 
-/// An exchange: a new pair, the pair of their former partners, and the energy saved.
+/// An exchange: a new pair, the pair of their former partners, and the saved energy.
 struct Exchange {
     pair: [Arm; 2],
     rest: Option<[Arm; 2]>,
@@ -75,7 +75,8 @@ impl Pairing<'_> {
         }
     }
 
-    /// Exchanges pairs while the sum of energies decreases, the exchange that saves most first.
+    /// Exchanges pairs while the sum of energies decreases. The exchange that saves most is made
+    /// first.
     fn exchange(&mut self) {
         for _ in 0..MOST_EXCHANGES {
             let exchanges = self
@@ -133,8 +134,9 @@ impl Pairing<'_> {
         self.partner.insert(b, a);
     }
 
-    /// Two strands that share a stretch may continue with each other's arms: bending at both ends
-    /// of the stretch is the same, so the direct paths from arm to arm decide.
+    /// Exchanges the arms of two strands that share a stretch, if the direct paths between the
+    /// arms then have less energy. The bending at the ends of the stretch is the same in both
+    /// cases.
     fn uncross(&mut self) {
         let pairs: Vec<[Arm; 2]> = self.partner.iter().map(|(a, b)| [*a, *b]).collect();
         for [a, b] in pairs {
@@ -169,7 +171,8 @@ impl Pairing<'_> {
         }
     }
 
-    /// For the strand along a route: the arm at which it enters, and its arms before and after.
+    /// For the strand along a route, returns the arm at which it enters, and its arms before and
+    /// after the route.
     fn strand_along(&self, route: &[Arm]) -> Option<[Arm; 3]> {
         let (first, last) = (*route.first()?, route.last()?.opposite());
         let is_one = route
@@ -179,7 +182,8 @@ impl Pairing<'_> {
         is_one.then_some([first, *p, *q])
     }
 
-    /// Writes the pairs into their crossings; pairs that are not of one crossing get one of their own.
+    /// Writes the pairs into their crossings. A pair of arms from different crossings gets its own
+    /// crossing.
     fn write(&self, crossings: &mut Vec<Crossing>) {
         for crossing in crossings.iter_mut() {
             crossing.pairs.clear();
@@ -212,7 +216,7 @@ mod tests {
         strokes(240, 120, 7.0, lines)
     }
 
-    /// Ends of the strands, those of each from left to right.
+    /// Ends of the strands, from left to right for each strand.
     fn ends(mask: &Mask, colour: impl Fn(Point) -> [f64; 3] + Copy) -> Vec<[Point; 2]> {
         let skeleton = Skeleton::new(mask);
         let (mut crossings, links) = crossings(&skeleton, colour);
@@ -238,7 +242,7 @@ mod tests {
         found
     }
 
-    /// Two strands that run along each other for twenty widths and separate again.
+    /// Two strands that run side by side for twenty widths and then separate.
     fn together() -> Mask {
         let upper = [[8.0, 20.0], [50.0, 60.0], [190.0, 60.0], [232.0, 20.0]];
         let lower = [[8.0, 100.0], [50.0, 60.0], [190.0, 60.0], [232.0, 100.0]];
@@ -283,7 +287,8 @@ mod tests {
             let is_hidden = (106.0..134.0).contains(&pixel.x);
             is_hidden || apart.contains(pixel.x as usize, pixel.y as usize)
         });
-        // The skeleton is that of the interrupted strand; the strand that hides it is in the mask.
+        // The skeleton contains only the interrupted strand; the mask also contains the strand
+        // that hides it.
         let skeleton = Skeleton::new(&apart);
         let (mut crossings, links) = crossings(&skeleton, colour);
         join_arms(&skeleton, &links, &mut crossings, &whole, colour);

@@ -1,8 +1,7 @@
-//! The segments of a JPEG file, as far as its end marker (ITU-T T.81, annex B).
+//! The segments of a JPEG file, up to its end marker (ITU-T T.81, annex B).
 //!
-//! A camera stores a thumbnail, which is a JPEG file of its own, inside an APPn segment. The end
-//! marker of the thumbnail does not end the picture around it, so the file is read segment by
-//! segment.
+//! A camera stores a thumbnail, which is a complete JPEG file, inside an APPn segment. Since the
+//! end marker of the thumbnail does not end the main picture, the file is read segment by segment.
 
 /// Start of the image, end of the image and start of a scan.
 const START_OF_IMAGE: u8 = 0xd8;
@@ -13,8 +12,8 @@ const TEMPORARY: u8 = 0x01;
 const RESTARTS: std::ops::RangeInclusive<u8> = 0xd0..=0xd7;
 
 /// Whether a JPEG file is complete up to the end marker of its main image. Segments are skipped by
-/// their lengths; the coded data of a scan end at the first marker that is not a restart marker,
-/// where a byte 0xff of data is followed by a zero.
+/// their lengths. The coded data of a scan end at the first marker that is not a restart marker; a
+/// data byte 0xff is followed by a zero, so that it is not a marker.
 pub fn has_end_of_image(bytes: &[u8]) -> bool {
     if !bytes.starts_with(&[0xff, START_OF_IMAGE]) {
         return false;
@@ -38,8 +37,8 @@ pub fn has_end_of_image(bytes: &[u8]) -> bool {
     false
 }
 
-/// The next marker from a position, and the position after it. Bytes before it are coded data, or
-/// padding.
+/// The next marker from a position, and the position after it. The bytes before it are coded data
+/// or padding.
 fn next_marker(bytes: &[u8], from: usize) -> Option<(u8, usize)> {
     let rest = bytes.get(from..)?;
     let pairs = rest.windows(2).enumerate();

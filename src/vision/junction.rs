@@ -1,18 +1,19 @@
 //! Grouping of the junctions of a skeleton into crossings.
 //!
 //! Two strands that cross at a small angle share the middle of their skeletons: a link between two
-//! forks. A strand has no forks, so forks occur in pairs, joined by a link, which identifies links.
+//! forks. Since a single strand has no forks, forks occur in pairs joined by a link, and a link is
+//! identified by its two forks.
 
 use super::Point;
 use super::path_energy::unit;
 use super::skeleton::{Arm, Skeleton, median};
 
-/// Longest link between two forks, in widths: strands that cross at 15°.
+/// Longest link between two forks, in widths: that of strands that cross at 15°.
 const LONGEST_LINK: f64 = 6.0;
-/// Junctions nearer than this are one crossing, regardless of their arms, in widths.
+/// Distance below which junctions are one crossing, regardless of their arms, in widths.
 const SAME_JUNCTION: f64 = 0.5;
-/// Forks nearer than this are two halves of a crossing, regardless of the direction of their arms,
-/// in widths.
+/// Distance below which two forks are halves of one crossing, regardless of the direction of their
+/// arms, in widths.
 const SAME_CROSSING: f64 = 1.5;
 /// Cosine of the widest angle between a longer link and the arms that continue it.
 const FORK_COSINE: f64 = 0.5;
@@ -26,7 +27,8 @@ pub(super) fn width_at(skeleton: &Skeleton, arms: &[Arm]) -> f64 {
     median(&widths).max(1.0)
 }
 
-/// For each node the node that represents its crossing; for each branch whether it is a link.
+/// Returns, for each node, the node that represents its crossing, and for each branch, whether it
+/// is a link.
 pub(super) fn group_junctions(skeleton: &Skeleton) -> (Vec<usize>, Vec<bool>) {
     let mut groups = Groups::new(skeleton);
     let mut links = groups.links(skeleton);
@@ -55,7 +57,7 @@ pub(super) fn group_junctions(skeleton: &Skeleton) -> (Vec<usize>, Vec<bool>) {
             })
         };
         let are_forks = odd(&groups.arms[a]) && odd(&groups.arms[b]);
-        // Where three strands cross at nearly one place, two junctions have four arms each.
+        // If three strands cross at nearly the same place, two junctions have four arms each.
         let are_whole = !odd(&groups.arms[a]) && !odd(&groups.arms[b]);
         let is_short = *length < SAME_CROSSING * width;
         if a != b
@@ -70,12 +72,12 @@ pub(super) fn group_junctions(skeleton: &Skeleton) -> (Vec<usize>, Vec<bool>) {
     (roots.collect(), groups.is_link)
 }
 
-/// Junctions that are one crossing, by union and find.
+/// Groups of junctions that are one crossing, by union–find.
 struct Groups {
     parent: Vec<usize>,
-    /// Arms of each group, at its root.
+    /// Arms of each group, stored at the root of the group.
     arms: Vec<Vec<Arm>>,
-    /// For each branch.
+    /// Whether each branch is a link.
     is_link: Vec<bool>,
 }
 
@@ -101,7 +103,8 @@ impl Groups {
         node
     }
 
-    /// Branches between different junctions, with the distance between these and the width of the strands there.
+    /// Branches between different junctions, with the distance between the junctions and the width
+    /// of the strands there.
     fn links(&self, skeleton: &Skeleton) -> Vec<(usize, f64, f64)> {
         let mut links = Vec::new();
         for (branch, ends) in skeleton.branches.iter().enumerate() {
@@ -142,7 +145,7 @@ impl Groups {
     }
 }
 
-/// Direction of an arm away from its node, over the first two widths of it.
+/// Direction of an arm away from its node, over its first two widths.
 fn rough_direction(skeleton: &Skeleton, arm: Arm, width: f64) -> Point {
     let branch = &skeleton.branches[arm.branch];
     let ends = branch.nodes.expect("an arm has nodes");

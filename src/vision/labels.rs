@@ -7,7 +7,7 @@ use super::order::StrandCrossing;
 use super::pixels::between;
 use image::GrayImage;
 
-/// Maximum number of strands of a label image: its pixels have 8 bits.
+/// Maximum number of strands of a label image, whose pixels have 8 bits.
 pub const MOST_LABELS: usize = 255;
 
 /// Assigns every pixel of a mask to the strand with the nearest centreline, measured in widths; on
@@ -62,7 +62,7 @@ enum Rule {
     Over,
 }
 
-/// Labels and distances in the order of the mask's cells.
+/// Labels and distances, in the order of the cells of the mask.
 struct Canvas<'a> {
     mask: &'a Mask,
     labels: Vec<u8>,

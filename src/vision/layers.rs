@@ -1,7 +1,8 @@
-//! Layers: a mask split by the hues of its strands.
+//! Layers: a mask divided by the hues of its strands.
 //!
-//! Strands that lie side by side are one part of the mask. Where their hues differ, each hue has a mask of its own, in which
-//! they are apart; a strand below others then has gaps, which are closed later.
+//! Strands side by side are one connected part of the mask. If their hues differ, each hue has its
+//! own mask, in which the strands are separate. A strand below others then has gaps, which are
+//! closed later.
 
 use super::colour::lab;
 use super::mask::{Mask, chamfer_distances};
@@ -12,15 +13,16 @@ use image::RgbImage;
 const BINS: usize = 72;
 /// Smallest chroma √(a*² + b*²) of a pixel with a meaningful hue.
 const LEAST_CHROMA: f64 = 10.0;
-/// Share of the mask that must have a meaningful hue.
+/// Fraction of the mask that must have a meaningful hue.
 const COLOURED_PART: f64 = 0.6;
 /// Smallest difference of the hues of two strands, in bins: 25°.
 const LEAST_APART: usize = 5;
-/// Smallest share of the mask for a hue.
+/// Smallest fraction of the mask with one hue.
 const LEAST_PART: f64 = 0.04;
 /// Maximum number of hues.
 const MOST_LAYERS: usize = 6;
-/// Parts of a layer that are thinner than this many times the usual half width are borders where colours mix.
+/// Thickness of a part of a layer relative to the usual half width, below which the part is a
+/// border with mixed colours.
 const THINNEST: f64 = 0.45;
 
 /// The masks of the hues of a picture; empty unless there are several distinct ones.
@@ -43,7 +45,7 @@ pub(super) fn layers(
     for (index, hue) in members.iter().zip(&hues) {
         labels[*index] = hue.map_or(0, |hue| nearest(&peaks, hue) as u8 + 1);
     }
-    // The last of hues that meet.
+    // If several labels meet, the highest one is used.
     let highest = |near: [u8; 4]| near.into_iter().max().filter(|label| *label > 0);
     mask.spread(&mut labels, highest);
     remove_borders(mask, &members, &mut labels, peaks.len());
@@ -57,12 +59,12 @@ pub(super) fn layers(
     (masks.len() > 1).then_some(masks)
 }
 
-/// Hue of a pixel in bins, from its mean over 3 × 3 pixels; `None` if it is grey.
+/// Hue of a pixel in bins, from the mean colour of 3 × 3 pixels; `None` if it is grey.
 pub(super) fn hue_at(picture: &RgbImage, column: usize, row: usize) -> Option<f64> {
     hue(mean_colour(picture, column, row))
 }
 
-/// Mean over 3 × 3 pixels, against noise.
+/// Mean colour of 3 × 3 pixels, which reduces noise.
 fn mean_colour(picture: &RgbImage, column: usize, row: usize) -> [u8; 3] {
     let (mut sum, mut count) = ([0u32; 3], 0);
     for pixel in around(picture, column, row) {
@@ -104,7 +106,7 @@ fn peaks(hues: &[Option<f64>]) -> Option<Vec<f64>> {
         return None;
     }
     let at = |bin: usize| histogram[bin % BINS];
-    // Mass within 12.5° of a bin's middle.
+    // Number of pixels within 12.5° of the middle of a bin.
     let mass = |bin: usize| {
         (0..LEAST_APART)
             .map(|k| at(bin + BINS + k - LEAST_APART / 2))
@@ -126,8 +128,8 @@ fn peaks(hues: &[Option<f64>]) -> Option<Vec<f64>> {
     (peaks.len() > 1).then_some(peaks)
 }
 
-/// Removes the label from parts that are too thin for a strand: between two strands, hues mix to
-/// that of a third one.
+/// Removes the label from parts that are too thin for a strand, since hues mix between two strands
+/// and may resemble that of a third one.
 fn remove_borders(mask: &Mask, members: &[usize], labels: &mut [u8], count: usize) {
     let whole = chamfer_distances(mask, members);
     let mut widths: Vec<u16> = members.iter().map(|cell| whole[*cell]).collect();
@@ -150,7 +152,7 @@ fn remove_borders(mask: &Mask, members: &[usize], labels: &mut [u8], count: usiz
                 }
             }
         }
-        // An opening also removes thin seams along a strand of their own hue.
+        // An opening also removes thin seams with their own hue along a strand.
         open(&layer, &inside, &distances, least, labels);
     }
 }

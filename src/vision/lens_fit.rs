@@ -1,15 +1,16 @@
-//! Check that a lens model fits the observed corners: residuals that depend on the distance from
+//! Checks that a lens model fits the observed corners. Residuals that depend on the distance from
 //! the middle of the picture are not noise, but show a different kind of lens.
 
 use super::Point;
 use serde::Serialize;
 
-/// Groups of corners by their distance from the principal point, and least number of corners in each.
+/// Number of groups of corners by their distance from the principal point.
 const GROUPS: usize = 10;
+/// Smallest number of corners in each group.
 const LEAST: usize = 8;
-/// Mean of the squared radial errors of the groups, in their standard errors, above which the model
-/// does not fit: for noise alone it is about 1, and exceeds this bound once in a million
-/// calibrations.
+/// Mean of the squared radial errors of the groups, relative to their standard errors, above which
+/// the model does not fit. For noise alone the mean is about 1, and exceeds this bound once in a
+/// million calibrations.
 const MOST: f64 = 4.5;
 
 /// Radial errors of a lens model that noise does not explain.
@@ -19,14 +20,15 @@ pub struct LensMisfit {
     pub radial_error_px: f64,
     /// Mean distance of that group from the principal point, pixels.
     pub at_radius_px: f64,
-    /// Mean of the squared errors of the groups in their standard errors; about 1 if the model
-    /// fits.
+    /// Mean of the squared errors of the groups, relative to their standard errors; about 1 if the
+    /// model fits.
     pub excess: f64,
 }
 
 impl LensMisfit {
-    /// The misfit of a lens with a principal point: observed corners, each with the residual of the
-    /// model, pixels. `None` if noise explains the residuals, or there are too few corners.
+    /// Computes the misfit of a lens from its principal point and the observed corners, each with
+    /// the residual of the model, pixels. `None` if noise explains the residuals, or there are too
+    /// few corners.
     pub fn of(centre: Point, corners: &[(Point, Point)]) -> Option<Self> {
         let mut radial: Vec<(f64, f64)> = corners
             .iter()
@@ -65,7 +67,7 @@ impl LensMisfit {
         })
     }
 
-    /// Factor that corrects standard deviations computed with the errors as noise.
+    /// Factor that corrects standard deviations that were computed as if all errors were noise.
     pub fn inflation(&self) -> f64 {
         self.excess.sqrt()
     }

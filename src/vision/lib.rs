@@ -1,32 +1,32 @@
-//! From images to curves in metres: strands, crossings, cameras, scores. The crate depends on
+//! Converts images to curves in metres: strands, crossings, cameras, scores. The crate depends on
 //! images and arrays, not on rods or robots.
 //!
 //! [`trace()`] follows these steps:
 //!
 //! 1. [`Contrast`]: how much each pixel looks like a rod, by a [`ColourRule`]; its threshold is the
 //!    [`Mask`].
-//! 2. Thinning reduces the mask to lines one pixel wide; as a graph these are ends and junctions
+//! 2. Thinning reduces the mask to lines one pixel wide, which form a graph of ends and junctions
 //!    joined by branches.
-//! 3. Forks that face each other are the halves of one crossing. Arms are paired such that the
-//!    paths from one to the other bend least and keep their colour: at a crossing, along a stretch
-//!    that two strands share, or across a gap under another strand. Where ends remain that touch
-//!    other strands, where strands change their hue, or where parts of the mask remain, the mask is
-//!    split by hue and traced again.
-//! 4. Each path becomes a [`Strand`]: the middle between both of its edges, measured between
-//!    pixels, smoothed along the strand, bridged where it meets others. An end that emerges beyond
-//!    another strand is followed to its tip.
-//! 5. [`find_crossings`] intersects the centrelines. The picture shows which strand is on top where
-//!    both overlap: the upper one keeps the cross-section that it has beside the crossing.
+//! 3. Forks that face each other are the halves of one crossing. Arms are paired so that the paths
+//!    between them bend least and keep their colour: at a crossing, along a stretch that two
+//!    strands share, or across a gap under another strand. If ends remain that touch other
+//!    strands, if strands change their hue, or if parts of the mask remain without a strand, the
+//!    mask is divided by hue and traced again.
+//! 4. Each path becomes a [`Strand`]: the middle between its two edges, measured with sub-pixel
+//!    accuracy, smoothed along the strand, and interpolated where it meets other strands. An end
+//!    that emerges beyond another strand is followed to its tip.
+//! 5. [`find_crossings`] intersects the centrelines. The picture shows which strand is on top
+//!    where both overlap: the upper one keeps its cross-section from outside the crossing.
 //!    [`whole_rod`] inserts closed strands into the open one that they belong to, if the picture
 //!    shows a single rod.
-//! 6. [`paint_labels`] gives each pixel of the mask to a strand; [`instance_dice`] compares that
-//!    with the truth.
+//! 6. [`paint_labels`] gives each pixel of the mask to a strand; [`instance_dice`] compares the
+//!    labels with the truth.
 //!
-//! A [`Camera`] maps pixels to the table; [`calibrate`], [`board_pose`] and [`hand_eye()`] find it.
-//! [`pattern()`] converts a drawn line to a pattern, [`score()`] compares a deployed curve with
-//! one, [`find_sheet`] finds a sheet of paper, [`find_edge`] one of its edges, [`find_markers`],
-//! [`compare_markers`] and [`InstabilityWatch`] detect when a rod with markers stops being a helix.
-//! [`render()`] makes pictures to test all this with.
+//! A [`Camera`] maps pixels to the table; [`calibrate`], [`board_pose`] and [`hand_eye()`]
+//! determine it. [`pattern()`] converts a drawn line to a pattern, [`score()`] compares a deployed
+//! curve with a pattern, [`find_sheet`] finds a sheet of paper, and [`find_edge`] one of its
+//! edges. [`find_markers`], [`compare_markers`] and [`InstabilityWatch`] detect when a rod with
+//! markers stops being a helix. [`render()`] generates test pictures.
 //!
 //! ```
 //! use rodlab_vision::{TraceOptions, trace};
@@ -43,10 +43,10 @@
 //! # Ok::<(), rodlab_vision::VisionError>(())
 //! ```
 //!
-//! Everything runs on one thread. An image of 672 × 896 pixels takes some 10 ms and about 20 bytes
-//! of memory a pixel; [`read_picture`] rejects images of more than [`MOST_PIXELS`].
+//! Everything runs on one thread. An image of 672 × 896 pixels takes about 10 ms and 20 bytes of
+//! memory per pixel; [`read_picture`] rejects images of more than [`MOST_PIXELS`].
 
-// Tests compare with a tolerance, and may use any mathematical library.
+// Tests compare with a tolerance, and may call any mathematical library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 mod across;

@@ -1,5 +1,5 @@
-//! Bright markers on a rod, compared with their positions on a helix, to check whether the rod is
-//! still a helix.
+//! Bright markers on a rod, and their comparison with positions on a helix to check whether the
+//! rod is still a helix.
 
 use super::camera::Camera;
 use super::contrast::Contrast;
@@ -28,7 +28,7 @@ pub fn find_markers(
         }
         let (mut sum, mut weight) = (Point::zeros(), 0.0);
         for (column, row) in part {
-            // Faint pixels have little weight, so that the centre moves smoothly.
+            // Faint pixels have small weights, so that the centre moves smoothly.
             let above = contrast.values[row * contrast.width + column] - contrast.threshold;
             let value = 1.0 + f64::from(above);
             sum += Point::new(column as f64, row as f64) * value;
@@ -42,8 +42,9 @@ pub fn find_markers(
 
 /// Points of a helix of curvature κ and torsion τ, 1/m, at arc lengths in metres.
 ///
-/// In its own axes it begins at the origin along z, and its curvature vector points to x there. With
-/// ω = √(κ² + τ²), the position at s is (κ/ω² (1 − cos ωs), κτ/ω³ (ωs − sin ωs), (κ² sin ωs + τ² ωs)/ω³).
+/// In its own axes, the helix begins at the origin in the direction of z, with its curvature
+/// vector along x. With ω = √(κ² + τ²), the position at s is (κ/ω² (1 − cos ωs), κτ/ω³ (ωs − sin
+/// ωs), (κ² sin ωs + τ² ωs)/ω³).
 pub fn helix_points(
     curvature: f64,
     torsion: f64,
@@ -69,20 +70,21 @@ pub fn helix_points(
 /// Distances of markers from their expected positions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerErrors {
-    /// For each expected marker its place in the picture; `None` behind the camera.
+    /// Place of each expected marker in the picture; `None` if it is behind the camera.
     pub expected: Vec<Option<Point>>,
-    /// The marker that was found for it, if any.
+    /// The detected marker that was assigned to each expected marker, if any.
     pub found: Vec<Option<Point>>,
-    /// The distance of both in pixels.
+    /// Distance between expected and detected marker, pixels.
     pub pixels: Vec<Option<f64>>,
-    /// The same in metres at the distance of the expected marker.
+    /// This distance in metres, at the distance of the expected marker from the camera.
     pub metres: Vec<Option<f64>>,
-    /// Root mean square of the distances, metres. A missing marker counts as one at the gate.
+    /// Root mean square of the distances, metres. A missing marker counts as one at the gate
+    /// distance.
     pub rms_metres: f64,
 }
 
-/// Compares markers with the expected positions of all of them, in the world. Markers are assigned one to one, nearest
-/// pairs first, up to `gate` pixels apart.
+/// Compares detected markers with the expected positions of all markers, in the world. Markers are
+/// assigned one to one, nearest pairs first, up to `gate` pixels apart.
 ///
 /// # Errors
 /// No expected marker lies in front of the camera.
@@ -151,9 +153,9 @@ pub fn compare_markers(
 
 /// The rule for the loss of stability.
 ///
-/// The rod is unstable once its error is above `upper` in `frames` consecutive pictures, and stable
-/// again once it is below `lower` in as many. Between the bounds the state is kept, so noise about
-/// one of them has no effect.
+/// The rod is unstable once its error is above `upper` in `frames` consecutive pictures, and
+/// stable again once it is below `lower` in as many. Between the bounds the state is kept, so that
+/// noise around one bound has no effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InstabilityRule {
     /// Error above which the rod is not a helix, metres.
@@ -173,10 +175,10 @@ pub struct InstabilityWatch {
 }
 
 impl InstabilityWatch {
-    /// Begins with a stable rod.
+    /// Starts with a stable rod.
     ///
     /// # Errors
-    /// The bounds are not positive and in order, or no picture decides.
+    /// The bounds are not positive and in order, or the number of frames is zero.
     pub fn new(rule: InstabilityRule) -> Result<Self, VisionError> {
         if !(rule.lower > 0.0 && rule.lower < rule.upper && rule.upper.is_finite())
             || rule.frames == 0
@@ -196,8 +198,8 @@ impl InstabilityWatch {
         })
     }
 
-    /// Takes the error of the next picture, metres; an error that is not a number counts as large.
-    /// Returns whether the rod is unstable now.
+    /// Processes the error of the next picture, metres, and returns whether the rod is unstable
+    /// now. An error that is not a number counts as large.
     pub fn observe(&mut self, error: f64) -> bool {
         let speaks_against = if self.unstable {
             error < self.rule.lower
@@ -287,7 +289,7 @@ mod tests {
         };
         let mut watch = InstabilityWatch::new(rule).expect("a rule");
         for index in 0..100 {
-            // Above the bound in two of three pictures.
+            // The error is above the bound in two of three pictures.
             let error = if index % 3 == 0 { 0.009 } else { 0.011 };
             assert!(!watch.observe(error));
         }

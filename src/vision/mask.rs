@@ -11,14 +11,14 @@ pub struct Mask {
     cells: Vec<u8>,
 }
 
-/// Rounds of spreading labels.
+/// Number of rounds in which labels spread.
 const SPREADING_ROUNDS: usize = 12;
 
-/// A row's stretch of pixels of one value.
+/// A run of pixels with one value in a row.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     row: usize,
-    /// First column and the one after the last.
+    /// First column, and the column after the last.
     columns: [usize; 2],
 }
 
@@ -48,7 +48,7 @@ impl Mask {
         mask
     }
 
-    /// Pixels along a row.
+    /// Width, pixels.
     pub fn width(&self) -> usize {
         self.width
     }
@@ -58,7 +58,7 @@ impl Mask {
         self.height
     }
 
-    /// Distance in [`cells`](Self::cells) of a pixel from the one below it.
+    /// Offset in [`cells`](Self::cells) from a pixel to the one below it.
     pub(super) fn stride(&self) -> usize {
         self.width + 2
     }
@@ -121,7 +121,7 @@ impl Mask {
         self.replace_small(0, holes, false);
     }
 
-    /// Inverts the connected parts of a value that are smaller than `least` pixels. Parts of
+    /// Inverts connected parts with the given value that are smaller than `least` pixels. Parts of
     /// background that touch the border are not holes. Inside, diagonal neighbours are connected;
     /// outside, they are not.
     fn replace_small(&mut self, value: u8, least: usize, diagonal: bool) {
@@ -160,7 +160,7 @@ impl Mask {
         parts
     }
 
-    /// Removes all connected parts but the one with most pixels.
+    /// Removes all connected parts except the one with most pixels.
     pub(super) fn keep_largest(&mut self) {
         let parts = self.parts();
         let largest = parts.into_iter().max_by_key(Vec::len).unwrap_or_default();
@@ -171,8 +171,8 @@ impl Mask {
         }
     }
 
-    /// Labels unlabelled cells with the result of `choose` for the labels of the neighbours to the
-    /// left, to the right, above and below.
+    /// Labels unlabelled cells: `choose` returns a label for the labels of the four neighbours
+    /// (left, right, above, below).
     pub(super) fn spread(&self, labels: &mut [u8], choose: impl Fn([u8; 4]) -> Option<u8>) {
         let stride = self.stride();
         let mut rest = self.members();
@@ -194,7 +194,7 @@ impl Mask {
         }
     }
 
-    /// First and last pixel of each row: all that matters for a convex hull.
+    /// First and last pixel of each row, which are sufficient for a convex hull.
     pub(super) fn outline(&self) -> Vec<super::Point> {
         let mut outline = Vec::new();
         let mut runs = Vec::new();
@@ -210,7 +210,8 @@ impl Mask {
         outline
     }
 
-    /// Runs of a value and, for each, the index of the first run of its connected part.
+    /// Runs with the given value and, for each run, the index of the first run of its connected
+    /// part.
     fn components(&self, value: u8, diagonal: bool) -> (Vec<Run>, Vec<usize>) {
         let mut runs: Vec<Run> = Vec::new();
         let mut parent: Vec<usize> = Vec::new();
@@ -219,7 +220,7 @@ impl Mask {
             let start = runs.len();
             self.runs_of_row(row, value, &mut runs);
             parent.extend(start..runs.len());
-            // Both rows' runs are in order, so one pass finds all pairs that touch.
+            // The runs of both rows are ordered, so that one pass finds all pairs that touch.
             let reach = usize::from(diagonal);
             let mut first = above.start;
             for current in start..runs.len() {
@@ -257,7 +258,7 @@ impl Mask {
     }
 }
 
-/// First run of the part that a run belongs to, with path halving.
+/// First run of the part to which a run belongs, by union–find with path halving.
 fn root(parent: &mut [usize], mut run: usize) -> usize {
     while parent[run] != run {
         parent[run] = parent[parent[run]];
@@ -266,8 +267,9 @@ fn root(parent: &mut [usize], mut run: usize) -> usize {
     run
 }
 
-/// Distance of every cell of the mask from the background in pixels, times 5: chamfer distances of 5, 7 and 11 for
-/// straight, diagonal and knight's steps, at most 2 % off (Borgefors, CVGIP 34:344, 1986). Cells outside hold 0.
+/// Distance of every cell of the mask from the background in pixels, times 5: chamfer distances of
+/// 5, 7 and 11 for straight, diagonal and knight's steps, with an error of at most 2 % (Borgefors,
+/// CVGIP 34:344, 1986). Cells outside hold 0.
 pub(super) fn chamfer_distances(mask: &Mask, members: &[usize]) -> Vec<u16> {
     let stride = mask.stride();
     let mut distances = vec![0u16; mask.cells.len()];
@@ -319,7 +321,7 @@ pub(super) mod tests {
     use super::super::Point;
     use super::*;
 
-    /// The mask of the pixels with a predicate.
+    /// The mask of the pixels that satisfy a predicate.
     pub fn drawn(width: usize, height: usize, is_inside: impl Fn(Point) -> bool) -> Mask {
         let mut mask = Mask::new(width, height);
         for (row, column) in (0..height).flat_map(|row| (0..width).map(move |k| (row, k))) {
@@ -332,7 +334,7 @@ pub(super) mod tests {
         mask
     }
 
-    /// Strokes of a thickness along lines.
+    /// Strokes with a given thickness along lines.
     pub fn strokes(width: usize, height: usize, thickness: f64, lines: &[&[[f64; 2]]]) -> Mask {
         drawn(width, height, |pixel| {
             let mut pairs = lines.iter().flat_map(|line| line.windows(2));

@@ -1,8 +1,8 @@
 //! Crossings of strands, and which strand is on top.
 //!
-//! The strand on top looks the same on the crossing as beside it. The one below is hidden there:
-//! along it, the colour changes to that of the other one, or, if both have the same colour, shading
-//! and edges of the other one interrupt it.
+//! The upper strand looks the same on the crossing as next to it. The lower one is hidden there:
+//! along it, the colour changes to that of the upper strand. If both have the same colour, it is
+//! interrupted by shading and edges of the upper strand.
 
 use super::Point;
 use super::centreline::Strand;
@@ -11,22 +11,23 @@ use super::passage::{Passage, locate, segment, segments};
 use image::RgbImage;
 use std::collections::HashMap;
 
-/// A point of an image at which two strands, or two parts of one, cross.
+/// A point of an image at which two strands, or two parts of one strand, cross.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrandCrossing {
-    /// Its position, pixels.
+    /// Position of the crossing, pixels.
     pub position: Point,
     /// The strand on top.
     pub over: Passage,
     /// The strand below.
     pub under: Passage,
-    /// Angle between both, degrees, 0 to 90.
+    /// Angle between the strands, degrees, 0 to 90.
     pub angle_degrees: f64,
     /// Confidence of the order: 0 for a guess, 1 if the strand on top does not change at all.
     pub confidence: f64,
 }
 
-/// Finds all crossings of strands and their order. Their order along each strand is arbitrary.
+/// Finds all crossings and the order of their strands. The list of crossings is not ordered along
+/// the strands.
 pub fn find_crossings(picture: &RgbImage, strands: &[Strand]) -> Vec<StrandCrossing> {
     intersections(strands)
         .into_iter()
@@ -47,12 +48,12 @@ pub fn find_crossings(picture: &RgbImage, strands: &[Strand]) -> Vec<StrandCross
         .collect()
 }
 
-/// Data for the distance of two positions along a strand.
+/// Data to compute the distance of two positions along a strand.
 #[derive(Clone, Copy)]
 struct Scale {
     segments: usize,
     closed: bool,
-    /// Length of a segment over the width of the strand.
+    /// Length of a segment relative to the width of the strand.
     step_in_widths: f64,
 }
 
@@ -66,7 +67,7 @@ impl Scale {
         }
     }
 
-    /// Whether two positions are within some widths along the strand.
+    /// Whether the distance of two positions along the strand is at most a number of widths.
     fn is_near(&self, at: f64, other: f64, widths: f64) -> bool {
         let apart = (at - other).abs();
         let apart = if self.closed {
@@ -86,7 +87,7 @@ pub(super) fn intersections(strands: &[Strand]) -> Vec<[Passage; 2]> {
         .flat_map(|strand| (0..segments(strand)).map(|index| segment(strand, index)))
         .map(|[from, to]| (to - from).norm())
         .fold(1.0, f64::max);
-    // Segments are entered into the cells that their boxes touch.
+    // Each segment is entered into all cells that its bounding box touches.
     let size = 2.0 * longest_step;
     let mut cells: HashMap<(i64, i64), Vec<(usize, usize)>> = HashMap::new();
     let mut found: Vec<[Passage; 2]> = Vec::new();
@@ -138,8 +139,8 @@ fn intersect(strands: &[Strand], pair: [(usize, usize); 2]) -> Option<[Passage; 
     ])
 }
 
-/// Strands side by side intersect several times: an odd number of them is one crossing, an even number is none.
-/// A pair found in two cells is one.
+/// Strands side by side intersect several times: an odd number of them is one crossing, an even
+/// number is none. A pair that was found in two cells counts once.
 fn merge(scales: &[Scale], mut found: Vec<[Passage; 2]>) -> Vec<[Passage; 2]> {
     found.sort_by(|[a, b], [c, d]| {
         (a.strand, b.strand)

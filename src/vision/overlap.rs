@@ -1,8 +1,8 @@
-//! The upper strand where two strands overlap, from the picture.
+//! Determines from the picture which strand is on top where two strands overlap.
 //!
-//! Beside the overlap each strand shows its cross-section: its colour, and how that is shaded from
-//! edge to edge. The strand on top keeps this cross-section through the overlap; the one below does
-//! not. Both strands are compared with every pixel that they share, so that strands of one colour
+//! Next to the overlap, each strand shows its cross-section: its colour, and the shading from edge
+//! to edge. The upper strand keeps this cross-section through the overlap; the lower one does not.
+//! Both strands are compared with every pixel that they share, so that strands of the same colour
 //! are distinguished by their shading. Pixels of a third strand are ignored.
 
 use super::Point;
@@ -14,23 +14,25 @@ use image::RgbImage;
 
 /// Number of positions across a strand at which its colour is stored.
 const LANES: usize = 9;
-/// Number of pixels sampled across a strand; wider ones are subsampled.
+/// Largest number of pixels sampled across a strand; wider strands are subsampled.
 const PIXELS_ACROSS: f64 = 8.0;
-/// Share of the half width of a strand that is used: colours mix at its edges.
+/// Fraction of the half width of a strand that is used, since colours mix at its edges.
 const LOOKED_AT: f64 = 0.84;
-/// Weight of the mean of the squared differences relative to their variance: a bending strand turns
-/// towards the light or away from it, and where colours differ, the mean is large anyway.
+/// Weight of the squared mean of the differences relative to their variance. It is small, since a
+/// bending strand turns towards the light or away from it; if the colours differ, the mean is
+/// large anyway.
 const MEAN_COUNTS: f64 = 0.25;
 /// Length of a strand over which its cross-section is measured, in widths; longer if other strands
 /// are in the way.
 const STRETCHES: [f64; 3] = [1.0, 2.0, 4.0];
-/// Least number of pixels of a cross-section, in pixels across it.
+/// Least number of pixels of a cross-section, relative to the number of pixels across it.
 const LEAST_PIXELS: f64 = 2.0;
-/// Smallest share of an overlap without a third strand for which the rest is ignored.
+/// Smallest fraction of an overlap that must be free of third strands, so that the rest can be
+/// ignored.
 const LEAST_FREE: f64 = 0.2;
 
-/// Difference of the picture on the overlap of two strands from the cross-section of each, as a
-/// colour difference.
+/// Colour differences between the picture on the overlap of two strands and the cross-section of
+/// each strand.
 pub(super) fn differences(
     picture: &RgbImage,
     strands: &[Strand],
@@ -53,8 +55,8 @@ pub(super) fn differences(
     let middles = [0, 1].map(|side| paths[side].nearest(0.0));
     let narrower = widths[0].min(widths[1]);
     let half_size = half_overlaps[0].max(half_overlaps[1]) + 0.5 * widths[0].max(widths[1]);
-    // For each pixel in the overlap: whether a third strand covers it, and its differences from
-    // both cross-sections.
+    // For each pixel of the overlap: whether a third strand covers it, and its differences from
+    // the two cross-sections.
     let mut pixels: Vec<(bool, [[f64; 3]; 2])> = Vec::new();
     for point in pixels_near(picture, centre, half_size, narrower) {
         let places = [0, 1].map(|side| paths[side].place(point, middles[side]));
@@ -99,7 +101,8 @@ fn colour_at(picture: &RgbImage, pixel: Point) -> [f64; 3] {
     lab(picture.get_pixel(pixel.x as u32, pixel.y as u32).0)
 }
 
-/// Pixels of a picture in the square about a point, near enough for a strand of some width.
+/// Pixels of a picture in a square around a point that is large enough for a strand of the given
+/// width.
 fn pixels_near(
     picture: &RgbImage,
     centre: Point,
@@ -121,20 +124,21 @@ fn pixels_near(
 /// Position of a pixel on a strand.
 #[derive(Clone, Copy, Debug)]
 struct Place {
-    /// Along it from the crossing, pixels.
+    /// Distance along the strand from the crossing, pixels.
     along: f64,
-    /// Across it, from -1 to 1 within the sampled part.
+    /// Position across the strand, from -1 to 1 within the sampled part.
     across: f64,
 }
 
-/// A strand about a crossing.
+/// A strand near a crossing.
 struct LocalPath {
     strand: usize,
-    /// Its index at the crossing, 0 or 1.
+    /// Index of the strand at the crossing, 0 or 1.
     side: usize,
     /// Number of points of the whole strand.
     count: usize,
-    /// Its points there: their numbers, positions, unit vectors along, and lengths from the crossing.
+    /// Points near the crossing: numbers, positions, tangents (unit vectors), and distances along
+    /// the strand from the crossing.
     points: Vec<(usize, Point, Point, f64)>,
     width: f64,
 }
@@ -165,7 +169,8 @@ impl LocalPath {
         }
     }
 
-    /// Position of a pixel on it, by descent from one of its points; `None` beside it.
+    /// Position of a pixel on the strand, by descent from one of its points; `None` if the pixel
+    /// is not on the strand.
     fn place(&self, pixel: Point, start: usize) -> Option<Place> {
         let square = |index: usize| (self.points[index].1 - pixel).norm_squared();
         let mut index = start;
@@ -187,13 +192,13 @@ impl LocalPath {
         (place.across.abs() <= 1.0 && offset.dot(&tangent).abs() < self.width).then_some(place)
     }
 
-    /// Number, in it, of the point nearest to a length from the crossing.
+    /// Index in `points` of the point nearest to a distance from the crossing.
     fn nearest(&self, along: f64) -> usize {
         let behind = self.points.partition_point(|point| point.3 < along);
         behind.min(self.points.len() - 1)
     }
 
-    /// Whether it has a point of a strand.
+    /// Whether the path contains a point of a strand.
     fn has(&self, strand: usize, index: usize) -> bool {
         let first = self.points[0].0;
         // A path along a closed strand may continue from its last point to its first.
@@ -206,12 +211,13 @@ impl LocalPath {
 struct Surroundings {
     first: [i64; 2],
     size: usize,
-    /// Bit 0: the first strand of the crossing; bit 1: the second one; bit 2: any other, also those two farther away.
+    /// Bit 0: the first strand of the crossing; bit 1: the second one; bit 2: any other strand, or
+    /// more distant parts of these two.
     covers: Vec<u8>,
 }
 
 impl Surroundings {
-    /// Covered pixels of the paths belong to the strands of the crossing.
+    /// Marks the covered pixels; those of the paths belong to the strands of the crossing.
     fn new(strands: &[Strand], centre: Point, reach: f64, paths: &[LocalPath; 2]) -> Self {
         let size = 2 * reach.ceil() as usize + 3;
         let first = [centre.x, centre.y].map(|x| (x - reach).floor() as i64 - 1);
@@ -221,7 +227,7 @@ impl Surroundings {
             covers: vec![0; size * size],
         };
         for (number, strand) in strands.iter().enumerate() {
-            // Every third of a width is near enough.
+            // Points every third of a width are sufficient.
             let points = strand.points.iter().zip(&strand.widths).enumerate();
             for (index, (point, width)) in points.step_by(2) {
                 let half_width = 0.5 * width + 1.0;
@@ -249,7 +255,7 @@ impl Surroundings {
         }
     }
 
-    /// Whether a pixel is on a strand other than those of some bits.
+    /// Whether a pixel is on a strand other than those in `bits`.
     fn is_on_another(&self, pixel: Point, bits: u8) -> bool {
         let [column, row] = [
             pixel.x as i64 - self.first[0],
@@ -261,7 +267,7 @@ impl Surroundings {
     }
 }
 
-/// The colours of a strand across it, before and behind a crossing.
+/// Colours across a strand before and behind a crossing.
 struct Section {
     /// For each known side: its distance along the strand, and the colour of each lane.
     sides: Vec<(f64, [[f64; 3]; LANES])>,
@@ -285,7 +291,7 @@ impl Section {
         Self { sides }
     }
 
-    /// The colour of the strand at a position, if it continues as beside the crossing.
+    /// The colour of the strand at a position, if the strand continues as next to the crossing.
     fn expected(&self, place: Place) -> [f64; 3] {
         let lane = (place.across + 1.0) * 0.5 * (LANES - 1) as f64;
         let index = (lane as usize).min(LANES - 2);
@@ -356,7 +362,7 @@ fn side(
     if count < LEAST_PIXELS * path.width.min(PIXELS_ACROSS) {
         return None;
     }
-    // Lanes without pixels take the colour of the nearest lane with some.
+    // Lanes without pixels get the colour of the nearest lane with pixels.
     let known: Vec<usize> = (0..LANES).filter(|lane| weights[*lane] > 0.2).collect();
     let lanes = std::array::from_fn(|lane| {
         let nearest = known.iter().min_by_key(|other| lane.abs_diff(**other));

@@ -31,8 +31,8 @@ pub fn strand_colour(strand: usize) -> [u8; 3] {
     COLOURS[strand % COLOURS.len()]
 }
 
-/// The picture, dimmed, with the centrelines of its strands on it. The strand below is broken at a crossing; a disc
-/// marks the first point of a strand, a ring its last one.
+/// The picture, dimmed, with the centrelines of its strands. At a crossing, the lower strand is
+/// interrupted. A disc marks the first point of a strand, a ring its last point.
 pub fn overlay(picture: &RgbImage, trace: &Trace) -> RgbImage {
     let mut canvas = Canvas::over(picture);
     let stroke = canvas.stroke;
@@ -56,7 +56,7 @@ pub fn mask_overlay(picture: &RgbImage, mask: &Mask) -> RgbImage {
     image
 }
 
-/// The picture, dimmed, with the edges of a sheet on it; a disc marks its first corner.
+/// The picture, dimmed, with the edges of a sheet; a disc marks its first corner.
 pub fn sheet_overlay(picture: &RgbImage, sheet: &Sheet) -> RgbImage {
     let mut canvas = Canvas::over(picture);
     let corners = sheet.corner_pixels;
@@ -68,7 +68,7 @@ pub fn sheet_overlay(picture: &RgbImage, sheet: &Sheet) -> RgbImage {
     canvas.image
 }
 
-/// The picture, dimmed, with straight edges on it, from pixel to pixel.
+/// The picture, dimmed, with straight edges between given pixels.
 pub fn edges_overlay(picture: &RgbImage, edges: &[[Point; 2]]) -> RgbImage {
     let mut canvas = Canvas::over(picture);
     for (number, ends) in edges.iter().enumerate() {
@@ -77,8 +77,8 @@ pub fn edges_overlay(picture: &RgbImage, edges: &[[Point; 2]]) -> RgbImage {
     canvas.image
 }
 
-/// The picture, dimmed, with rings about the spots that were found, discs where markers are
-/// expected, and a line from each to the assigned spot.
+/// The picture, dimmed, with rings around detected spots, discs at expected markers, and a line
+/// from each expected marker to its assigned spot.
 pub fn marker_overlay(picture: &RgbImage, spots: &[Point], errors: &MarkerErrors) -> RgbImage {
     let mut canvas = Canvas::over(picture);
     let stroke = canvas.stroke;
@@ -97,7 +97,7 @@ pub fn marker_overlay(picture: &RgbImage, spots: &[Point], errors: &MarkerErrors
     canvas.image
 }
 
-/// A dimmed picture, and a line width that is clearly visible on it.
+/// A dimmed picture, and a clearly visible line width for it.
 struct Canvas {
     image: RgbImage,
     stroke: f64,
@@ -116,7 +116,7 @@ impl Canvas {
         }
     }
 
-    /// Draws a strand, interrupted where it is under another one.
+    /// Draws a strand with gaps where it is under another strand.
     fn strand(&mut self, trace: &Trace, number: usize) {
         let (strand, colour) = (&trace.strands[number], strand_colour(number));
         let under = trace.crossings.iter();
@@ -131,7 +131,7 @@ impl Canvas {
                 (point - crossing.position).norm() < reach.max(2.0 * stroke)
             });
             near.is_some_and(|near| {
-                // A strand that crosses itself is hidden on its lower passage only.
+                // A strand that crosses itself has a gap on its lower passage only.
                 trace.crossings.iter().any(|crossing| {
                     let away = |at: f64| (at - index as f64).abs();
                     crossing.position == near.position
@@ -176,7 +176,8 @@ impl Canvas {
     }
 }
 
-/// Paints pixels near a segment; `depth` says by their distance how far they are inside, in pixels.
+/// Paints pixels near a segment; `depth` returns, for a distance from the segment, how far a pixel
+/// is inside, in pixels.
 fn paint(
     image: &mut RgbImage,
     [from, to]: [Point; 2],
@@ -202,8 +203,8 @@ fn paint(
     }
 }
 
-/// The centrelines as `strand,point,u_px,v_px,width_px`, with a camera also `x_m,y_m` on its table. Strands count
-/// from 1, as in the label image, points from 0.
+/// The centrelines as `strand,point,u_px,v_px,width_px`, and with a camera also `x_m,y_m` on its
+/// table. Strands are counted from 1, as in the label image, and points from 0.
 ///
 /// # Errors
 /// A ray of the camera misses the table.
@@ -230,7 +231,7 @@ pub fn centrelines_csv(strands: &[Strand], camera: Option<&Camera>) -> Result<St
     Ok(text)
 }
 
-/// The centrelines as SVG paths in pixels, as wide as the strands.
+/// The centrelines as SVG paths in pixels, with the width of the strands.
 pub fn centrelines_svg(width: u32, height: u32, strands: &[Strand]) -> String {
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \

@@ -8,7 +8,7 @@ use super::centreline::Strand;
 pub struct Passage {
     /// Index of the strand, from 0.
     pub strand: usize,
-    /// Position on it: 3.5 is half-way between its points 3 and 4.
+    /// Position on the strand: 3.5 is half-way between its points 3 and 4.
     pub at: f64,
 }
 

@@ -8,16 +8,16 @@ use nalgebra::Matrix3;
 
 /// Length of an arm that determines its direction, in widths.
 const DIRECTION_STRETCH: f64 = 2.5;
-/// Colour difference that counts like an energy of one half.
+/// Colour difference equivalent to an energy of one half.
 const COLOUR_SCALE: f64 = 20.0;
 /// Upper bound of the energy of a change of colour: light and shadow also change colours.
 const COLOUR_CAP: f64 = 8.0;
 
-/// Point where an arm leaves the distorted part of the skeleton at a crossing.
+/// Point at which an arm leaves the distorted part of the skeleton at a crossing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Departure {
     pub position: Point,
-    /// Unit vector away from the crossing.
+    /// Unit vector pointing away from the crossing.
     pub direction: Point,
     pub colour: [f64; 3],
 }
@@ -26,7 +26,7 @@ pub(super) fn unit(vector: Point) -> Point {
     vector.try_normalize(1e-9).unwrap_or(Point::x())
 }
 
-/// Index on its branch of the pixel `index` of an arm, counted from the crossing.
+/// Index on the branch of an arm's pixel with number `index` from the crossing.
 fn place(branch: &Branch, arm: Arm, index: usize) -> usize {
     match arm.side {
         0 => index,
@@ -34,8 +34,9 @@ fn place(branch: &Branch, arm: Arm, index: usize) -> usize {
     }
 }
 
-/// Number of pixels at the start of an arm that a crossing distorts: while the mask is wider than
-/// along the branch, at least half a width, and at most a third of the branch.
+/// Number of pixels at the start of an arm that a crossing distorts. There, the mask is wider than
+/// along the branch. The number corresponds to at least half a width, and to at most a third of
+/// the branch.
 pub(super) fn distorted_pixels(skeleton: &Skeleton, arm: Arm) -> usize {
     let branch = &skeleton.branches[arm.branch];
     let count = branch.pixels.len();
@@ -82,7 +83,7 @@ pub(super) fn departure(
     }
 }
 
-/// Position and derivative at the first point of the parabola through points, by least squares.
+/// Position and derivative at the first point of a least-squares parabola through points.
 fn quadratic_start(points: &[Point]) -> (Point, Point) {
     let mut normal = Matrix3::zeros();
     let mut right = [nalgebra::Vector3::zeros(); 2];
@@ -108,7 +109,7 @@ fn quadratic_start(points: &[Point]) -> (Point, Point) {
     (Point::new(x[0], y[0]), derivative)
 }
 
-/// Energies of the paths between all pairs of arms, with those of the change of colour.
+/// Energies of the paths between all pairs of arms, with the parts for the change of colour.
 pub(super) fn pair_energies(departures: &[Departure], width: f64) -> Vec<Vec<f64>> {
     let row = |a: &Departure| {
         let energies = departures.iter().map(|b| pair_energy(a, b, width));
@@ -117,7 +118,7 @@ pub(super) fn pair_energies(departures: &[Departure], width: f64) -> Vec<Vec<f64
     departures.iter().map(row).collect()
 }
 
-/// Energy of the path between two arms, with that of the change of colour.
+/// Energy of the path between two arms, with the part for the change of colour.
 pub(super) fn pair_energy(a: &Departure, b: &Departure, width: f64) -> f64 {
     let colours = colour_difference(a.colour, b.colour) / COLOUR_SCALE;
     bending_energy(a, b, width) + (0.5 * colours * colours).min(COLOUR_CAP)
@@ -125,8 +126,8 @@ pub(super) fn pair_energy(a: &Departure, b: &Departure, width: f64) -> f64 {
 
 /// Bending energy of the cubic that joins two arms, times the width.
 ///
-/// With L the length of the chord and a, b the angles of the path to it at both ends, a cubic has
-/// ∫ κ² ds = 4 (a² + a b + b²)/L.
+/// With L the length of the chord and a, b the angles between path and chord at both ends, a cubic
+/// has ∫ κ² ds = 4 (a² + a b + b²)/L.
 fn bending_energy(from: &Departure, to: &Departure, width: f64) -> f64 {
     let chord = to.position - from.position;
     let length = chord.norm().max(0.5 * width);
@@ -140,7 +141,7 @@ fn bending_energy(from: &Departure, to: &Departure, width: f64) -> f64 {
 pub(super) mod tests {
     use super::*;
 
-    /// An arm at a place, away from the crossing at an angle.
+    /// An arm at a place that leaves the crossing at an angle.
     pub fn arm(x: f64, y: f64, degrees: f64) -> Departure {
         let angle = degrees.to_radians();
         Departure {

@@ -1,4 +1,4 @@
-//! Patterns from drawings: a drawn line as a smooth curve in metres.
+//! Patterns from drawings: converts a drawn line to a smooth curve in metres.
 
 use super::camera::Camera;
 use super::centreline::Strand;
@@ -11,7 +11,7 @@ use std::fmt::Write;
 pub enum Metric<'a> {
     /// Projection by a camera onto its table.
     Camera(&'a Camera),
-    /// By the side of a pixel, metres: a scan. The origin is the lower left pixel of an image of this height.
+    /// A scan with a known size of its pixels. The origin is the lower left pixel of the image.
     Scan {
         /// Side of a pixel, metres.
         pixel: f64,
@@ -40,13 +40,13 @@ impl Metric<'_> {
 }
 
 /// The curve of a strand in metres, smoothed: waves shorter than about 2π times `smoothing`, in
-/// metres, are treated as hand tremor. The pen is assumed to be round: ends are half a line's width
-/// inside the ink. Points are at most `step` apart. A closed strand's curve ends with its first
-/// point.
+/// metres, are treated as hand tremor. The pen is assumed to be round, so that the ends of the
+/// curve are half a line width inside the ink. Points are at most `step` apart. The curve of a
+/// closed strand ends with its first point.
 ///
 /// # Errors
-/// A pixel does not show a point of the table; the strand has no length there, or is too short for
-/// the smoothing.
+/// A pixel does not show a point of the table; the strand has zero length in metres, or is too
+/// short for the smoothing.
 pub fn pattern(
     strand: &Strand,
     metric: Metric,
@@ -57,7 +57,7 @@ pub fn pattern(
     let located: Result<Vec<Point>, VisionError> =
         drawn.iter().map(|point| metric.locate(*point)).collect();
     let located = located?;
-    // Fine enough for the smoothing and for the points of the drawing.
+    // A step that is fine enough for the smoothing and for the points of the drawing.
     let fine = if smoothing > 0.0 {
         step.min(0.5 * smoothing)
     } else {
@@ -82,7 +82,7 @@ pub fn pattern(
     Ok(resample(&smoothed, step, false).0)
 }
 
-/// The path of the centre of the pen: the ink ends half a line's width beyond it.
+/// The path of the centre of the pen; the ink extends half a line width beyond its ends.
 fn without_caps(strand: &Strand) -> Vec<Point> {
     let mut points = strand.points.clone();
     if strand.closed || strand.length() < 3.0 * strand.width() {
@@ -132,7 +132,8 @@ mod tests {
         looking_at(Vector3::zeros(), 0.5, slant, [1280, 720], lens)
     }
 
-    /// Whether a point within 0.1 m lies within a radius of a curve, looked up in a raster of 0.05 mm.
+    /// Returns a function that looks up in a raster of 0.05 mm whether a point within 0.1 m is
+    /// within a radius of a curve.
     fn ink(curve: &[Point], radius: f64) -> impl Fn(Point) -> bool {
         const CELL: f64 = 0.05e-3;
         const SIDE: i32 = 4400;
@@ -156,7 +157,7 @@ mod tests {
         }
     }
 
-    /// Letters as one line each, within 0.2 m.
+    /// Letters of a single line each, within 0.2 m.
     fn letters() -> Vec<(&'static str, Vec<Point>)> {
         let along = |curve: &dyn Fn(f64) -> Point| -> Vec<Point> {
             (0..=400)
@@ -212,7 +213,7 @@ mod tests {
     fn drawn_letters_come_back_within_half_a_millimetre() {
         let camera = camera();
         for (name, letter) in letters() {
-            // A pen 1.6 mm wide on grey paper that is darker to one side.
+            // A pen stroke 1.6 mm wide on grey paper that is darker on one side.
             let inked = ink(&letter, 0.0008);
             let ground = |point: Point| {
                 let paper = 200.0 + 150.0 * point.x;

@@ -1,5 +1,5 @@
-//! The photographs of `scenarios/photographs`: drawn by the renderer, so that they are free to use
-//! and reproducible.
+//! The photographs of `scenarios/photographs`. They are rendered, so that they are free to use and
+//! reproducible.
 //!
 //! `RODLAB_WRITE_PHOTOGRAPHS=scenarios/photographs cargo test --lib vision::photograph` redraws
 //! them.
@@ -22,7 +22,7 @@ const CELL: f64 = 4e-3;
 
 /// A sheet of paper under a desk lamp, with one letter drawn by hand with a slight tremor.
 struct Drawing {
-    /// Points of the line and half its width there, by cells.
+    /// Points of the line and half its width there, grouped by cells.
     ink: HashMap<(i32, i32), Vec<(Point, f64)>>,
 }
 
@@ -46,7 +46,7 @@ impl Drawing {
         )
     }
 
-    /// 1 in the line, 0 on the paper.
+    /// Darkness of a place: 1 in the line, 0 on the paper.
     fn darkness(&self, place: Point) -> f64 {
         let (column, row) = Self::cell(place);
         let mut most = 0.0f64;
@@ -62,7 +62,7 @@ impl Drawing {
     }
 
     fn colour(&self, place: Point) -> [f64; 3] {
-        // Brighter to the upper left.
+        // The light is brighter towards the upper left.
         let light = 1.0 + 0.35 * (place.y - place.x);
         let ink = 0.82 * self.darkness(place);
         [214.0, 209.0, 197.0].map(|paper| paper * light * (1.0 - ink) + 30.0 * ink)
@@ -87,7 +87,8 @@ fn letter() -> Vec<Point> {
         .map(|index| {
             let angle = 2.0 * half * f64::from(index) / 1000.0 - half;
             let s = RADIUS * (angle + half);
-            // The upper arc is drawn first, to the left and down; the lower one is its mirror image through the middle.
+            // The upper arc is drawn first, to the left and down; the lower one is its point
+            // reflection about the middle.
             let side = if angle < 0.0 { 1.0 } else { -1.0 };
             let radius = RADIUS + wobble(s);
             let turn = angle.abs() - PI / 2.0;
@@ -96,7 +97,7 @@ fn letter() -> Vec<Point> {
         .collect()
 }
 
-/// A camera above the sheet, held by hand.
+/// A camera above the sheet, as if held by hand.
 fn above_sheet() -> Camera {
     let slant = UnitQuaternion::from_euler_angles(0.22, -0.1, 0.08);
     let distortion = [0.06, -0.11, 0.0004, -0.0003, 0.0];

@@ -1,4 +1,4 @@
-//! Reading of photographs, with bounds on the memory that a file may need.
+//! Reading of photographs, with limits on the memory that a file may need.
 
 use super::VisionError;
 use super::input::read_file;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// Maximum number of pixels along a side of an image.
 pub const LONGEST_SIDE: u32 = 16_384;
-/// Maximum number of pixels of an image. A decoded picture takes three bytes for each.
+/// Maximum number of pixels of an image. A decoded picture takes three bytes per pixel.
 pub const MOST_PIXELS: u64 = 50_000_000;
 /// Maximum number of bytes of an image file.
 pub const LARGEST_FILE: u64 = 256 << 20;
@@ -24,7 +24,8 @@ pub const PICTURE_ENDINGS: [&str; 7] = ["png", "jpg", "jpeg", "tif", "tiff", "bm
 /// camera.
 ///
 /// # Errors
-/// The file cannot be read, is of none of these formats, is damaged or truncated, or is larger than [`MOST_PIXELS`].
+/// The file cannot be read, has none of these formats, is damaged or truncated, or is larger than
+/// [`MOST_PIXELS`].
 pub fn read_picture(path: &Path) -> Result<RgbImage, VisionError> {
     let bytes = read_file(path, LARGEST_FILE)?;
     decode_picture(&bytes).map_err(|reason| VisionError::Malformed {
@@ -49,7 +50,7 @@ pub fn read_labels(path: &Path) -> Result<image::GrayImage, VisionError> {
 /// Transparent pixels are drawn on white.
 ///
 /// # Errors
-/// A message if the bytes are of none of the formats of [`read_picture`], are damaged or truncated,
+/// A message if the bytes have none of the formats of [`read_picture`], are damaged or truncated,
 /// or have more than [`MOST_PIXELS`].
 pub fn decode_picture(bytes: &[u8]) -> Result<RgbImage, String> {
     let picture = decode(bytes)?;
@@ -68,7 +69,7 @@ pub fn decode_picture(bytes: &[u8]) -> Result<RgbImage, String> {
 /// Decodes a label image: pixel = number of the strand, 0 = background. Colour images are rejected.
 ///
 /// # Errors
-/// As for [`decode_picture`], and images that are not 8-bit grey.
+/// See [`decode_picture`]; also if the image is not 8-bit grey.
 pub fn decode_labels(bytes: &[u8]) -> Result<image::GrayImage, String> {
     match decode(bytes)? {
         DynamicImage::ImageLuma8(labels) => Ok(labels),
@@ -94,7 +95,7 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, String> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(LONGEST_SIDE);
     limits.max_image_height = Some(LONGEST_SIDE);
-    // 16-bit RGBA is the widest pixel that is read.
+    // 16-bit RGBA is the widest pixel format that is read.
     limits.max_alloc = Some(MOST_PIXELS * 8 + (1 << 20));
     let reader = |limits: &Limits| {
         let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
@@ -136,8 +137,8 @@ fn describe(error: ImageError) -> String {
     }
 }
 
-/// The image files of a folder, by the [`PICTURE_ENDINGS`], in chronological order: by name, with
-/// numbers in names by value.
+/// The image files of a folderwith one of the [`PICTURE_ENDINGS`], in chronological order: sorted
+/// by name, with numbers in names by value.
 ///
 /// # Errors
 /// The folder cannot be read, or has no image.
@@ -173,7 +174,8 @@ pub fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, VisionError> {
     Ok(found)
 }
 
-/// Pieces of a name such that `frame_9` sorts before `frame_10`: runs of digits compare by length, then by digit.
+/// Splits a name into pieces so that `frame_9` sorts before `frame_10`. Runs of digits compare by
+/// length, then by digits.
 fn natural_key(name: &str) -> Vec<(usize, String)> {
     let mut pieces: Vec<(usize, String)> = Vec::new();
     let mut digits_before = None;
@@ -233,7 +235,7 @@ pub(super) mod tests {
     #[test]
     fn a_header_that_promises_gigabytes_is_refused() {
         let mut bytes = png(20, 10);
-        // Width and height of the PNG's header, and its checksum.
+        // Width and height in the header of a PNG, and its checksum.
         bytes[16..24].copy_from_slice(&[0, 0, 0x3f, 0xff, 0, 0, 0x3f, 0xff]);
         let checksum = crc32(&bytes[12..29]);
         bytes[29..33].copy_from_slice(&checksum.to_be_bytes());
@@ -309,7 +311,7 @@ pub(super) mod tests {
             (8, (8, 16), false),
             (99, (16, 8), true),
         ] {
-            // An EXIF block with the one entry 0x0112 (EXIF 2.3, sec. 4.6).
+            // An EXIF block with the single entry 0x0112 (EXIF 2.3, sec. 4.6).
             let exif = [
                 &b"Exif\0\0MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0"[..],
                 &[orientation],

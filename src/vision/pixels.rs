@@ -1,15 +1,15 @@
-//! Pixels about a place of an image.
+//! Pixels around a place in an image.
 
 use image::RgbImage;
 use std::ops::Range;
 
-/// Pixels of a row, or rows, of `size` in all, from one coordinate to another.
+/// Indices of pixels between two coordinates in a row or column of `size` pixels.
 pub(super) fn between(low: f64, high: f64, size: usize) -> Range<usize> {
     let bounded = |end: f64| end.clamp(0.0, size as f64) as usize;
     bounded(low.ceil())..bounded((high + 1.0).floor())
 }
 
-/// The 3 × 3 pixels about one, cut at the border.
+/// The 3 × 3 pixels around a pixel, cut off at the border.
 pub(super) fn around(
     picture: &RgbImage,
     column: usize,

@@ -8,8 +8,8 @@ use std::path::Path;
 
 const COLUMNS: [&str; 7] = ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"];
 
-/// Reads poses from a CSV file, see [`Table`], with columns `x_m,y_m,z_m,qw,qx,qy,qz`; others are
-/// ignored.
+/// Reads poses from a CSV file, see [`Table`], with columns `x_m,y_m,z_m,qw,qx,qy,qz`; other
+/// columns are ignored.
 ///
 /// # Errors
 /// The file cannot be read, lacks a column, or a row is not a pose.

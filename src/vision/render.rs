@@ -1,9 +1,9 @@
-//! Rendered pictures of rods on a table, for tests and for cells without a camera.
+//! Rendered pictures of rods on a table, for tests and for cells without a real camera.
 //!
-//! Rods are shaded tubes with a depth buffer; they cast shadows on the table and on the rods below.
-//! The table has any colour at any point, so that sheets, drawings and checkerboards are functions;
-//! details narrower than half a pixel may be missed. Not rendered: light reflected between rods,
-//! gloss, and depth of field.
+//! Rods are shaded tubes with a depth buffer; they cast shadows on the table and on the rods
+//! below. The colour of the table is a function of the place, so that sheets, drawings and
+//! checkerboards can be rendered. Details narrower than half a pixel may be missed. Not rendered:
+//! light reflected between rods, gloss, and depth of field.
 
 use super::Point;
 use super::camera::Camera;
@@ -14,11 +14,11 @@ use nalgebra::Vector3;
 /// A rod to be rendered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderedRod {
-    /// Its centreline, metres, finer than its radius.
+    /// Points of the centreline, metres; closer together than its radius.
     pub points: Vec<Vector3<f64>>,
-    /// Its radius, metres.
+    /// Radius, metres.
     pub radius: f64,
-    /// Its colour, sRGB.
+    /// Colour, sRGB.
     pub colour: [u8; 3],
 }
 
@@ -29,11 +29,11 @@ pub struct RenderOptions {
     pub light: Vector3<f64>,
     /// Ambient light, 0 to 1; the rest is directional.
     pub ambient: f64,
-    /// Share of the light that shadows remove, 0 to 1.
+    /// Fraction of the light that shadows remove, 0 to 1.
     pub shadow: f64,
-    /// Standard deviation of the noise of each channel, of 255.
+    /// Standard deviation of the noise of each channel, out of 255.
     pub noise: f64,
-    /// Rounds of a binomial blur of 3 × 3 pixels.
+    /// Number of rounds of a binomial blur of 3 × 3 pixels.
     pub blur: usize,
     /// Seed of the noise.
     pub seed: u64,
@@ -56,8 +56,8 @@ impl Default for RenderOptions {
 const SAMPLES: usize = 3;
 /// Number of table lookups along each side of a sample.
 const FINE: usize = 3;
-/// A pixel whose corners differ from its middle by less than this, of 255, is plain: one lookup is
-/// enough.
+/// Largest colour difference between the corners and the middle of a plain pixel, out of 255. One
+/// lookup is enough for a plain pixel.
 const PLAIN: f64 = 1.5;
 
 /// Renders rods above the table of a camera. `ground` is the colour, sRGB from 0 to 255, of the table at x, y.
@@ -77,7 +77,7 @@ pub fn render(
     canvas.develop(options)
 }
 
-/// Linear in sRGB values: [`SAMPLES`]² samples a pixel.
+/// Samples of the picture, [`SAMPLES`]² per pixel. Averages are linear in sRGB values.
 struct Canvas {
     width: usize,
     height: usize,
@@ -105,7 +105,7 @@ impl Canvas {
     }
 
     fn paint_ground(&mut self, camera: &Camera, ground: &impl Fn(Point) -> [f64; 3], seed: u64) {
-        // Between the corners of a pixel the table's coordinates are bilinear.
+        // Coordinates on the table are bilinear between the corners of a pixel.
         let corners_along = camera.width as usize + 1;
         let corner = |index: usize| {
             let (column, row) = (index % corners_along, index / corners_along);
@@ -182,7 +182,7 @@ impl Canvas {
                 ) else {
                     continue;
                 };
-                // Penumbrae widen with the height.
+                // Penumbrae are wider for higher rods.
                 let radius = (side - centre).norm() * SAMPLES as f64;
                 let soft = radius * (0.2 + height / rod.radius * 0.05);
                 self.each_near(centre, radius + soft, |index, distance| {
@@ -264,7 +264,7 @@ impl Canvas {
         }
     }
 
-    /// Means of samples, blur and noise.
+    /// Averages the samples, and adds blur and noise.
     fn develop(&self, options: &RenderOptions) -> RgbImage {
         let (width, height) = (self.width / SAMPLES, self.height / SAMPLES);
         let mut planes = [const { Vec::new() }; 3];
@@ -296,7 +296,7 @@ impl Canvas {
     }
 }
 
-/// Mean of [`FINE`]² lookups, one at random in each part of the unit square.
+/// Mean of [`FINE`]² lookups, one at a random place in each part of the unit square.
 fn mean_colour(jitter: &mut Noise, look: impl Fn(f64, f64) -> [f64; 3]) -> [f64; 3] {
     let mut mean = [0.0; 3];
     for fine in 0..FINE * FINE {
@@ -309,7 +309,7 @@ fn mean_colour(jitter: &mut Noise, look: impl Fn(f64, f64) -> [f64; 3]) -> [f64;
     mean
 }
 
-/// Share of the light that rods hide from a point of a rod.
+/// Fraction of the light that rods hide from a point of a rod.
 fn covered(
     point: Vector3<f64>,
     rod: &RenderedRod,
@@ -318,7 +318,7 @@ fn covered(
 ) -> f64 {
     let mut most = 0.0f64;
     for other in rods {
-        // Coarsely: shadows are soft.
+        // A coarse step is sufficient, since shadows are soft.
         let step = (other.points.len() / 400).max(1);
         for above in other.points.iter().step_by(step) {
             let way = above - point;
@@ -368,7 +368,7 @@ impl Noise {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Normally distributed, by Box and Muller.
+    /// A normally distributed number, by the Box–Muller method.
     fn normal(&mut self) -> f64 {
         let radius = (-2.0 * libm::log(1.0 - self.uniform())).sqrt();
         radius * libm::cos(std::f64::consts::TAU * self.uniform())

@@ -1,5 +1,5 @@
-//! Reprojection of the corners of boards through a lens, and the least squares solution for lens
-//! and poses, by the Levenberg–Marquardt method.
+//! Reprojection of the corners of boards through a lens, and the least-squares solution for lens
+//! and poses by the Levenberg–Marquardt method.
 
 use super::Point;
 use super::camera::Lens;
@@ -51,7 +51,8 @@ impl State {
         (self.boards[view] * nalgebra::Point3::new(place.x, place.y, 0.0)).coords
     }
 
-    /// Adds a view's JᵀJ and Jᵀr; a pose's unknowns turn the board about the camera's axes, then move it.
+    /// Adds a view's JᵀJ and Jᵀr. The unknowns of a pose rotate the board about the camera's axes,
+    /// then move it.
     fn accumulate(
         &self,
         board: &Checkerboard,

@@ -1,8 +1,9 @@
-//! Saddles of the brightness, where four squares of a checkerboard meet, to a hundredth of a pixel.
+//! Saddles of the brightness, where four squares of a checkerboard meet, located to a hundredth of
+//! a pixel.
 //!
 //! They are detected by second derivatives, refined to the point where the surrounding gradients
-//! are orthogonal to the direction to the corner, and then fitted: the fit uses all pixels around a
-//! saddle, gradients only those on edges.
+//! are orthogonal to the direction to the corner, and then fitted. The fit uses all pixels around
+//! a saddle, while gradients use only those on edges.
 
 use super::Point;
 use image::RgbImage;
@@ -64,7 +65,8 @@ impl Grey {
             }
         }
         let strongest = strength.iter().copied().fold(0.0, f64::max);
-        // A board under uneven light differs by some factor, noise on plain areas by far more.
+        // In uneven light, the strengths of the corners of a board differ by a small factor; noise
+        // on plain areas is weaker by a far larger one.
         let least = (0.08 * strongest).max(100.0);
         let mut found: Vec<(f64, Point)> = Vec::new();
         const NEAR: usize = 4;
@@ -95,7 +97,8 @@ impl Grey {
             .collect()
     }
 
-    /// Whether a ring about a point is dark, bright, dark and bright: corners of a single square are not.
+    /// Whether a ring around a point is alternately dark, bright, dark and bright, unlike the ring
+    /// around a corner of a single square.
     fn alternates_around(&self, point: Point) -> bool {
         const SAMPLES: usize = 24;
         const RADIUS: f64 = 4.5;
@@ -114,8 +117,8 @@ impl Grey {
         changes.count() == 4
     }
 
-    /// Moves a corner to the middle of the saddle that fits the pixels within `reach` best; keeps
-    /// its position if none fits.
+    /// Moves a corner to the centre of the saddle that best fits the pixels within `reach`. Keeps
+    /// the position if no saddle fits.
     pub fn refine(&self, corner: Point, reach: i32) -> Point {
         let start = self.gradient_corner(corner, reach);
         let Some(mut saddle) = self.first_saddle(start, reach) else {
@@ -147,7 +150,7 @@ impl Grey {
                 }
             }
         }
-        // A fit that moves far away has found something else.
+        // A fit that moves far has found another feature.
         if (saddle.centre - start).norm() < 0.5 {
             saddle.centre
         } else {
@@ -155,7 +158,7 @@ impl Grey {
         }
     }
 
-    /// JᵀWJ, JᵀWr and rᵀWr of the pixels about a saddle, with the residual r.
+    /// JᵀWJ, JᵀWr and rᵀWr of the pixels around a saddle, with the residual r.
     fn normal_equations(&self, saddle: &Saddle, reach: i32) -> (Normal, Unknowns, f64) {
         let (mut matrix, mut right, mut sum) = (Normal::zeros(), Unknowns::zeros(), 0.0);
         let (column, row) = (
@@ -180,7 +183,8 @@ impl Grey {
 
     /// A saddle with the edge directions of its second derivatives.
     fn first_saddle(&self, centre: Point, reach: i32) -> Option<Saddle> {
-        // Second derivatives by least squares: Σ I (x² − mean), and so on, up to a factor each.
+        // Second derivatives by least squares: Σ I (x² − mean) and similar sums, each up to a
+        // factor.
         let (mut xx, mut yy, mut xy, mut mean) = (0.0, 0.0, 0.0, 0.0);
         let square = (f64::from(reach) * (f64::from(reach) + 1.0)) / 3.0;
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -196,7 +200,7 @@ impl Grey {
             }
         }
         mean /= f64::from((2 * reach + 1) * (2 * reach + 1));
-        // For the squares of x and y the same norm as for x y.
+        // Use the same norm for x² and y² as for x y.
         let spread = {
             let fourth = |x: f64| (x * x - square).powi(2);
             let row: f64 = (-reach..=reach).map(|x| fourth(f64::from(x))).sum();
@@ -207,7 +211,7 @@ impl Grey {
             row * row
         };
         let (a, b, c) = (2.0 * xx / spread, xy / mixed, 2.0 * yy / spread);
-        // Directions with a cos² + 2 b cos sin + c sin² = 0.
+        // The edge directions satisfy a cos² + 2 b cos sin + c sin² = 0.
         let (middle, half) = (0.5 * (a + c), libm::hypot(0.5 * (a - c), b));
         if !(half > middle.abs()) {
             return None;
@@ -221,7 +225,7 @@ impl Grey {
             mean,
             height: 0.5 * (most - least),
         };
-        // The bright quadrants are where both signs agree.
+        // In bright quadrants, both signs agree.
         let along = Point::new(libm::cos(axis), libm::sin(axis)) * f64::from(reach);
         if (self.at(centre + along) > mean) != (saddle.look(centre + along).0 > mean) {
             saddle.height = -saddle.height;
@@ -229,7 +233,8 @@ impl Grey {
         Some(saddle)
     }
 
-    /// Moves a corner to where Σ w g gᵀ (corner − pixel) = 0 for the gradients g around it (Förstner and Gülch 1987).
+    /// Moves a corner to the point at which Σ w g gᵀ (corner − pixel) = 0 for the surrounding
+    /// gradients g (Förstner and Gülch 1987).
     fn gradient_corner(&self, corner: Point, reach: i32) -> Point {
         let mut current = corner;
         for _ in 0..20 {
@@ -274,8 +279,8 @@ type Normal = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 /// A blurred corner of four squares: mean + height · erf(d₁/(√2 blur)) · erf(d₂/(√2 blur)) with the
 /// distances d from two lines through the centre.
 ///
-/// For lines that are not at right angles this is not quite what a Gaussian blur gives, but it has
-/// the same symmetry about the centre, which is sufficient here.
+/// If the lines are not at right angles, this differs slightly from a Gaussian blur, but has the
+/// same symmetry about the centre, which is sufficient here.
 #[derive(Clone, Copy, Debug)]
 struct Saddle {
     centre: Point,
@@ -288,7 +293,8 @@ struct Saddle {
 }
 
 impl Saddle {
-    /// Value at a pixel, and its derivatives by centre, angles, blur, mean and height.
+    /// Value at a pixel, and its derivatives with respect to centre, angles, blur, mean and
+    /// height.
     fn look(&self, pixel: Point) -> (f64, Unknowns) {
         let way = pixel - self.centre;
         let scale = 1.0 / (std::f64::consts::SQRT_2 * self.blur);
@@ -298,7 +304,8 @@ impl Saddle {
             let along = way.x * cosine + way.y * sine;
             let z = way.dot(&normal) * scale;
             let slope = std::f64::consts::FRAC_2_SQRT_PI * libm::exp(-z * z);
-            // By the centre and by the angle: d = n·way, ∂d/∂centre = −n, ∂d/∂angle = −along.
+            // Derivatives with respect to centre and angle: d = n·way, ∂d/∂centre = −n, ∂d/∂angle
+            // = −along.
             (
                 libm::erf(z),
                 -normal * (slope * scale),

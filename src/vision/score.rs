@@ -9,7 +9,8 @@ use serde::Serialize;
 pub struct CurveError {
     /// Mean distance, e_mean of Eq. 5.11.
     pub mean_m: f64,
-    /// Standard deviation, σ of Eq. 5.11 with the deviation squared: as printed, without the square, it is zero.
+    /// Standard deviation: σ of Eq. 5.11 with the deviation squared, since it is zero as printed,
+    /// without the square.
     pub deviation_m: f64,
     /// Largest distance.
     pub largest_m: f64,
@@ -28,14 +29,15 @@ impl CurveError {
     }
 }
 
-/// Eq. 5.11 in both correspondences. Points of the pattern are at equal distances along it.
+/// Eq. 5.11 for both correspondences of points. Points of the pattern are at equal distances along
+/// it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Score {
-    /// The i-th point of the pattern with the one at the same part of the result's length.
+    /// Each point of the pattern with the point at the same fraction of the result's length.
     pub by_arc_length: CurveError,
     /// Each point of the pattern with the nearest point of the result.
     pub by_nearest_point: CurveError,
-    /// Motion that was applied to the result first: the identity if none was requested.
+    /// Rigid motion that was applied to the result first; the identity if none was requested.
     pub alignment: Isometry2<f64>,
     /// Whether the result runs in the opposite direction to the pattern.
     pub reversed: bool,
@@ -49,15 +51,16 @@ pub struct Score {
     pub result_length: f64,
 }
 
-/// Number of points of the thesis.
+/// Number of points in the thesis.
 pub const SCORE_POINTS: usize = 50;
-/// Starts that are tried between two points of a closed result.
+/// Number of starts that are tried between two points of a closed result.
 const STARTS: usize = 8;
 
 /// Scores a curve against a pattern, both in metres, with `points` points.
 ///
-/// The result is taken in the direction that fits better; of two closed curves, also from the start that does. With
-/// `align`, the result is first turned and moved such that the sum of squared distances by arc length is least.
+/// The direction of the result is the one that fits better; if both curves are closed, its start
+/// is also the one that fits best. With `align`, the result is first rotated and moved so that the
+/// sum of squared distances by arc length is least.
 ///
 /// # Errors
 /// A curve has no length, or there are fewer than two points to compare.
@@ -83,7 +86,7 @@ pub fn score(
     let (result_points, result_length) = of_result(points)?;
     let closed =
         is_closed(&pattern_points, pattern_length) && is_closed(&result_points, result_length);
-    // Where a closed result begins is found to a part of the distance between its points.
+    // The start of a closed result is searched at a fraction of the distance between points.
     let fine = if closed { STARTS } else { 1 };
     let (result_points, _) = of_result(fine * (points - 1) + 1)?;
     let mut best: Option<(f64, bool, Vec<Point>, Isometry2<f64>)> = None;
@@ -139,12 +142,11 @@ fn moved(points: &[Point], motion: &Isometry2<f64>) -> Vec<Point> {
         .collect()
 }
 
-/// The part of a curve that is as long as a pattern and begins at the arc length `begin`, all in
-/// metres: for a laid rod, the part before the pattern is its lead-in, and the part beyond it was
-/// not laid.
+/// The part of a curve with the length of a pattern that begins at the arc length `begin`, all in
+/// metres. For a laid rod, the part before it is the lead-in, and the part after it was not laid.
 ///
 /// # Errors
-/// The curve ends before the pattern does.
+/// The curve is too short for the pattern.
 pub fn part_of_curve(
     curve: &[Point],
     begin: f64,
@@ -152,7 +154,7 @@ pub fn part_of_curve(
 ) -> Result<Vec<Point>, VisionError> {
     let wanted = polyline_length(pattern);
     let whole = polyline_length(curve);
-    // The rod is a little shorter along its chords than along its bends.
+    // The polyline of a curve is slightly shorter than the curve itself.
     const SLACK: f64 = 0.01;
     if !(begin + wanted <= whole + SLACK * wanted) {
         return Err(VisionError::Undetermined {
@@ -183,7 +185,7 @@ pub fn part_of_curve(
     Ok(part)
 }
 
-/// Length of a curve by its points, in their unit.
+/// Length of a polyline, in the unit of its points.
 pub(super) fn polyline_length(curve: &[Point]) -> f64 {
     let steps = curve.windows(2).map(|pair| (pair[1] - pair[0]).norm());
     steps.sum()
@@ -198,7 +200,7 @@ fn equidistant(curve: &[Point], points: usize) -> Option<(Vec<Point>, f64)> {
     if !finite || !(length > 0.0) {
         return None;
     }
-    // The step is a hair shorter than needed, so that rounding does not add a point.
+    // The step is slightly longer than needed, so that rounding does not add a point.
     let step = length / (points as f64 - 1.0) * (1.0 + 1e-9);
     let (resampled, length) = smoothing::resample(curve, step, false);
     (resampled.len() == points).then_some((resampled, length))
@@ -227,8 +229,8 @@ fn reordered(
     points.into_iter().step_by(every).collect()
 }
 
-/// Rotation and shift that bring points nearest to others (Umeyama, IEEE TPAMI 13:376, 1991, in the
-/// plane).
+/// Rotation and shift that bring points nearest to others (Umeyama, IEEE TPAMI 13:376, 1991, for
+/// the plane).
 pub fn rigid_alignment(from: &[Point], to: &[Point]) -> Isometry2<f64> {
     let count = from.len().max(1) as f64;
     let (a, b) = (
@@ -281,12 +283,14 @@ mod tests {
 
     #[test]
     fn both_correspondences_differ_for_a_stretched_line() {
-        // Along the line by arc length: 0 to 10 %; at right angles nothing but beyond the end.
+        // Errors by arc length are 0 to 10 % along the line; errors at right angles are zero
+        // except beyond the end.
         let pattern = [Point::new(0.0, 0.0), Point::new(1.0, 0.0)];
         let result = [Point::new(0.0, 0.0), Point::new(1.1, 0.0)];
         let found = score(&result, &pattern, 101, false).expect("a score");
         assert!((found.by_arc_length.mean_m - 0.05).abs() < 1e-9);
-        // Equidistant errors from 0 to 0.1: standard deviation of the discrete uniform distribution.
+        // The errors are equidistant from 0 to 0.1, so that their standard deviation is that of
+        // the discrete uniform distribution.
         let expected = 0.1 * ((101.0f64 * 101.0 - 1.0) / 12.0).sqrt() / 100.0;
         assert!((found.by_arc_length.deviation_m - expected).abs() < 1e-9);
         assert!(found.by_nearest_point.mean_m < 1e-12);
@@ -334,7 +338,7 @@ mod tests {
 
     #[test]
     fn a_part_begins_and_ends_between_points() {
-        // A corner after 1 m; the pattern is 0.8 m long.
+        // The curve has a corner at 1 m; the pattern is 0.8 m long.
         let curve = [Point::zeros(), Point::new(1.0, 0.0), Point::new(1.0, 1.0)];
         let pattern = [Point::zeros(), Point::new(0.8, 0.0)];
         let part = part_of_curve(&curve, 0.7, &pattern).expect("a part");

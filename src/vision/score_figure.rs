@@ -4,14 +4,14 @@ use super::Point;
 use super::score::Score;
 use rodlab_files::figure::{Curve, Figure, LinePlot, Look, PlotStyle, styled_line_plots};
 
-/// Height of the figure over the size of its letters.
+/// Height of the figure relative to the size of its letters.
 const HEIGHT: f64 = 40.0;
 
-/// Largest deviation as it is drawn, over the extent of the pattern.
+/// Largest drawn deviation, relative to the extent of the pattern.
 const DRAWN_DEVIATION: f64 = 0.1;
 
-/// Both curves to scale, the pattern as a broad line below, and the deviations of the result magnified, so that they are seen.
-/// `result` and `pattern` name the curves.
+/// Draws both curves to scale, with the pattern as a broad line below. Deviations of the result
+/// are magnified to be visible. `result` and `pattern` name the curves.
 pub fn score_figure(score: &Score, result: &str, pattern: &str) -> Figure {
     let place = |point: &Point| (1e3 * point.x, Some(1e3 * point.y));
     let curve = |points: &[Point]| points.iter().map(place).collect::<Vec<_>>();

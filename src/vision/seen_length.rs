@@ -6,24 +6,24 @@ use super::score::polyline_length;
 use serde::Serialize;
 use std::fmt;
 
-/// Greatest difference of both lengths, as a share of the rod's: a completely traced rod is within
-/// 1 %, and a missing loop or end is longer than this.
+/// Greatest difference of the two lengths, as a fraction of the rod's length. A completely traced
+/// rod is within 1 %, and a missing loop or end is longer than this tolerance.
 const TOLERANCE: f64 = 0.03;
 
-/// Lengths of a rod: in a picture, and true.
+/// Length of a rod in a picture, and its true length.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SeenLength {
     /// Length of the curve in the picture, m.
     pub seen_m: f64,
     /// Length of the rod, m.
     pub rod_m: f64,
-    /// Smallest length that the picture should show, m: less than the rod if its end is outside the
-    /// picture, or fell onto itself.
+    /// Smallest length that the picture should show, m. It is less than the length of the rod if
+    /// its end is outside the picture, or fell onto the rod.
     pub least_m: f64,
 }
 
 impl SeenLength {
-    /// The lengths of a curve that should be a whole rod of some length, m.
+    /// The lengths of a curve that should be a whole rod with the given length, m.
     pub fn of(curve: &[Point], rod_m: f64) -> Self {
         Self {
             seen_m: polyline_length(curve),
@@ -32,7 +32,7 @@ impl SeenLength {
         }
     }
 
-    /// The lengths for a rod of which the picture should show at least a given length, m.
+    /// The lengths if the picture should show at least a given part of the rod, m.
     pub fn with_least(self, least_m: f64) -> Self {
         Self {
             least_m: least_m.min(self.rod_m),
@@ -40,7 +40,7 @@ impl SeenLength {
         }
     }
 
-    /// Whether the curve is as long as it should be, to 3 % of the rod's length.
+    /// Whether the curve has the required length, within 3 % of the rod's length.
     pub fn is_whole(&self) -> bool {
         let allowed = TOLERANCE * self.rod_m;
         self.seen_m >= self.least_m - allowed && self.seen_m <= self.rod_m + allowed

@@ -1,7 +1,7 @@
 //! A sheet of paper: its corners to a fraction of a pixel, its edges on the table, and its sliding.
 //!
 //! Corners are intersections of the lines through the edges. The lines are fitted to many edge
-//! points in coordinates of the table, in which edges are straight despite lens distortion.
+//! points in coordinates of the table, so that lens distortion does not bend the edges.
 
 use super::contrast::Contrast;
 use super::mask::Mask;
@@ -12,10 +12,10 @@ use image::RgbImage;
 /// A sheet with four edges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sheet {
-    /// Corners in turn, clockwise in the picture, the one nearest to the picture's upper left first; coordinates as
-    /// `locate` gives them.
+    /// Corners, clockwise in the picture, starting with the one nearest to the upper left of the
+    /// picture, in the coordinates of `locate`.
     pub corners: [Point; 4],
-    /// The same, pixels.
+    /// Corners in the picture, pixels.
     pub corner_pixels: [Point; 4],
     /// For each edge, from corner k to k + 1, the root mean square distance of its points from the line.
     pub straightness: [f64; 4],
@@ -33,8 +33,8 @@ pub struct EdgePose {
 }
 
 impl Sheet {
-    /// The same sheet with its corners renumbered so that they are nearest to those of the same
-    /// sheet before it moved.
+    /// The sheet with its corners renumbered so that they are nearest to the corners of the sheet
+    /// before it moved.
     #[must_use]
     pub fn numbered_like(&self, before: &Self) -> Self {
         let away = |sheet: &Self| -> f64 {
@@ -51,7 +51,7 @@ impl Sheet {
         })
     }
 
-    /// The same sheet with its corners counted from the one that is number `first`.
+    /// The sheet with its corners counted from the corner with number `first`.
     fn counted_from(&self, first: usize) -> Self {
         let mut sheet = self.clone();
         sheet.corners.rotate_left(first);
@@ -63,7 +63,7 @@ impl Sheet {
     /// An edge, from corner k to corner k + 1.
     ///
     /// # Panics
-    /// There are four edges, from 0.
+    /// The number is not one of the four edges, 0 to 3.
     pub fn edge(&self, edge: usize) -> EdgePose {
         let (from, to) = (self.corners[edge], self.corners[(edge + 1) % 4]);
         let along = to - from;
@@ -81,15 +81,15 @@ pub fn sliding(before: &EdgePose, after: &EdgePose, direction: Point) -> f64 {
     (after.middle - before.middle).dot(&unit)
 }
 
-/// Search distance of edges of a sheet from the lines between its corners, pixels.
+/// Distance from the lines between the corners within which edges are searched, pixels.
 const REACH: f64 = 8.0;
 
-/// Finds the largest sheet that a colour rule selects. `locate` maps pixels to coordinates in which
-/// edges are straight: [`Camera::on_table`](super::Camera::on_table), or the identity for a lens
-/// without distortion.
+/// Finds the largest sheet in the pixels that a colour rule selects. `locate` maps pixels to
+/// coordinates in which edges are straight: [`Camera::on_table`](super::Camera::on_table), or the
+/// identity for a lens without distortion.
 ///
 /// # Errors
-/// There is no part of the mask with four edges, or `locate` fails.
+/// No part of the mask has four edges, or `locate` fails.
 pub fn find_sheet(
     picture: &RgbImage,
     rule: &ColourRule,
@@ -140,7 +140,7 @@ pub fn find_sheet(
     Ok(sheet.counted_from(first))
 }
 
-/// Pixel that `locate` maps to a point, by Newton's method with differences.
+/// Pixel that `locate` maps to a point, by Newton's method with finite differences.
 fn invert(
     start: Point,
     target: Point,
@@ -185,13 +185,14 @@ fn convex_hull(points: &[Point]) -> Vec<Point> {
     hull
 }
 
-/// Four corners of a convex polygon that enclose the largest area, if that is nearly all of it.
+/// Four corners of a convex polygon that enclose the largest area, if this is nearly the whole
+/// area.
 fn largest_quadrilateral(hull: &[Point]) -> Option<[Point; 4]> {
     let area = |polygon: &[Point]| {
         let turns = (0..polygon.len()).map(|k| polygon[k].perp(&polygon[(k + 1) % polygon.len()]));
         0.5 * turns.sum::<f64>().abs()
     };
-    // Removes the corner that cuts off least, until four are left.
+    // Remove the corner whose removal cuts off the least area, until four are left.
     let mut polygon = hull.to_vec();
     while polygon.len() > 4 {
         let count = polygon.len();
@@ -229,7 +230,7 @@ mod tests {
         looking_at(Vector3::zeros(), 0.6, slant, [640, 480], lens)
     }
 
-    /// A sheet of 0.2 m × 0.15 m about a centre, turned.
+    /// A sheet of 0.2 m × 0.15 m with a given centre and rotation.
     fn picture(camera: &Camera, centre: Point, angle: f64, seed: u64) -> RgbImage {
         let ground = |point: Point| {
             let (sine, cosine) = angle.sin_cos();

@@ -32,7 +32,7 @@ impl Arm {
 /// A point where branches end or meet.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
-    /// Mean of its pixels.
+    /// Mean position of the pixels of the node.
     pub position: Point,
     /// Half width of the mask there, pixels.
     pub half_width: f64,
@@ -41,7 +41,7 @@ pub(super) struct Node {
 /// A line of pixels.
 #[derive(Clone, Debug)]
 pub(super) struct Branch {
-    /// Pixels in order, without those of the nodes.
+    /// Pixels in order, without the pixels of the nodes.
     pub pixels: Vec<Point>,
     /// Half width of the mask at each pixel.
     pub half_widths: Vec<f64>,
@@ -65,7 +65,7 @@ impl Branch {
     }
 }
 
-/// Median, the upper one of two; 0 for an empty list.
+/// Median (the upper of the two middle values); 0 for an empty list.
 pub(super) fn median(values: &[f64]) -> f64 {
     let mut values = values.to_vec();
     if values.is_empty() {
@@ -75,12 +75,13 @@ pub(super) fn median(values: &[f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// Rounds of removing spurs: spurs on spurs are rare.
+/// Number of rounds in which spurs are removed; spurs on spurs are rare.
 const PRUNING_ROUNDS: usize = 4;
 
 impl Skeleton {
-    /// Thins a mask and follows its lines. Spurs are removed: branches with a free end that are not
-    /// longer than the width of the mask at their start, as corners of the mask produce them.
+    /// Thins a mask and follows its lines. Spurs are removed. These are branches with a free end
+    /// that are not longer than the width of the mask at their start; they come from corners of
+    /// the mask.
     pub fn new(mask: &Mask) -> Self {
         let members = mask.members();
         let distances = chamfer_distances(mask, &members);
@@ -104,7 +105,7 @@ impl Skeleton {
 }
 
 impl Skeleton {
-    /// Skeletons side by side.
+    /// Combines skeletons into one, without connecting them.
     pub fn joined(parts: impl IntoIterator<Item = Self>) -> Self {
         let mut joined = Self {
             nodes: Vec::new(),
@@ -124,15 +125,15 @@ impl Skeleton {
     }
 }
 
-/// Scratch for following lines.
+/// Working data for following lines.
 struct Tracer<'a> {
     distances: &'a [u16],
-    /// Node of each junction or end pixel plus one; 0 elsewhere.
+    /// Number of the node plus one for each junction or end pixel; 0 elsewhere.
     node_of: Vec<u32>,
     visited: Vec<bool>,
 }
 
-/// A skeleton and, to prune it, the cells of its branches and degrees of its nodes.
+/// A skeleton, and the data to prune it: the cells of its branches and the degrees of its nodes.
 struct Traced {
     skeleton: Skeleton,
     cells: Vec<Vec<usize>>,
@@ -151,7 +152,8 @@ impl<'a> Tracer<'a> {
     }
 
     fn half_width(&self, index: usize) -> f64 {
-        // The distance is to the centre of the nearest pixel outside, from the pixel next to the true middle.
+        // The correction: distances are measured to the centre of the nearest outside pixel, from
+        // a pixel next to the true middle.
         f64::from(self.distances[index]) / 5.0 - 0.25
     }
 
@@ -219,7 +221,8 @@ impl<'a> Tracer<'a> {
                     }
                     let number = self.node_of[first] as usize;
                     if number != 0 {
-                        // Nodes that touch: a branch without pixels, found from the node with the lower number.
+                        // Two nodes touch: they are joined by a branch without pixels, which is
+                        // added from the node with the lower number.
                         if number > node + 1 {
                             add(Vec::new(), Some([node, number - 1]), self);
                             degrees[node] += 1;
@@ -230,7 +233,7 @@ impl<'a> Tracer<'a> {
                     let (pixels, last) = self.follow(cells, stride, *start, first);
                     let end = self.node_of[last] as usize - 1;
                     if end == node && pixels.len() < 4 {
-                        // A bump of the junction, not a loop.
+                        // This is a bump of the junction, not a loop.
                         continue;
                     }
                     degrees[node] += 1;
@@ -263,7 +266,8 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Follows a line from a node's pixel through pixels with two neighbours to the pixel of the next node.
+    /// Follows a line from the pixel of a node, through pixels with two neighbours, to the pixel
+    /// of the next node.
     fn follow(
         &mut self,
         cells: &[u8],
@@ -289,7 +293,8 @@ impl<'a> Tracer<'a> {
 }
 
 impl Traced {
-    /// Cells of branches that begin at a junction, end freely and are no longer than the mask is wide there.
+    /// Cells of branches that begin at a junction, have a free end, and are not longer than the
+    /// width of the mask at the junction.
     fn spurs(&self) -> Vec<usize> {
         let mut spurs = Vec::new();
         for (branch, cells) in self.skeleton.branches.iter().zip(&self.cells) {

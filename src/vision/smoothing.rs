@@ -4,16 +4,16 @@ use super::Point;
 
 /// Points x that minimise Σ wᵢ |xᵢ − cᵢ|² + λ Σ |xᵢ₊₁ − 2 xᵢ + xᵢ₋₁|² for points c with weights w (Whittaker 1923).
 ///
-/// Where weights are zero, the curve bends least between its neighbours. In a curve sampled at a
-/// step h, waves shorter than about 2π ℓ are smoothed away for λ = (ℓ/h)⁴. A closed curve continues
-/// from its last point to its first. O(n) time: the matrix has five diagonals.
+/// Where weights are zero, the curve has the least bending between the neighbouring points. For λ
+/// = (ℓ/h)⁴ and a sampling step h, waves shorter than about 2π ℓ are smoothed away. A closed curve
+/// continues from its last point to its first. O(n) time: the matrix has five diagonals.
 pub(super) fn smooth(points: &[Point], weights: &[f64], lambda: f64, closed: bool) -> Vec<Point> {
     let count = points.len();
     if count < 4 {
         return points.to_vec();
     }
     if closed {
-        // Points farther away have no influence.
+        // Points beyond this overlap have no influence.
         let overlap = ((20.0 * libm::pow(lambda, 0.25)).ceil() as usize + 8).min(4 * count);
         let wrapped = |index: usize| (index + 4 * count - overlap) % count;
         let total = count + 2 * overlap;
@@ -21,7 +21,7 @@ pub(super) fn smooth(points: &[Point], weights: &[f64], lambda: f64, closed: boo
         let weights: Vec<f64> = (0..total).map(|index| weights[wrapped(index)]).collect();
         return smooth(&long, &weights, lambda, false)[overlap..overlap + count].to_vec();
     }
-    // Keeps the matrix regular where nearly all weights are zero.
+    // Keeps the matrix regular if nearly all weights are zero.
     const LEAST_WEIGHT: f64 = 1e-9;
     let weight = |index: usize| weights[index].max(LEAST_WEIGHT);
     let mut diagonals = vec![[0.0; 3]; count];
@@ -41,7 +41,8 @@ pub(super) fn smooth(points: &[Point], weights: &[f64], lambda: f64, closed: boo
         .enumerate()
         .map(|(index, point)| point * weight(index))
         .collect();
-    // LDLᵀ: entry [k] of a row is that of the column k further; L keeps its place.
+    // LDLᵀ factorisation in place: entry [k] of a row is in the column k to the right of the
+    // diagonal.
     for pivot in 0..count {
         let [diagonal, first, second] = diagonals[pivot];
         for (offset, entry) in [(1, first), (2, second)] {
@@ -74,7 +75,8 @@ pub(super) fn smooth(points: &[Point], weights: &[f64], lambda: f64, closed: boo
     solution
 }
 
-/// Points at equal distances along a polyline, both ends included, at most `step` apart. Also the length.
+/// Points at equal distances of at most `step` along a polyline, including both ends; also returns
+/// the length.
 ///
 /// A closed polyline continues from its last point to its first, which is not repeated.
 pub(super) fn resample(points: &[Point], step: f64, closed: bool) -> (Vec<Point>, f64) {

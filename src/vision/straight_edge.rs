@@ -1,5 +1,5 @@
-//! Straight edges of the region selected by a colour rule: points to a fraction of a pixel, and the
-//! line through them.
+//! Straight edges of the region selected by a colour rule: edge points with sub-pixel accuracy,
+//! and the line through them.
 
 use super::contrast::Contrast;
 use super::{ColourRule, Point, VisionError};
@@ -7,12 +7,12 @@ use image::RgbImage;
 
 /// Number of points searched along an edge.
 const EDGE_POINTS: usize = 120;
-/// Share of an edge near each of its ends that is not used.
+/// Fraction of an edge at each of its ends that is not used.
 const END_PART: f64 = 0.08;
 /// Sampling distance across an edge, pixels.
 const STEP: f64 = 0.5;
 
-/// A line n·x = d and the scatter of its points.
+/// A line n·x = d, and the scatter of its points.
 pub(super) struct Line {
     /// Unit normal n.
     pub normal: Point,
@@ -25,7 +25,7 @@ pub(super) struct Line {
 /// A detected edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundEdge {
-    /// Unit normal n of its line n·x = d, on the outer side, in the coordinates that `locate` gives.
+    /// Unit normal n of its line n·x = d, pointing outwards, in the coordinates of `locate`.
     pub normal: Point,
     /// d.
     pub offset: f64,
@@ -35,9 +35,9 @@ pub struct FoundEdge {
     pub pixels: [Point; 2],
 }
 
-/// Finds the outermost straight edge within `reach` pixels of its expected position, which is given
-/// from pixel to pixel with the selected region on the right in the picture. `locate` maps pixels
-/// to coordinates in which the edge is straight.
+/// Finds the outermost straight edge within `reach` pixels of its expected position. This position
+/// is given by two pixels; the selected region is on the right of the direction from the first to
+/// the second. `locate` maps pixels to coordinates in which the edge is straight.
 ///
 /// # Errors
 /// No edge is visible there, it is not straight, or `locate` fails.
@@ -81,8 +81,8 @@ fn outwards(along: Point) -> Option<Point> {
     Some(Point::new(unit.y, -unit.x))
 }
 
-/// Points within `reach` pixels at which the contrast passes its threshold on the way from inside
-/// to outside across an edge, the outermost ones: there may be shadows farther inside.
+/// Outermost points within `reach` pixels at which the contrast crosses its threshold from inside
+/// to outside an edge. Shadows may cause further crossings inside.
 pub(super) fn edge_points(contrast: &Contrast, from: Point, to: Point, reach: f64) -> Vec<Point> {
     let along = to - from;
     let Some(outwards) = outwards(along) else {
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
     use image::Rgb;
 
-    /// A bright half plane below a slanted line, its border pixels mixed.
+    /// A bright half plane below a slanted line, with mixed pixels at its border.
     fn picture(slope: f64, height: f64) -> RgbImage {
         RgbImage::from_fn(200, 160, |u, v| {
             let above = f64::from(v) - (height + slope * f64::from(u));
@@ -153,7 +153,7 @@ mod tests {
     fn an_edge_is_found_to_a_fraction_of_a_pixel_with_its_outer_side() {
         for (slope, height) in [(0.0, 80.3), (0.1, 70.6)] {
             let picture = picture(slope, height);
-            // The bright region is below, to the right of a direction to the right.
+            // The bright region is below, which is on the right of a direction to the right.
             let expected = [Point::new(20.0, 84.0), Point::new(180.0, 84.0)];
             let found = find_edge(&picture, &ColourRule::Background, expected, 12.0, Ok).unwrap();
             assert!(found.normal.y < -0.99, "{found:?}");
@@ -182,7 +182,7 @@ mod tests {
         let far = [Point::new(20.0, 120.0), Point::new(180.0, 120.0)];
         let picture = picture(0.0, 80.0);
         assert!(find_edge(&picture, &ColourRule::Background, far, 12.0, Ok).is_err());
-        // From the wrong side it is not an edge.
+        // Searched from the wrong side, the edge is not found.
         let turned = [Point::new(180.0, 84.0), Point::new(20.0, 84.0)];
         assert!(find_edge(&picture, &ColourRule::Background, turned, 12.0, Ok).is_err());
     }

@@ -1,16 +1,17 @@
-//! Strands: paths through a skeleton from one end to another, straight through crossings.
+//! Strands: paths through a skeleton from one end to another, as straight as possible through
+//! crossings.
 
 use super::Point;
 use super::crossing::Crossing;
 use super::skeleton::{Arm, Skeleton};
 use std::collections::BTreeMap;
 
-/// Branches in order; a closed strand's last one is followed by its first one.
+/// Branches in order. In a closed strand, the first branch follows the last one.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Path {
-    /// Each branch by the arm at which the path enters it.
+    /// Each branch, given by the arm at which the path enters it.
     pub entries: Vec<Arm>,
-    /// For each branch the path from it to the next one, if known.
+    /// For each branch, the path to the next branch, if known.
     pub bridges: Vec<Vec<Point>>,
     pub closed: bool,
 }

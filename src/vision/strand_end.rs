@@ -9,16 +9,15 @@ use super::skeleton::{Arm, Skeleton};
 use super::strand::Path;
 use std::collections::BTreeMap;
 
-/// Colour difference by which strands are distinguished where one ends on the other.
+/// Colour difference above which a strand is distinguished from the strand on which it ends.
 const OTHER_COLOUR: f64 = 25.0;
 /// Colour difference within a strand.
 const SAME_COLOUR: f64 = 15.0;
-/// Distance beyond the strand at which another one ends within which its colour is searched, in
-/// widths.
+/// Distance over which the colour of an ending strand is searched beyond the strand on which it
+/// ends, in widths.
 const FARTHEST_END: f64 = 3.0;
 
-/// Ends of strands at other strands: arms of crossings without a partner, and the distance to the
-/// crossing.
+/// Ends of strands at other strands: the arms without a partner, and their crossings.
 #[derive(Debug)]
 pub(super) struct EndStops<C> {
     crossing_of: BTreeMap<Arm, Stop>,
@@ -30,12 +29,12 @@ pub(super) struct EndStops<C> {
 struct Stop {
     /// The crossing.
     position: Point,
-    /// Colour of the strand, if the others at the crossing differ.
+    /// Colour of the strand, if the colours of the others at the crossing differ from it.
     own_colour: Option<[f64; 3]>,
 }
 
 impl<C: Fn(Point) -> [f64; 3]> EndStops<C> {
-    /// `colour` gives L\*a\*b\* of a pixel.
+    /// Collects the arms without a partner; `colour` returns L\*a\*b\* of a pixel.
     pub fn new(skeleton: &Skeleton, crossings: &[Crossing], colour: C) -> Self {
         let mut crossing_of = BTreeMap::new();
         for crossing in crossings {
@@ -68,7 +67,8 @@ impl<C: Fn(Point) -> [f64; 3]> EndStops<C> {
     }
 }
 
-/// Moves both ends along the strand to where it ends: the edge of the mask or of the image, or another strand.
+/// Moves both ends along the strand to its true ends: the edge of the mask or of the image, or
+/// another strand.
 pub(super) fn extend_ends(
     contrast: &Contrast,
     points: &mut Vec<Point>,
@@ -78,7 +78,7 @@ pub(super) fn extend_ends(
     ends: &EndStops<impl Fn(Point) -> [f64; 3]>,
 ) {
     for end in 0..2 {
-        // The end to be moved is the last one.
+        // The end to be moved is at the last point.
         points.reverse();
         widths.reverse();
         let arm = if end == 0 {
@@ -99,7 +99,8 @@ fn extend_end(
     stop: Option<Stop>,
     colour: impl Fn(Point) -> [f64; 3],
 ) {
-    // At the border no chord is measured, and the smoothed curve may extend slightly beyond it.
+    // No chord is measured at the border of the picture, and the smoothed curve may extend
+    // slightly beyond it.
     while points.len() > 3
         && points
             .last()
@@ -128,8 +129,8 @@ fn extend_end(
     while reach + STEP <= longest && inside(reach + STEP) {
         reach += STEP;
     }
-    // A strand of another colour hides the end or is below it: the end is the last position with
-    // its own colour.
+    // A strand of another colour hides the end or is below it. The end is then the last position
+    // with the strand's own colour.
     if let Some(own) = stop.and_then(|stop| stop.own_colour) {
         let farthest = reach + FARTHEST_END * width;
         let mut ahead = reach;
@@ -180,7 +181,7 @@ pub(super) fn end_direction(points: &[Point], width: f64, step: f64) -> Option<(
     Some(((later + normal(later) * ahead).normalize(), turn))
 }
 
-/// The direction across, to the right of one that points down.
+/// The unit vector across the strand, to the right of a tangent that points down.
 pub(super) fn normal(tangent: Point) -> Point {
     Point::new(-tangent.y, tangent.x)
 }

@@ -2,8 +2,8 @@
 //!
 //! Two sub-iterations in turn remove contour pixels of opposite sides (Guo and Hall, Comm. ACM
 //! 32:359, 1989; their lines are thinner on diagonals than Zhang and Suen's). The removal of a
-//! pixel depends on its eight neighbours only, so the rule is a table of 256 entries, and only
-//! pixels with changed neighbours are examined again.
+//! pixel depends on its eight neighbours only, so that the rule is a table of 256 entries, and
+//! only pixels with changed neighbours are examined again.
 
 use super::mask::Mask;
 
@@ -38,8 +38,8 @@ const fn bit(bits: u8, k: u32) -> u32 {
     (bits >> (k % 8)) as u32 & 1
 }
 
-/// Number of 8-connected parts that the neighbours in the mask form, without the pixel itself:
-/// Hilditch's crossing number, counted from one straight neighbour to the next.
+/// Number of 8-connected parts of the neighbours in the mask, without the pixel itself: Hilditch's
+/// crossing number, counted from one straight neighbour to the next.
 const fn parts(bits: u8) -> u32 {
     let (mut count, mut k) = (0, 0);
     while k < 8 {
@@ -49,7 +49,8 @@ const fn parts(bits: u8) -> u32 {
     count
 }
 
-/// Number of pairs of neighbours, from the `first` one on, of which at least one is in the mask.
+/// Number of pairs of neighbours, starting with neighbour `first`, of which at least one is in the
+/// mask.
 const fn pairs(bits: u8, first: u32) -> u32 {
     let (mut count, mut k) = (0, first);
     while k < first + 8 {
@@ -104,7 +105,8 @@ pub(super) fn thin(mask: &mut Mask, members: &[usize]) -> Vec<usize> {
     let mut removed = Vec::new();
     let mut idle = 0;
     let mut half = 0;
-    // The second sub-iteration may remove a pixel that the first keeps: candidates stay for two.
+    // The second sub-iteration may remove a pixel that the first keeps, so that candidates are
+    // kept for two sub-iterations.
     let mut fresh = Vec::new();
     while idle < 2 {
         removed.clear();

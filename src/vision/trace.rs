@@ -1,4 +1,4 @@
-//! From a picture to its strands.
+//! Finds the strands in a picture.
 
 use super::across::reach_across;
 use super::centreline::{Strand, centreline};
@@ -23,11 +23,11 @@ use image::{GrayImage, RgbImage};
 pub struct TraceOptions {
     /// Colours of the rod.
     pub colour: ColourRule,
-    /// Parts of the mask with fewer pixels are noise.
+    /// Least number of pixels of a part of the mask; smaller parts are noise.
     pub least_area: usize,
-    /// Holes of the mask with fewer pixels are highlights of a rod, not loops.
+    /// Number of pixels below which a hole of the mask is a highlight of a rod, not a loop.
     pub largest_hole: usize,
-    /// Strands shorter than this many widths are not lines.
+    /// Least length of a strand, in widths; shorter ones are not lines.
     pub least_slenderness: f64,
 }
 
@@ -49,9 +49,9 @@ pub struct Trace {
     pub mask: Mask,
     /// The strands.
     pub strands: Vec<Strand>,
-    /// Their crossings.
+    /// Crossings of the strands.
     pub crossings: Vec<StrandCrossing>,
-    /// Pixel = number of the strand from 1, 0 = background.
+    /// Label image: number of the strand at each pixel, from 1; 0 is background.
     pub labels: GrayImage,
     /// Parts of the mask that are not lines: centre, length and width of each.
     pub rejected: Vec<(Point, f64, f64)>,
@@ -68,7 +68,7 @@ impl Trace {
     }
 }
 
-/// Largest part of a picture that lines may cover.
+/// Largest percentage of a picture that lines may cover.
 const LARGEST_COVERAGE_PERCENT: usize = 50;
 
 /// Finds the strands of a picture.
@@ -121,7 +121,7 @@ impl Found {
     }
 }
 
-/// Parts of the mask that thinning wears down to a point: centre, length and width of each.
+/// Parts of the mask that thinning reduces to a point: centre, length and width of each.
 fn blobs(skeleton: &Skeleton) -> Vec<(Point, f64, f64)> {
     let mut is_point = vec![true; skeleton.nodes.len()];
     for node in skeleton
@@ -148,7 +148,7 @@ fn blobs(skeleton: &Skeleton) -> Vec<(Point, f64, f64)> {
 /// Finds the strands of a picture from a contrast image of the same size.
 ///
 /// # Errors
-/// As [`trace`].
+/// See [`trace`].
 pub fn trace_contrast(
     picture: &RgbImage,
     contrast: &Contrast,

@@ -6,14 +6,14 @@ use super::*;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 
-/// A camera 0.6 m above the table that looks down, slightly rotated and tilted.
+/// A camera 0.6 m above the table that looks down, with a slight roll and tilt.
 pub(super) fn camera(roll: f64, slant: f64) -> Camera {
     let turned = UnitQuaternion::from_euler_angles(slant, 0.0, roll);
     let lens = ([620.0; 2], [319.5, 239.5], [0.05, -0.1, 0.0, 0.0, 0.0]);
     looking_at(Vector3::zeros(), 0.6, turned, [640, 480], lens)
 }
 
-/// Small deterministic numbers from 0 to 1.
+/// Generator of deterministic numbers from 0 to 1.
 pub(super) struct Dice(pub u64);
 
 impl Dice {
@@ -21,7 +21,7 @@ impl Dice {
         self.number() as f64 / (1u64 << 31) as f64
     }
 
-    /// A whole number below 2³¹.
+    /// The next integer, below 2³¹.
     pub(super) fn number(&mut self) -> u64 {
         self.0 = self
             .0
@@ -31,8 +31,8 @@ impl Dice {
     }
 }
 
-/// A rod 0.65 m long whose direction turns by a few harmonics, which keeps its curvature below
-/// 1/(19 mm). It is in the middle of the table and rises and falls, so that it passes over and
+/// A rod of 0.65 m in the middle of the table. Its direction is a sum of a few harmonics, so that
+/// its curvature stays below 1/(19 mm). Its height rises and falls, so that it passes over and
 /// under itself.
 fn wandering_rod(dice: &mut Dice, radius: f64, colour: [u8; 3], level: f64) -> RenderedRod {
     const LENGTH: f64 = 0.65;
@@ -52,7 +52,7 @@ fn wandering_rod(dice: &mut Dice, radius: f64, colour: [u8; 3], level: f64) -> R
             + amplitudes[1] * (2.0 * TAU * s + phases[1]).sin();
         x += step * heading.cos();
         y += step * heading.sin();
-        // Passages at one point mostly differ in height by more than a diameter.
+        // At most crossings, the heights differ by more than a diameter.
         let z = radius + level + 1.7 * radius * (1.0 + (TAU * 1.7 * s + phases[2]).sin());
         points.push(Vector3::new(x, y, z));
     }
@@ -68,7 +68,7 @@ fn wandering_rod(dice: &mut Dice, radius: f64, colour: [u8; 3], level: f64) -> R
     }
 }
 
-/// Rods of different colours on top of each other, by the number of the scene.
+/// Rods of different colours on top of each other; `number` is that of the scene.
 pub(super) fn scene(number: u64, count: usize) -> Vec<RenderedRod> {
     const COLOURS: [[u8; 3]; 3] = [[205, 70, 90], [90, 170, 120], [190, 200, 90]];
     let mut dice = Dice(number * 7919 + 17 + count as u64);
@@ -100,7 +100,8 @@ pub(super) fn distance(line: &[Point], point: Point) -> (f64, f64) {
     best
 }
 
-/// Passages of both branches of a true centreline near a point: all places within some pixels, apart along the rod.
+/// Passages of true centrelines near a point: all places within a few pixels that are far apart
+/// along the rod.
 fn passages(camera: &Camera, rods: &[RenderedRod], point: Point) -> Vec<(usize, usize, f64)> {
     let mut found: Vec<(usize, usize, f64)> = Vec::new();
     for (number, rod) in rods.iter().enumerate() {
@@ -163,7 +164,8 @@ fn trial(scenes: u64, rods_each: usize, options: &RenderOptions, camera: &Camera
         }
         for crossing in &trace.crossings {
             let passages = passages(camera, &rods, crossing.position);
-            // Heights decide; crossings of three, or too close ones, are not counted.
+            // The heights give the true order. Crossings of three strands, and strands too close
+            // in height, are not counted.
             let [a, b] = passages[..] else {
                 continue;
             };
@@ -237,7 +239,7 @@ fn rendered_centrelines_are_found_to_a_fraction_of_a_pixel() {
     let mean = all.error / all.points as f64;
     assert!(mean < 0.5, "mean error {mean} pixels");
     assert!(crossings > 40, "{crossings} crossings");
-    // Rods that run along each other or end on each other may be cut in two.
+    // Rods that run side by side or end on each other may be traced in two pieces.
     assert!(
         whole * 10 >= 9 * pictures,
         "all rods in {whole} of {pictures} pictures"

@@ -1,16 +1,16 @@
-//! A rod on top of itself that appears in the picture as a closed strand and an open one.
+//! A rod on top of itself whose picture shows a closed strand and an open one.
 //!
-//! Where a rod closes upon its own start, two of its parts run along each other, and a strand that
-//! enters there may leave in two ways: the one that bends least misses the loop. But a rod has two
-//! ends. So a closed strand which an open one crosses is a part of it.
+//! If a rod returns to its own start, two of its parts run side by side. A strand that enters
+//! there has two possible continuations, and the one with the least bending omits the loop. Since
+//! a rod has two ends, a closed strand that is crossed by an open one must be a part of it.
 
 use super::Point;
 use super::centreline::Strand;
 use super::order::StrandCrossing;
 use super::passage::Passage;
 
-/// The open strand `index` along the rod from its first point, or from its last one: loops are
-/// inserted where it first meets them.
+/// The rod along the open strand `index`, from its first point or from its last one. Each loop is
+/// inserted where the open strand first meets it.
 pub fn whole_rod(
     strands: &[Strand],
     crossings: &[StrandCrossing],
@@ -25,7 +25,8 @@ pub fn whole_rod(
             passage.at
         }
     };
-    // Closed strands with the first place of the open one at which it meets each, and their own place there.
+    // Closed strands, each with the first place at which the open strand meets it, on the open
+    // strand and on the closed one.
     let mut loops: Vec<(usize, f64, Passage)> = Vec::new();
     for crossing in crossings {
         for (own, other) in [
@@ -56,7 +57,8 @@ pub fn whole_rod(
     points
 }
 
-/// A closed strand once round from behind a segment of it, in the direction that agrees with `way`.
+/// The points of a closed strand, once around, starting behind a segment of it, in the direction
+/// that agrees with `way`.
 fn round(points: &[Point], segment: usize, way: Point) -> Vec<Point> {
     let count = points.len();
     let (from, to) = (segment % count, (segment + 1) % count);
@@ -110,11 +112,11 @@ mod tests {
             assert_eq!(crossings.len(), 2);
             let whole = whole_rod(&strands, &crossings, 0, is_reversed);
             assert_eq!(whole.len(), 201 + 400);
-            // It starts from its end, and does not jump.
+            // The rod starts from the requested end and has no jumps.
             assert_eq!(whole[0].x, if is_reversed { 200.0 } else { 0.0 });
             let steps = whole.windows(2).map(|pair| (pair[1] - pair[0]).norm());
             assert!(steps.fold(0.0, f64::max) < 3.0);
-            // The loop is run through where it is first met: 73.5 or 126.5.
+            // The loop is inserted where the rod first meets it: at 73.5 or 126.5.
             let first = whole.iter().position(|point| (point.y - 10.0).abs() > 0.2);
             let first = whole[first.unwrap()].x;
             let expected = if is_reversed { 126.5 } else { 73.5 };
