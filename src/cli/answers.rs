@@ -1,16 +1,16 @@
-//! One solution of a problem, or all of them.
+//! Answers that contain one solution of a problem, or all of them.
 
 use serde::Serialize;
 
-/// One solution, or all.
+/// One solution, or all solutions.
 #[derive(Serialize)]
 #[serde(untagged)]
 pub enum Answers<A> {
-    /// Without `--all`.
+    /// One solution, without `--all`.
     One(A),
-    /// With `--all`.
+    /// All solutions, with `--all`.
     All {
-        /// Solutions, the gentle one first.
+        /// The solutions; the gentle one is first.
         solutions: Vec<A>,
     },
 }

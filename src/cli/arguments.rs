@@ -1,4 +1,4 @@
-//! The arguments of the program: its subcommands and what is common to them.
+//! The arguments of the program: its subcommands and their common options.
 
 use super::in_cell::InCell;
 use super::prelude::*;

@@ -1,4 +1,4 @@
-//! `rodlab calibrate`: cameras and where they are mounted.
+//! `rodlab calibrate`: cameras and their mounts.
 
 use super::prelude::*;
 use nalgebra::Isometry3;
@@ -126,7 +126,7 @@ struct CameraAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     misfit: Option<LensMisfit>,
     left_out: Vec<String>,
-    /// Table of its file.
+    /// Table `[camera]` of the output file.
     camera: toml::Value,
 }
 
@@ -134,11 +134,11 @@ struct CameraAnswer {
 struct TableAnswer {
     image: PathBuf,
     reprojection_rms_px: f64,
-    /// The table of its file.
+    /// Table `[camera]` of the output file.
     camera: toml::Value,
 }
 
-/// The table `[camera]` of a file.
+/// Returns the table `[camera]` of a file.
 fn table(camera: &Camera) -> Result<toml::Value, Failure> {
     let file = camera.to_toml().parse::<toml::Table>();
     let mut file = file.map_err(Failure::system)?;
@@ -285,7 +285,7 @@ fn camera(arguments: &CameraArguments) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Text in a comment of TOML; a line break in the name of a file must not end the comment.
+/// Text for a comment in TOML. A line break in the name of a file must not end the comment.
 fn in_comment(text: &str) -> String {
     text.replace(|character: char| character.is_control(), " ")
 }

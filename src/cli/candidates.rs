@@ -10,10 +10,10 @@ use rodlab_lab::experiment;
 use serde_json::Value;
 use std::ffi::OsStr;
 
-/// Levels of tables of scenario files.
+/// Largest number of nested tables of scenario files.
 const DEEPEST: usize = 5;
 
-/// Presets of a kind, and files.
+/// Presets of a kind, and paths of files.
 pub fn presets(kind: PresetKind) -> ArgValueCompleter {
     ArgValueCompleter::new(move |typed: &OsStr| {
         let presets = Preset::of_kind(kind);
@@ -41,7 +41,7 @@ pub fn artifacts() -> ArgValueCandidates {
     })
 }
 
-/// Keys of scenario files, with an ending.
+/// Keys of scenario files, each followed by an ending.
 pub fn keys(ending: &'static str) -> ArgValueCandidates {
     ArgValueCandidates::new(move || {
         let keys = scenario_keys().into_iter();
@@ -71,7 +71,7 @@ fn starting_with(
     candidates.filter(fits).collect()
 }
 
-/// Adds the keys of a table of the schema with their descriptions, once each.
+/// Adds the keys of a table of the schema with their descriptions, each key once.
 fn list_keys(schema: &Value, table: &Value, prefix: &str, keys: &mut Vec<(String, String)>) {
     if prefix.split('.').count() > DEEPEST {
         return;

@@ -254,7 +254,7 @@ fn driver_address(cell: &Cell) -> Option<&str> {
     })
 }
 
-/// A parser of numbers in a range, of seconds with their unit or without.
+/// A parser of seconds in a range, with or without a unit.
 fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| values::within(least, most)(text.trim().trim_end_matches('s'))
 }

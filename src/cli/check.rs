@@ -29,7 +29,7 @@ pub struct CheckArguments {
     pub json: bool,
 }
 
-/// Checks scenarios. All are checked, even if the first has errors.
+/// Checks all scenarios, even if the first has errors.
 pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure> {
     let mut last: Option<Failure> = None;
     for path in &arguments.scenarios {
@@ -46,9 +46,9 @@ pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure>
     last.map_or(Ok(()), Err)
 }
 
-/// Whether a file describes a robot cell: scenarios have no arms and no axes.
+/// Whether a file describes a robot cell. Scenarios have no arms and no axes.
 fn is_cell(path: &Path) -> bool {
-    // The reader of scenarios reports files that cannot be read.
+    // Files that cannot be read are reported by the reader of scenarios.
     let bytes = rodlab_lab::scenario::read_text_file(path).unwrap_or_default();
     String::from_utf8_lossy(&bytes).lines().any(|line| {
         let line = line.trim_start();
@@ -86,9 +86,9 @@ struct Checked {
     cases: u128,
     numbers: DerivedNumbers,
     forecast: Forecast,
-    /// Simplifications of the scene, a sentence each.
+    /// Simplifications of the scene, one sentence each.
     notes: Vec<String>,
-    /// Arrays with copies.
+    /// Arrays that contain copies.
     copied: Vec<Copied>,
 }
 

@@ -29,12 +29,13 @@ pub struct TaskCell {
     pub cell: Cell,
     /// File of the cell.
     pub file: PathBuf,
-    /// Whether it is simulated in this process.
+    /// Whether the cell is simulated in this process.
     pub is_virtual: bool,
 }
 
 impl CellChoice {
-    /// Prints what a task reports: a short table on a terminal, its record as JSON elsewhere and with --json.
+    /// Prints the report of a task: a short table on a terminal; its record as JSON elsewhere and
+    /// with --json.
     pub fn print(
         &self,
         report: &Report,
@@ -48,7 +49,8 @@ impl CellChoice {
         print_paths(&["report.html", "cell.html"].map(|name| directory.join(name)))
     }
 
-    /// Reads the cell, or the preset of a name where none is given; that one is simulated, except in a `dry_run`.
+    /// Reads the cell, or the preset if no cell is given. The preset is simulated, except in a
+    /// `dry_run`.
     pub fn read(&self, preset: &str, dry_run: bool) -> Result<TaskCell, Failure> {
         let file = self.cell.clone();
         let file = file.map_or_else(|| preset_file(PresetKind::Cell, preset), Ok)?;
@@ -72,8 +74,9 @@ impl CellChoice {
 }
 
 impl TaskCell {
-    /// Refuses to move arms whose last task did not finish, until --checked states that they were inspected, or that lack what a task
-    /// needs with a camera that is for something. The arms of a simulated cell are ready.
+    /// Rejects arms whose last task did not finish, unless --checked states that they were
+    /// inspected, and arms without the parts that the task needs. `camera` is the purpose of the
+    /// camera. The arms of a simulated cell are always ready.
     pub fn refuse_unready(
         &self,
         arms: &[usize],
@@ -102,7 +105,7 @@ impl TaskCell {
     /// Asks on the terminal whether real arms may move, unless --yes is given.
     ///
     /// # Errors
-    /// The answer is no.
+    /// The user answers no.
     pub fn confirm(
         &self,
         arms: &[usize],
@@ -149,7 +152,8 @@ impl TaskCell {
     }
 }
 
-/// Message about what a task with an arm needs and the cell file lacks; `camera` is the purpose of the camera.
+/// Message about a part that a task with an arm needs and that the cell file lacks. `camera` is
+/// the purpose of the camera.
 fn missing_part(cell: &Cell, arm: usize, camera: &str) -> Option<String> {
     let known = &cell.arms[arm];
     let name = &known.name;

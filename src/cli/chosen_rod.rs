@@ -4,7 +4,8 @@ use super::prelude::*;
 use crate::presets::Preset;
 use rodlab_lab::experiment::RodFile;
 
-/// Length of a rod that is not laid, in gravito-bending lengths: the part that hangs from the gripper at the end, and a straight start.
+/// Length of a rod that is not laid, in gravito-bending lengths: the part that hangs from the
+/// gripper at the end, and the straight start.
 const BESIDE_PATTERN: f64 = 4.0;
 
 /// A preset rod.
@@ -15,8 +16,8 @@ struct PresetRod {
     gravito_bending_length: f64,
 }
 
-/// File of the softest preset rod that is long enough for a pattern of a length, m, or of the longest preset rod. Soft rods
-/// follow tight curves.
+/// Returns the file of the softest preset rod that is long enough for a pattern of a given length,
+/// m, or else of the longest preset rod. Soft rods follow tight curves.
 ///
 /// # Errors
 /// The presets cannot be unpacked.
@@ -35,8 +36,8 @@ pub fn rod_for(pattern: f64) -> Result<PathBuf, Failure> {
     Ok(chosen(softest.or_else(longest), reason, pattern))
 }
 
-/// File of the longest preset rod that is shorter than the pattern of a knot of a length, m: the rest of the pattern is the
-/// path of its end.
+/// Returns the file of the longest preset rod that is shorter than the pattern of a knot with the
+/// given length, m. The rest of the pattern is the path of the rod's end.
 ///
 /// # Errors
 /// The presets cannot be unpacked.
@@ -76,7 +77,7 @@ fn least<'a>(
     rods.min_by(|one, other| by(one).total_cmp(&by(other)))
 }
 
-/// File of a choice, which is logged with its reason.
+/// Returns the file of the chosen rod, and logs the choice with its reason.
 fn chosen(rod: Option<&PresetRod>, reason: &str, pattern: f64) -> PathBuf {
     let rod = rod.expect("there are preset rods");
     tracing::warn!(
@@ -93,7 +94,7 @@ mod tests {
 
     #[test]
     fn the_softest_rod_that_is_long_enough_is_chosen() {
-        // Nothing is long enough for 2 m; the rope is the longest.
+        // No rod is long enough for 2 m; the rope is the longest.
         for (pattern, expected) in [(0.3, "pink_vps"), (2.0, "rope")] {
             let file = rod_for(pattern).unwrap();
             assert_eq!(file.file_stem().unwrap(), expected, "{pattern} m");
@@ -102,7 +103,7 @@ mod tests {
 
     #[test]
     fn the_longest_rod_that_leaves_a_path_for_its_end_is_chosen_for_a_knot() {
-        // Nothing is shorter than 0.3 m; the cord is the shortest.
+        // No rod is shorter than 0.3 m; the cord is the shortest.
         for (pattern, expected) in [
             (1.0, "rope"),
             (0.86, "thick_pink_vps"),

@@ -100,10 +100,10 @@ impl Common {
     }
 }
 
-/// Threads, for each processor, beyond which they only wait for each other.
+/// Number of threads per processor beyond which threads only wait for each other.
 const THREADS_OF_A_PROCESSOR: usize = 16;
 
-/// Refuses numbers of threads that take longer to start than any work would.
+/// Rejects numbers of threads whose start would take longer than the work.
 pub fn refuse_too_many_threads(option: &str, threads: u16) -> Result<(), Failure> {
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let most = (THREADS_OF_A_PROCESSOR * processors).max(64);

@@ -1,19 +1,19 @@
-//! The last resort: a panic is a fault of the program, for any input, and is reported as one.
+//! Handling of panics. A panic is a fault of the program, for any input, and is reported as such.
 //!
-//! Results stay resumable: files appear whole, tables are flushed row by row, and locks and leases of a process end
-//! with it.
+//! Results stay resumable: files are written completely or not at all, tables are flushed row by
+//! row, and locks and leases end with the process.
 
 use super::exit_code::PANIC;
 use super::standard_error;
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Runs the work; a panic anywhere in it ends with a message and exit code 1.
+/// Runs the work; a panic in it ends with a message and exit code 1.
 pub fn guarded(work: impl FnOnce() -> u8) -> u8 {
     panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or(PANIC)
 }
 
-/// Reports the first panic; later panics, which follow from it in other threads, are ignored.
+/// Reports the first panic; later panics in other threads, which follow from it, are ignored.
 pub fn announce_panics() {
     static TOLD: AtomicBool = AtomicBool::new(false);
     let trace = panic::take_hook();

@@ -31,7 +31,7 @@ pub struct DatasetArguments {
 }
 
 impl DatasetArguments {
-    /// The demonstrations that are asked for, if any.
+    /// The requested demonstrations, if any.
     pub(super) fn demonstrations(
         &self,
         common: &Common,
@@ -40,7 +40,7 @@ impl DatasetArguments {
     }
 }
 
-/// Makes a data set.
+/// Generates a data set.
 pub fn dataset(arguments: &DatasetArguments, common: &Common) -> Result<(), Failure> {
     if arguments.demonstrations(common)?.is_some() {
         return Err(Failure::Input(

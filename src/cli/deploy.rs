@@ -98,7 +98,7 @@ impl InCell<DeployArguments> {
     /// The identification of the rod before it is laid.
     fn identification(&self) -> Result<InCell<HeldArguments>, Failure> {
         let (plan, laying) = (&self.what.plan, &self.what.laying);
-        // A cell may have a rod of its own.
+        // A cell may define its own rod.
         let rod = match (plan.given_rod(), &self.choice.cell) {
             (None, Some(_)) => None,
             _ => Some(plan.expected_rod()?.to_owned()),

@@ -84,7 +84,7 @@ pub fn design(arguments: &DesignArguments) -> Result<(), Failure> {
     }
 }
 
-/// Refuses a directory that holds anything but an earlier design.
+/// Rejects a directory that contains anything except an earlier design.
 fn refuse_other_files(directory: &Path) -> Result<(), Failure> {
     let is_used = std::fs::read_dir(directory).is_ok_and(|mut entries| entries.next().is_some());
     match is_used && !directory.join(RESULT).is_file() {

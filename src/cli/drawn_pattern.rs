@@ -15,7 +15,7 @@ pub struct Part<'a> {
     pub join: Option<f64>,
 }
 
-/// Points of an SVG or CSV file, m; `None` for a file with another ending.
+/// Points of an SVG or CSV file, m; `None` for other file name extensions.
 pub fn drawn_points(path: &Path, part: Part<'_>) -> Result<Option<Vec<Point>>, Failure> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     if extension == "svg" {
@@ -34,7 +34,8 @@ pub fn drawn_points(path: &Path, part: Part<'_>) -> Result<Option<Vec<Point>>, F
     }
 }
 
-/// Number of a strand or a line, if given; `longest` is the default of lines in photographs.
+/// Number of a strand or a line, if given; `None` for `longest`, which is the default for
+/// photographs.
 pub fn counted(stroke: Option<&StrokeChoice>) -> Result<Option<usize>, Failure> {
     match stroke {
         None | Some(StrokeChoice::Only | StrokeChoice::Longest) => Ok(None),
@@ -45,7 +46,8 @@ pub fn counted(stroke: Option<&StrokeChoice>) -> Result<Option<usize>, Failure> 
     }
 }
 
-/// A stroke of an SVG drawing. If there are several to choose from, a picture of them is written.
+/// A stroke of an SVG drawing. If there are several strokes and none is selected, a picture of
+/// them is written.
 fn svg_points(path: &Path, part: Part<'_>) -> Result<Vec<Point>, Failure> {
     let place = path.display();
     let mut drawing = svg_drawing(path).map_err(Failure::Input)?;

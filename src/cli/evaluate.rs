@@ -31,7 +31,7 @@ pub struct EvaluateArguments {
 #[derive(Serialize)]
 struct Answer<'a> {
     samples: usize,
-    /// Samples outside of the range of the training, which are left out.
+    /// Number of samples outside the range of the training, which are excluded.
     out_of_range: usize,
     errors: &'a [Errors],
     provenance: &'a std::collections::BTreeMap<String, String>,

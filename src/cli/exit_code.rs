@@ -15,7 +15,7 @@ pub(super) const TIME_LIMIT: u8 = 5;
 pub(super) const INTERRUPTED: u8 = 130;
 /// Exit code of a task whose picture does not show the whole rod, so that nothing is scored.
 pub(super) const NOT_SEEN_WHOLE: u8 = 4;
-/// Exit code after a panic: not bad input, and not a failure that more time would cure.
+/// Exit code after a panic: neither invalid input nor a failure that more time could avoid.
 pub(super) const PANIC: u8 = 1;
 
 /// Errors with an exit code of the program.
@@ -39,7 +39,7 @@ impl ExitCode for SimulationError {
 impl ExitCode for RunError {
     fn exit_code(&self) -> u8 {
         match self {
-            // Nothing was written yet: if the mechanics refuses something, the input is at fault.
+            // Nothing was written yet. If the mechanics rejects something, the input is invalid.
             Self::Scene(_) => 2,
             Self::Simulation { source, .. } => source.exit_code(),
             Self::TimeLimit { .. } => TIME_LIMIT,
@@ -50,7 +50,7 @@ impl ExitCode for RunError {
 }
 
 impl ExitCode for ResultsError {
-    /// 2 where another directory must be chosen, 1 for a fault during the run.
+    /// 2 if another directory must be chosen, 1 for a failure during the run.
     fn exit_code(&self) -> u8 {
         match self {
             Self::AnotherScenario { .. }
@@ -76,7 +76,7 @@ impl ExitCode for ClusterError {
 }
 
 impl ExitCode for SweepOutcome {
-    /// That of the worst case, or of the interruption.
+    /// The exit code of the worst case, or of the interruption.
     fn exit_code(&self) -> u8 {
         let count = &self.counts;
         let searches_failed = self.found.iter().any(|found| found.value.is_none());

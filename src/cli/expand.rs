@@ -33,10 +33,11 @@ pub fn expand(arguments: &ExpandArguments) -> Result<(), Failure> {
     print(&expanded(scenario, overrides, arguments.case)?)
 }
 
-/// A scenario after expansion; of a sweep the case of a number, counted from 1, below a comment that names it.
+/// A scenario after expansion. For a sweep, it is the case with the given number, counted from 1,
+/// after a comment that names the case.
 ///
 /// # Errors
-/// Faults of the scenario, and a number beyond the last case.
+/// The scenario is invalid, or the number exceeds that of the last case.
 pub fn expanded(scenario: &Path, overrides: &[String], case: u64) -> Result<String, Failure> {
     let cases = case_set(scenario, overrides, &[])?;
     let count = cases.count();

@@ -38,7 +38,7 @@ fn explanation(key: &str) -> Result<String, String> {
     }
 }
 
-/// Tables of a sweep have the varied keys as columns, too.
+/// Explains a varied key that is a column in a table of a sweep.
 fn column_of_a_key(files: &[&FileDescription], name: &str) -> Result<String, String> {
     let file = files[0].names[0];
     let of_sweeps = ["summary.csv", "search.csv"].contains(&file);
@@ -58,7 +58,7 @@ fn column_of_a_key(files: &[&FileDescription], name: &str) -> Result<String, Str
     Err(format!("`{file}` has no `{name}`; {advice}"))
 }
 
-/// A column given without its file.
+/// Explains a column that was given without its file.
 fn column_anywhere(name: &str) -> Option<String> {
     let words: String = files_with_column(name)
         .into_iter()

@@ -9,7 +9,7 @@ use rodlab_workcell::task::{
 };
 use rodlab_workcell::virtual_cell::ChuckedSupply;
 
-/// Distances ‖(κ, τ, ω)‖ that are allowed, in words.
+/// Allowed distances ‖(κ, τ, ω)‖, as text.
 const DISTANCE: &str = "a distance from 0.01 to 100 is needed";
 
 const HELP: [&str; 2] = help!(
@@ -167,7 +167,7 @@ impl TaskCommand for ExploreArguments {
         let Planning {
             cell, is_virtual, ..
         } = planning;
-        // A simulated cell is new in each task, with its rod in the chuck.
+        // A simulated cell starts from its initial state in each task, with its rod in the chuck.
         let task = ExplorationTask::new(exploration, cell, planning.results(), *is_virtual);
         let task = task.map_err(|error| match error {
             ExploreError::Input(words) => Failure::Input(words),

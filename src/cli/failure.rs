@@ -18,7 +18,7 @@ pub enum Failure {
     Scenario(Vec<ScenarioError>),
     /// Invalid argument.
     Input(String),
-    /// No equilibrium, no posture of an arm, or no path of its joints, meets the request.
+    /// No equilibrium, posture or joint path of an arm satisfies the request.
     Unreachable(String),
     /// Request to stop; all finished work is saved.
     Stopped(StopRequest),
@@ -59,7 +59,7 @@ impl Failure {
         standard_error::report(&self.in_words(colour));
     }
 
-    /// Message in whole lines.
+    /// The message, with a line break at the end of each line.
     pub(super) fn in_words(&self, colour: bool) -> String {
         match self {
             Self::Scenario(errors) => errors.iter().map(|error| error.render(colour)).collect(),
@@ -81,7 +81,7 @@ impl Failure {
         Self::Input(error.to_string())
     }
 
-    /// Error of the system, with the message of an error.
+    /// Error of the operating system, with the message of an error.
     pub fn system(error: impl Display) -> Self {
         Self::System(error.to_string())
     }
@@ -94,7 +94,7 @@ impl Failure {
         }
     }
 
-    /// Failure of a training: unsuitable files of the user are bad input.
+    /// Failure of a training. Unsuitable files of the user are invalid input.
     pub fn of_training(error: &TrainingError) -> Self {
         match error {
             TrainingError::Results(fault) if fault.exit_code() == 1 => Self::system(error),
@@ -104,12 +104,12 @@ impl Failure {
     }
 }
 
-/// Faults of the input, with their place.
+/// Converts errors to failures of the input, with their place.
 pub trait OrInput<T> {
     /// Converts the error to one of invalid input.
     fn or_input(self) -> Result<T, Failure>;
 
-    /// Converts the error, with its place in front: a file or an option.
+    /// Converts the error to one of invalid input that begins with its place: a file or an option.
     fn at(self, place: impl Display) -> Result<T, Failure>;
 }
 
@@ -123,7 +123,7 @@ impl<T, E: Display> OrInput<T> for Result<T, E> {
     }
 }
 
-/// Errors of the library that have exit codes.
+/// Converts errors of the library that have exit codes.
 impl<E: ExitCode + Display> From<E> for Failure {
     fn from(error: E) -> Self {
         Self::Other {
@@ -151,7 +151,7 @@ impl From<ScenarioError> for Failure {
 impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         match error {
-            // Scenarios show the faulty lines.
+            // Scenarios print the faulty lines.
             SweepError::Scenario(error) => error.into(),
             SweepError::Results(error) => error.into(),
             SweepError::Threads(_) => Self::system(error),

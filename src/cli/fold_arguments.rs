@@ -112,7 +112,7 @@ pub struct FoldArguments {
     pub open: bool,
 }
 
-/// Algorithms by their names in scenario files.
+/// Names of algorithms in scenario files.
 const ALGORITHMS: [(&str, AlgorithmName); 5] = [
     ("held", AlgorithmName::Held),
     ("optimal", AlgorithmName::Optimal),
@@ -121,18 +121,18 @@ const ALGORITHMS: [(&str, AlgorithmName); 5] = [
     ("step-by-step", AlgorithmName::StepByStep),
 ];
 
-/// Sheet to fold.
+/// The requested sheet.
 pub struct AskedSheet {
-    /// Contents of its file.
+    /// Contents of the sheet file.
     pub file: PaperFile,
-    /// Distance by which its edge moves, m.
+    /// Distance by which the edge moves, m.
     pub target: f64,
     /// Friction of the table.
     pub friction: f64,
 }
 
 impl FoldArguments {
-    /// Algorithm by its name.
+    /// The selected algorithm.
     pub fn algorithm(&self) -> AlgorithmName {
         let named = ALGORITHMS.iter().find(|(name, _)| *name == self.algorithm);
         named.map_or(AlgorithmName::Held, |(_, algorithm)| *algorithm)

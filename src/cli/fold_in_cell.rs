@@ -12,9 +12,9 @@ use rodlab_workcell::task::{
 };
 use rodlab_workcell::virtual_cell::{SheetPlace, SimulatedSheet};
 
-/// Number of parts of a path without feedback; after each the camera takes a picture.
+/// Number of parts of a path without feedback; the camera takes a picture after each part.
 const WATCHED_PARTS: u16 = 5;
-/// Largest number of parts of a path: in each the arm starts and stops.
+/// Largest number of parts of a path; the arm starts and stops in each part.
 const MOST_PARTS: u16 = 20;
 
 impl TaskCommand for FoldArguments {
@@ -82,7 +82,7 @@ impl TaskCommand for FoldArguments {
     }
 }
 
-/// Place on a table of a sheet with a given frame.
+/// Place on a table for a sheet with a given frame.
 fn place_on(table: &Pose, frame: &Pose) -> SheetPlace {
     let place = table.inverse() * frame;
     SheetPlace {

@@ -10,7 +10,7 @@ use rodlab_lab::experiment::case_set_from_table;
 use rodlab_lab::run::RunOptions;
 use toml::{Table, Value, toml};
 
-/// Time of a fold, s.
+/// Duration of a fold, s.
 const TIME: f64 = 15.0;
 
 /// Folds a sheet in simulation, writes the page and prints the score.

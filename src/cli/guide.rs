@@ -38,7 +38,7 @@ pub fn guide(arguments: &GuideArguments, common: &Common) -> Result<(), Failure>
     }
 }
 
-/// A line per page: topic and title.
+/// Lists topic and title, one line per page.
 fn topics() -> String {
     PAGES
         .iter()
@@ -99,7 +99,7 @@ mod tests {
             let spans = line.split('`').skip(1).step_by(2);
             for span in spans.filter(|span| span.starts_with("rodlab ")) {
                 if let Err(error) = Arguments::try_parse_from(words(span)) {
-                    // A command may be named without what it needs.
+                    // Text may name a command without its required arguments.
                     let named = [
                         ErrorKind::MissingRequiredArgument,
                         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand,

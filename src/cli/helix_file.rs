@@ -87,7 +87,7 @@ impl HelixFile {
         Ok(issues.or_ok(found).map_err(|issues| file.locate(issues))?)
     }
 
-    /// Positions of the markers in the world, as long as the rod is that helix.
+    /// Positions of the markers in the world, while the rod is that helix.
     pub fn places(&self) -> Vec<Vector3<f64>> {
         helix_points(self.curvature, self.torsion, &self.markers, &self.pose)
     }

@@ -25,7 +25,7 @@ const LOSSES: [Named<Loss>; 2] = [
         "Linear beyond 1.345 standard deviations, for data with outliers",
     ),
 ];
-/// Correlation of the errors of two keys beyond which it is printed.
+/// Correlation of the errors of two keys above which it is printed.
 const NOTABLE_CORRELATION: f64 = 0.9;
 
 const HELP: [&str; 2] = help!(
@@ -189,7 +189,7 @@ impl IdentifyArguments {
     }
 }
 
-/// Refuses a directory that holds anything but an earlier identification.
+/// Rejects a directory that contains anything except an earlier identification.
 fn refuse_other_files(directory: &Path) -> Result<(), Failure> {
     let is_used = std::fs::read_dir(directory).is_ok_and(|mut entries| entries.next().is_some());
     match is_used && !directory.join(IDENTIFIED).is_file() {
@@ -201,7 +201,7 @@ fn refuse_other_files(directory: &Path) -> Result<(), Failure> {
     }
 }
 
-/// The failure of an identification.
+/// Converts the failure of an identification.
 pub(super) fn failure(error: IdentifyError) -> Failure {
     match error {
         IdentifyError::Scenario(error) => error.into(),
@@ -232,7 +232,7 @@ fn in_words(progress: &Progress, keys: &[String]) -> String {
     )
 }
 
-/// The table of the keys, and what limits it.
+/// The table of the keys, with remarks on its limits.
 fn summary(found: &Identified, directory: &Path) -> String {
     let noises = found.groups.iter();
     let noises: Vec<String> = noises

@@ -6,7 +6,8 @@ use rodlab_vision::ColourRule;
 use rodlab_workcell::task::{IdentificationPlan, IdentificationTask, Planning, TaskCommand, Way};
 use rodlab_workcell::virtual_cell::RodSupply;
 
-/// Default length of the free part of a rod, in gravito-bending lengths as expected, and its least, in radii.
+/// Default length of the free part of a rod, in expected gravito-bending lengths; and its least
+/// length, in radii.
 const FREE: [f64; 2] = [4.0, 40.0];
 
 /// Arguments of an identification in a cell.

@@ -1,4 +1,5 @@
-//! Runs any task in a cell: directory of the results, confirmation before arms move, and the end of the task.
+//! Runs any task in a cell: creates the directory of the results, asks before arms move, and
+//! handles the end of the task.
 
 use super::chosen_cell::{CellChoice, TaskCell};
 use super::exit_code::NOT_SEEN_WHOLE;
@@ -46,7 +47,8 @@ where
         self.run_in(directory, true)
     }
 
-    /// The same with its results in a directory, and with or without printing the record.
+    /// Runs the task with its results in `directory`. `prints` determines whether the record is
+    /// printed.
     pub fn run_in(&self, directory: PathBuf, prints: bool) -> Result<(), Failure> {
         let way = self.what.way();
         let chosen = self.choice.read(C::CELL, way.dry_run)?;
@@ -92,7 +94,8 @@ fn write_motion<T: Task>(task: &T, cell: &Cell, directory: &Path) -> Result<(), 
 }
 
 impl Work<'_> {
-    /// Carries a task out, once the arms may move, and clears the marks of arms that finished their work.
+    /// Carries out a task after the arms may move, and clears the marks of arms that finished
+    /// their work.
     fn carry_out<T: Task>(
         &self,
         mut run: TaskRun<T>,
@@ -125,7 +128,7 @@ impl Work<'_> {
         self.finish(&run, failure)
     }
 
-    /// Writes the whole record, and prints it, or returns why the task ended early.
+    /// Writes and prints the whole record, or returns the reason why the task ended early.
     fn finish<T: Task>(&self, run: &TaskRun<T>, failure: Option<Failure>) -> Result<(), Failure> {
         let report = run.conclude(self.directory)?;
         match (failure, run.task.record().answer()) {
@@ -136,7 +139,7 @@ impl Work<'_> {
         }
     }
 
-    /// Clears the marks of the arms; returns the failure to do so, if any.
+    /// Clears the marks of the arms; returns the error if that fails.
     fn clear(&self) -> Option<Failure> {
         let cleared = self.marks.iter().try_for_each(Unfinished::clear);
         let unclear =

@@ -23,11 +23,11 @@ pub struct InitArguments {
     like: Option<String>,
 }
 
-/// Origin of a new file.
+/// Contents of a new file.
 #[derive(Clone, Copy, Debug)]
 enum Beginning {
     Experiment(&'static dyn Kind),
-    /// A preset of a kind, with the name of the default one.
+    /// A preset of a kind; the name is that of the default preset.
     Preset(PresetKind, &'static str),
 }
 
@@ -90,7 +90,7 @@ pub fn init(arguments: &InitArguments) -> Result<(), Failure> {
     }
 }
 
-/// The text of a key at the top of a scenario.
+/// The value of a key at the top of a scenario, as text.
 fn stated<'a>(scenario: &'a str, key: &str) -> Option<&'a str> {
     let value = |line: &'a str| line.strip_prefix(key)?.trim_start().strip_prefix('=');
     let value = scenario.lines().find_map(value)?;

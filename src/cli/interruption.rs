@@ -1,4 +1,4 @@
-//! Signals to commands that move something, or serve until they are stopped.
+//! Signals to commands that move something, or that serve until they are stopped.
 
 use super::exit_code::INTERRUPTED;
 use super::failure::Failure;
@@ -9,8 +9,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicI32, Ordering};
 use std::time::{Duration, Instant};
 
-/// Signals that end the program, with their names: of the terminal (Ctrl-C, Ctrl-\, Ctrl-Z, a window that is closed), of the system and
-/// of batch systems.
+/// Signals that end the program, with their names. They come from the terminal (Ctrl-C, Ctrl-\,
+/// Ctrl-Z, a closed window), from the operating system and from batch systems.
 const SIGNALS: [(i32, &str); 7] = [
     (SIGINT, "SIGINT"),
     (SIGTERM, "SIGTERM"),
@@ -20,7 +20,8 @@ const SIGNALS: [(i32, &str); 7] = [
     (SIGUSR1, "SIGUSR1"),
     (SIGUSR2, "SIGUSR2"),
 ];
-/// Time after the first signal in which further signals count as the same request: launchers send two of them.
+/// Time after the first signal in which further signals count as the same request, since launchers
+/// send two signals.
 const SAME_REQUEST: Duration = Duration::from_secs(1);
 
 /// The first signal of [`SIGNALS`] that was received.
@@ -41,8 +42,9 @@ impl Interruption {
     }
 }
 
-/// Watches for signals, except those that were ignored when the program was started, as by `nohup`. A further signal ends the
-/// program at once where nothing moves; a motion is always cancelled first.
+/// Watches for signals, except those that were ignored when the program was started, as by
+/// `nohup`. A further signal ends the program at once if nothing moves; a motion is always
+/// cancelled first.
 pub fn watch_for_interruption() -> Result<Interruption, Failure> {
     let ignored = ignored_signals();
     let watched = SIGNALS.iter().map(|(signal, _)| *signal);
@@ -68,7 +70,8 @@ pub fn watch_for_interruption() -> Result<Interruption, Failure> {
     Ok(raised)
 }
 
-/// The signals that are ignored, a bit each from signal 1 on; none where the system does not report them.
+/// Bit mask of the ignored signals; bit 0 is signal 1. Zero if the operating system does not
+/// report them.
 fn ignored_signals() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

@@ -28,14 +28,14 @@ pub struct Laying<'a> {
     pub outline: Vec<Point>,
     /// Pegs between which the rod is laid.
     pub fixtures: Option<Fixtures>,
-    /// Whether its path is replanned from pictures of the rod.
+    /// Whether the path is replanned from pictures of the rod.
     pub is_corrected: bool,
     /// Supplies the rod for the gripper of a virtual cell, given the pose of the pattern in the cell.
     pub supply: &'a dyn Fn(Pose) -> Result<RodSupply, Failure>,
 }
 
 impl LayingArguments {
-    /// Returns how the task is run.
+    /// Returns the options of the run.
     pub fn way(&self) -> Way<'_> {
         Way {
             arm: self.arm.as_deref(),
@@ -43,7 +43,8 @@ impl LayingArguments {
         }
     }
 
-    /// Plans to lay a rod along the path that `plan` returns for the available room and writes into a directory.
+    /// Plans how to lay a rod along the path that `plan` returns for the available room. `plan`
+    /// also writes the path to a directory.
     pub fn plan(
         &self,
         planning: &Planning<'_>,

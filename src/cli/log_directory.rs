@@ -2,12 +2,13 @@
 
 use super::prelude::*;
 
-/// Directory for results: as given, or in `results` by a name.
+/// Directory for results: the given one, or `results/NAME`.
 pub fn results_directory(given: Option<&Path>, name: &str) -> PathBuf {
     given.map_or_else(|| Path::new("results").join(name), Path::to_owned)
 }
 
-/// An empty directory, given or named after `what` and the time, which is not made yet: every motion of an arm has its own.
+/// Path of an empty directory, as given or named after `what` and the time. The directory is not
+/// created yet. Every motion of an arm has its own directory.
 pub fn empty_directory(what: &str, given: Option<&Path>) -> Result<PathBuf, Failure> {
     let now = jiff::Timestamp::now().strftime("%Y%m%dT%H%M%S%.3fZ");
     let directory = results_directory(given, &format!("{what}-{now}"));
@@ -20,7 +21,7 @@ pub fn empty_directory(what: &str, given: Option<&Path>) -> Result<PathBuf, Fail
     }
 }
 
-/// Makes the directory of [`empty_directory`].
+/// Creates the directory of [`empty_directory`].
 pub fn log_directory(what: &str, given: Option<&Path>) -> Result<PathBuf, Failure> {
     let directory = empty_directory(what, given)?;
     let made = std::fs::create_dir_all(&directory);

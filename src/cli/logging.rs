@@ -8,8 +8,8 @@ use tracing_subscriber::util::SubscriberInitExt;
 
 /// Starts logging as set by the common options.
 ///
-/// Messages of this crate are shown down to the requested level; those of other crates only from warnings on, so that their
-/// debugging does not drown the steps of a simulation.
+/// Messages of this crate are shown down to the requested level. Other crates show only warnings
+/// and errors, so that their debugging messages do not hide the steps of a simulation.
 pub fn start(common: &Common) {
     let level = match (common.quiet, common.verbose) {
         (true, _) => LevelFilter::ERROR,
@@ -20,7 +20,8 @@ pub fn start(common: &Common) {
         (false, 2) => LevelFilter::DEBUG,
         (false, _) => LevelFilter::TRACE,
     };
-    // DDS warns of peers that connect and leave in lines of a thousand characters; its drivers report what matters.
+    // The DDS library warns about connecting and leaving peers in lines of a thousand characters.
+    // The drivers report everything important.
     let of_dds = if level == LevelFilter::TRACE {
         LevelFilter::WARN
     } else {
@@ -36,7 +37,7 @@ pub fn start(common: &Common) {
         .log_internal_errors(false)
         .with_ansi(common.colours_stderr());
     let subscriber = tracing_subscriber::registry().with(filter);
-    // A second start, as in tests, keeps the first subscriber.
+    // If logging was started before, as in tests, the first subscriber stays.
     let _ = match common.log {
         LogFormat::Json => subscriber.with(lines.json()).try_init(),
         LogFormat::Text => subscriber.with(lines.with_target(false)).try_init(),

@@ -1,12 +1,13 @@
-//! The guide's Markdown as text for a terminal.
+//! Formats the Markdown of the guide for a terminal.
 
 const BOLD: &str = "\x1b[1m";
 const CODE: &str = "\x1b[36m";
 const PLAIN: &str = "\x1b[0m";
-/// Columns of text: longer lines are hard to read, and every terminal has this width.
+/// Width of text, columns. Longer lines are hard to read, and every terminal has this width.
 const WIDTH: usize = 80;
 
-/// Headings in bold, code in colour, links as their words; paragraphs and tables within 80 columns.
+/// Formats Markdown: headings in bold, code in colour, links as their text, and paragraphs and
+/// tables within 80 columns.
 pub fn for_terminal(markdown: &str) -> String {
     let mut text = String::new();
     let mut in_code = false;
@@ -44,13 +45,14 @@ fn is_definition(line: &str) -> bool {
     line.starts_with('[') && line.contains("]: ")
 }
 
-/// Cells of a row whose first bar is gone.
+/// Cells of a row whose first bar was removed.
 fn cells(row: &str) -> Vec<String> {
     let row = row.trim().trim_end_matches('|');
     row.split(" |").map(|cell| inline(cell.trim())).collect()
 }
 
-/// Aligned columns where they fit; else a paragraph for each row, its cells under the names of their columns.
+/// Formats a table in aligned columns if they fit. Otherwise each row becomes a paragraph with its
+/// cells under the names of their columns.
 fn table_in_columns(rows: &[Vec<String>]) -> String {
     let [header, _rule, rows @ ..] = rows else {
         return String::new();
@@ -92,7 +94,7 @@ fn table_in_columns(rows: &[Vec<String>]) -> String {
     text
 }
 
-/// Lines of at most [`WIDTH`] columns, those after the first indented.
+/// Wraps text to lines of at most [`WIDTH`] columns; lines after the first are indented.
 fn wrapped(line: &str, hanging: usize) -> String {
     let indent = line.len() - line.trim_start().len();
     let mut text = " ".repeat(indent);
@@ -114,7 +116,7 @@ fn wrapped(line: &str, hanging: usize) -> String {
     text
 }
 
-/// Characters without the codes of styles.
+/// Number of characters without those of style codes.
 fn visible_length(text: &str) -> usize {
     let styles = [BOLD, CODE, PLAIN];
     let codes: usize = styles
@@ -124,7 +126,7 @@ fn visible_length(text: &str) -> usize {
     text.chars().count() - codes
 }
 
-/// Code spans and strong words in their styles, links as their words.
+/// Formats code spans and strong words in their styles, and links as their text.
 fn inline(line: &str) -> String {
     let mut text = String::new();
     for (index, part) in line.split('`').enumerate() {
@@ -143,7 +145,8 @@ fn inline(line: &str) -> String {
     text
 }
 
-/// `[words][label]`, `[words](address)` and `[words]` become the words; intervals such as [0, 1] stay.
+/// `[words][label]`, `[words](address)` and `[words]` are replaced by the words. Intervals such as
+/// [0, 1] are kept.
 fn links_as_words(text: &str) -> String {
     let mut words = String::new();
     let mut rest = text;

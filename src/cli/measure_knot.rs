@@ -5,7 +5,7 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_lab::scenario::read_polyline;
 use rodlab_planning::knot::{closed_far_away, determinant_of_closed, fewest_crossings};
 
-/// Largest number of points: crossings are searched among all pairs.
+/// Largest number of points, since crossings are searched among all pairs.
 const MOST_POINTS: usize = 5000;
 
 /// Arguments of `rodlab measure knot`.
@@ -30,7 +30,8 @@ struct Answer {
     points: usize,
     closed: bool,
     length_m: f64,
-    /// Crossings in the best of many views, an upper bound on those of the knot.
+    /// Number of crossings in the best of many views: an upper bound on the crossing number of the
+    /// knot.
     crossings: usize,
     knot_determinant: u64,
 }

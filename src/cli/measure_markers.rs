@@ -1,4 +1,4 @@
-//! `rodlab measure markers`: whether a helical rod is still the helix that it should be.
+//! `rodlab measure markers`: whether a helical rod is still the expected helix.
 
 use super::helix_file::HelixFile;
 use super::picture_source::{RecordingArguments, SourcePicture, is_series, pictures};
@@ -76,7 +76,7 @@ pub struct MarkerArguments {
 #[derive(Serialize)]
 struct Answer {
     pictures: Vec<PictureAnswer>,
-    /// The first image at which the rod counts as unstable.
+    /// The first image in which the rod counts as unstable.
     #[serde(skip_serializing_if = "Option::is_none")]
     unstable_from: Option<PathBuf>,
 }
@@ -96,7 +96,7 @@ struct PictureAnswer {
 struct MarkerAnswer {
     marker: usize,
     arc_length_m: f64,
-    /// `None` behind the camera.
+    /// Expected place in the picture; `None` if it is behind the camera.
     expected_px: Option<[f64; 2]>,
     found_px: Option<[f64; 2]>,
     error_px: Option<f64>,

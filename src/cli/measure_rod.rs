@@ -1,5 +1,6 @@
-//! `rodlab measure rod`: the gravito-bending length and the natural curvature of a rod that is held at one end, from a
-//! photograph; with its twisting stiffness from photographs of the rod turned about its axis.
+//! `rodlab measure rod`: the gravito-bending length and the natural curvature of a rod that is
+//! held at one end, from a photograph. Photographs of the rod turned about its axis also give its
+//! twisting stiffness.
 
 use super::prelude::*;
 use rodlab_lab::identify::{
@@ -69,7 +70,8 @@ pub struct RodArguments {
     json: bool,
 }
 
-/// Part of its radius to which the ends of a strand are seen: an error of the length is one of all lengths.
+/// Uncertainty of the ends of a strand, as a fraction of its radius. An error of the length
+/// affects all lengths.
 const ENDS: f64 = 0.5;
 
 #[derive(Serialize)]
@@ -87,10 +89,10 @@ struct Answer {
     remarks: Vec<String>,
 }
 
-/// What several photographs give.
+/// Results from several photographs.
 #[derive(Serialize)]
 struct Twisting {
-    /// GJ/EI; none where the shapes do not determine it.
+    /// GJ/EI; `None` if the shapes do not determine it.
     twisting_over_bending: Option<f64>,
     twisting_over_bending_uncertainty: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! `rodlab measure sheet`: where a sheet of paper lies, and how far it slid.
+//! `rodlab measure sheet`: the position of a sheet of paper, and its slide.
 
 use super::prelude::*;
 use super::trace::mask_of_rule;
@@ -85,14 +85,14 @@ struct EdgeAnswer {
 struct SlidingAnswer {
     edge: usize,
     direction: [f64; 2],
-    /// Distance by which the middle of the edge moved along the direction.
+    /// Distance by which the middle of the edge moved along the given direction.
     distance: f64,
-    /// Distance by which it moved in total.
+    /// Total displacement of the middle of the edge.
     moved: [f64; 2],
     turned_degrees: f64,
 }
 
-/// Finds one or two sheets and prints where they are.
+/// Finds one or two sheets and prints their positions.
 pub fn measure_sheet(arguments: &SheetArguments) -> Result<(), Failure> {
     let camera = arguments.cell.as_deref().map(Camera::read).transpose()?;
     let rule = ColourRule::parse(&arguments.colour)?;

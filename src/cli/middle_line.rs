@@ -7,14 +7,16 @@ use rodlab_lab::experiment::svg_drawing;
 use rodlab_planning::plan::pattern::{DrawnStroke, Point};
 use rodlab_vision::{ColourRule, Metric, TraceOptions, pattern, trace};
 
-/// Distance of the points of a traced line, m, as of `rodlab trace --pattern`.
+/// Distance between points of a traced line, m, as in `rodlab trace --pattern`.
 pub const POINT_STEP: f64 = 1e-3;
-/// Width of the picture that is traced, pixels, and its margin as a part of that.
+/// Width of the traced picture, pixels.
 const PIXELS: u32 = 1500;
+/// Margin of the picture, as a fraction of its width.
 const MARGIN: f64 = 0.05;
 
-/// The middle line of a drawing's filled areas, m: the line of a number from 1, or the longest. `size` is that of its longer side
-/// after the scaling that follows, on which the smoothing depends, m.
+/// The middle line of the filled areas of a drawing, m: the line with the given number, from 1, or
+/// the longest. `size` is the length of the drawing's longer side after its later scaling, m. The
+/// smoothing depends on it.
 pub fn middle_line(
     path: &Path,
     line: Option<usize>,
@@ -74,7 +76,8 @@ pub fn middle_line(
     Ok(points.into_iter().map(|point| point + corner).collect())
 }
 
-/// An SVG of the areas alone, black. Edges of one element belong to one area, so that holes stay open.
+/// An SVG of the areas alone, black. The edges of one element belong to one area, so that its
+/// holes stay open.
 fn filled(areas: &[&DrawnStroke], low: Point, high: Point, scale: f64) -> String {
     let [width, height] = [(high - low).x, (high - low).y].map(|side| scale * side);
     let mut svg = format!(

@@ -1,7 +1,8 @@
-//! The command line: one file per subcommand, each of which parses, calls the library and prints.
+//! The command line. Each subcommand has one file, which parses its arguments, calls the library
+//! and prints.
 //!
-//! Standard output carries results, standard error progress, logs and faults. The exit codes are a
-//! stable interface for scripts; the file `exit_code` defines them:
+//! Results are written to standard output; progress, logs and errors to standard error. The exit
+//! codes are a stable interface for scripts; the file `exit_code` defines them:
 //!
 //! | code | meaning |
 //! |---|---|
@@ -118,19 +119,20 @@ use std::process;
 
 /// Runs the program and returns its exit code.
 pub fn main() -> process::ExitCode {
-    // Answers a shell that completes a command line, and ends the program then.
+    // If a shell requests completions of a command line, answer it and exit.
     CompleteEnv::with_factory(Arguments::command).complete();
     crash::announce_panics();
     file_size::report_as_errors();
     process::ExitCode::from(run(std::env::args_os()))
 }
 
-/// Runs the program with arguments, of which the first is its name, and returns its exit code.
+/// Runs the program with its arguments and returns its exit code. The first argument is the name
+/// of the program.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = match parse(arguments) {
         Ok(arguments) => arguments,
         Err(error) => {
-            // Nothing can be reported where its stream is closed.
+            // If the stream is closed, nothing can be reported.
             let _ = error.print();
             return error.exit_code() as u8;
         }
@@ -145,8 +147,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     })
 }
 
-/// The demonstrations that arguments ask for, of which the first is the name of the program; `None` for any other command, and for
-/// arguments that [`run()`] refuses.
+/// The demonstrations that the arguments request; `None` for any other command, and for arguments
+/// that [`run()`] rejects. The first argument is the name of the program.
 pub fn demonstrations(arguments: impl IntoIterator<Item = OsString>) -> Option<Demonstrations> {
     let arguments = parse(arguments).ok()?;
     match &arguments.command {
@@ -165,24 +167,25 @@ pub fn exit_code_of_simulation(error: &SimulationError) -> u8 {
     error.exit_code()
 }
 
-/// The exit code and the message for derivatives that do not exist.
+/// The exit code and the message of a failed differentiation.
 pub fn failure_of_sensitivity(error: SensitivityError) -> (u8, String) {
     let failure = Failure::from(error);
     (failure.exit_code(), failure.in_words(false))
 }
 
-/// Result of a command that a program has called.
+/// Result of a command that another program has called.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answer {
     /// The exit code, 0 for success.
     pub exit_code: u8,
     /// Standard output.
     pub output: String,
-    /// Message of the failure, if it failed.
+    /// Message of the failure, if the command failed.
     pub error: String,
 }
 
-/// Calls the program with arguments, without its name, and collects what it prints; nothing is logged.
+/// Calls the program with arguments, without the name of the program, and collects its output.
+/// Nothing is logged.
 pub fn call(arguments: impl IntoIterator<Item = OsString>) -> Answer {
     let name = OsString::from(env!("CARGO_PKG_NAME"));
     let arguments = match parse([name].into_iter().chain(arguments)) {
@@ -230,7 +233,7 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Arguments, cla
 fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
     preset_file::log_substitutes();
     arguments.common.start_threads()?;
-    // A thread of the pool shares work out without waking another one first and waiting for it.
+    // A thread of the pool can divide work without waking another thread first and waiting for it.
     rayon::scope(|_| run_command(arguments))
 }
 

@@ -63,7 +63,7 @@ pub struct MovieArguments {
     pub follow: Option<String>,
 }
 
-/// Widths and heights of films, pixels.
+/// Allowed widths of films, pixels.
 const WIDTHS: std::ops::RangeInclusive<usize> = 64..=3840;
 const HEIGHTS: std::ops::RangeInclusive<usize> = 64..=2160;
 
@@ -108,7 +108,7 @@ fn turn(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Writes a film and prints where it is.
+/// Writes a film and prints its path.
 pub fn movie(arguments: &MovieArguments, common: &Common) -> Result<(), Failure> {
     let pace = match (arguments.duration, arguments.speed) {
         (Some(duration), _) => Pace::Duration(duration.as_secs_f64()),

@@ -10,10 +10,10 @@ use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// Standard output of a command that a program has called.
+/// Standard output of a command that another program has called.
 static COLLECTED: Mutex<Option<String>> = Mutex::new(None);
 
-/// Collects what `work` prints. One call at a time.
+/// Collects what `work` prints. Only one call runs at a time.
 pub fn collect<T>(work: impl FnOnce() -> T) -> (T, String) {
     static TURN: Mutex<()> = Mutex::new(());
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -24,8 +24,8 @@ pub fn collect<T>(work: impl FnOnce() -> T) -> (T, String) {
     (result, text.unwrap_or_default())
 }
 
-/// Writes text to standard output, to a terminal without control characters, see [`printable`]. A reader that has closed
-/// the pipe, as `head` does, is not an error.
+/// Writes text to standard output. For a terminal, control characters are replaced, see
+/// [`printable`]. A reader that closes the pipe, such as `head`, causes no error.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut collected = COLLECTED.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(collected) = collected.as_mut() {
@@ -49,13 +49,13 @@ pub fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Writes the paths of files to standard output, a line each.
+/// Writes the paths of files to standard output, one per line.
 pub fn print_paths(paths: &[PathBuf]) -> Result<(), Failure> {
     let lines = paths.iter().map(|path| format!("{}\n", path.display()));
     print(&lines.collect::<String>())
 }
 
-/// Writes a value to standard output as JSON, with a line per key.
+/// Writes a value to standard output as JSON, with one line per key.
 pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     let text = serde_json::to_string_pretty(value).map_err(|error| {
         Failure::System(format!("the answer cannot be written as JSON: {error}"))
@@ -63,18 +63,18 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     print(&(text + "\n"))
 }
 
-/// Writes a file to a place that the user chose. Only a file of the same kind is replaced there.
+/// Writes a file to a path that the user chose. Only a file of the same kind is replaced.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     Ok(replace_own(path, bytes, |head| are_alike(head, bytes))?)
 }
 
-/// Makes a directory unless it exists.
+/// Creates a directory unless it exists.
 pub fn make_directory(path: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(path)
         .map_err(|error| Failure::System(format!("{} cannot be made: {error}", path.display())))
 }
 
-/// Writes files into a directory, which is made if it is missing, as [`write_file`].
+/// Writes files into a directory, which is created if it does not exist, see [`write_file`].
 pub fn write_files(directory: &Path, files: Vec<(&str, Vec<u8>)>) -> Result<(), Failure> {
     std::fs::create_dir_all(directory).map_err(|error| {
         Failure::System(format!("{}: cannot be made: {error}", directory.display()))
@@ -85,8 +85,8 @@ pub fn write_files(directory: &Path, files: Vec<(&str, Vec<u8>)>) -> Result<(), 
     Ok(())
 }
 
-/// Whether two files begin as files of one kind do: both are pictures, both are pages, or, of texts, the first line that is no
-/// comment is the same, such as the header of a table.
+/// Whether two files seem to be of the same kind: both are pictures, both are pages, or both are
+/// texts whose first lines without comments, such as the header of a table, are equal.
 fn are_alike(one: &[u8], other: &[u8]) -> bool {
     let kinds: [fn(&[u8]) -> bool; 2] = [is_picture, is_page];
     kinds.iter().any(|is_kind| is_kind(one) && is_kind(other))

@@ -3,7 +3,7 @@
 use clap::Command;
 use std::fmt::Write;
 
-/// Groups of subcommands. A title and a name are as wide as their columns allow.
+/// Groups of subcommands. Titles and names fit into their columns.
 const GROUPS: [(&str, &[&str]); 8] = [
     ("Simulate", &["run", "check", "init", "presets", "expand"]),
     ("Look", &["plot", "view", "movie"]),
@@ -42,7 +42,7 @@ const GROUPS: [(&str, &[&str]); 8] = [
     ),
 ];
 
-/// The program with its subcommands in groups on the page of its help, a line each.
+/// The program with a help page that lists its subcommands in groups, one per line.
 pub fn with_groups(program: Command) -> Command {
     let mut groups = String::new();
     for (title, names) in GROUPS {

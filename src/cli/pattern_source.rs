@@ -40,7 +40,7 @@ pub struct PatternArguments {
     /// For text made into paths, for example. --stroke selects one of the lines found [default: the longest].
     #[arg(long, hide_short_help = true, conflicts_with = "join")]
     centreline: bool,
-    /// Pattern, once it was read.
+    /// The pattern, after it was read.
     #[arg(skip)]
     read: OnceLock<PatternSource>,
     /// Lay the pattern from the last point to the first
@@ -68,12 +68,13 @@ pub struct PatternArguments {
 }
 
 impl PatternArguments {
-    /// Pattern as given.
+    /// The pattern as given.
     pub fn name(&self) -> &str {
         &self.pattern.name
     }
 
-    /// Second pattern, in a file, drawn at the scale of this one; the same file if none is given.
+    /// A second pattern from a file, drawn at the scale of this one; without a file, from the file
+    /// of this pattern.
     pub fn second(
         &self,
         file: Option<&Path>,
@@ -104,7 +105,7 @@ impl PatternArguments {
         })
     }
 
-    /// Source of the pattern, which is read once.
+    /// The pattern; its file is read only once.
     pub fn source(&self) -> Result<PatternSource, Failure> {
         if let Some(read) = self.read.get() {
             return Ok(read.clone());
@@ -137,7 +138,7 @@ impl PatternArguments {
         }
     }
 
-    /// `line:…`, `circle:…` or `sine:…`.
+    /// The pattern of a formula: `line:…`, `circle:…` or `sine:…`.
     fn analytic(&self) -> Result<Option<PatternSource>, Failure> {
         let Some((kind, text)) = self.pattern.source.split_once(':') else {
             return Ok(None);
@@ -178,7 +179,7 @@ impl PatternArguments {
         }))
     }
 
-    /// Points of a file, in its size and direction.
+    /// Points from a file, scaled and reversed as requested.
     fn drawn(&self) -> Result<Vec<Point>, Failure> {
         let path = Path::new(&self.pattern.source);
         let points = if has_ending(path, &PICTURE_ENDINGS) {

@@ -8,7 +8,7 @@ use rodlab_robot::{
 use rodlab_vision::{VisionError, decode_picture, pictures_in, read_picture};
 use std::time::Duration;
 
-/// Longest wait for a picture of a camera.
+/// Longest wait for a picture from a camera.
 const CAMERA_PATIENCE: Duration = Duration::from_secs(5);
 
 /// Selection of pictures of a recording.
@@ -22,11 +22,11 @@ pub struct RecordingArguments {
     every: u32,
 }
 
-/// A picture of a source.
+/// A picture from a source.
 pub struct SourcePicture {
-    /// Name in answers and faults.
+    /// Name in answers and messages.
     pub name: PathBuf,
-    /// Name of its folder of results.
+    /// Folder for its results.
     pub folder: PathBuf,
     /// Time from the first picture of a recording, s.
     pub time: Option<f64>,
@@ -84,7 +84,7 @@ pub fn pictures(
     })))
 }
 
-/// Whether the name of a file has one of some endings.
+/// Whether a file name has one of the given extensions.
 pub fn has_ending(path: &Path, endings: &[&str]) -> bool {
     let ending = path.extension().and_then(|ending| ending.to_str());
     ending.is_some_and(|ending| {
@@ -122,7 +122,7 @@ fn decoded(picture: CameraPicture, name: &Path) -> Result<RgbImage, Failure> {
     }
 }
 
-/// The picture in a file, or the next one of a camera.
+/// The picture in a file, or the next picture of a camera.
 fn single(source: &Path) -> Result<RgbImage, Failure> {
     let Some(mut camera) = camera_at(source).transpose()? else {
         return Ok(read_picture(source)?);
@@ -134,7 +134,7 @@ fn single(source: &Path) -> Result<RgbImage, Failure> {
     }
 }
 
-/// The camera of a source; `None` for a file.
+/// The camera at a source; `None` for a file.
 fn camera_at(source: &Path) -> Option<Result<Box<dyn PictureTopic>, Failure>> {
     let opened = open_camera(source.to_str()?)?;
     Some(opened.map_err(|error| match error {

@@ -83,7 +83,7 @@ impl TaskCommand for PlaceArguments {
 /// The cable and the pegs of a scenario.
 pub fn read_placement(path: &Path, overrides: &[String]) -> Result<Placement, Failure> {
     match Placement::read(path, overrides) {
-        // Scenarios show the lines that are at fault.
+        // Scenarios print the faulty lines.
         Err(PlacementError::Scenario(error)) => Err(error.into()),
         read => read.at(path.display()),
     }

@@ -114,7 +114,7 @@ enum SolverName {
     Neural,
 }
 
-/// Numbers of a plan, and its files.
+/// Numbers and files of a plan.
 #[derive(Serialize)]
 pub struct Report {
     pattern: String,
@@ -130,10 +130,10 @@ pub struct Report {
     feasibility: Feasibility,
     crossings: Vec<CrossingReport>,
     poses: usize,
-    /// Poses out of the range of the network.
+    /// Number of poses outside the range of the network.
     #[serde(skip_serializing_if = "Option::is_none")]
     solved_exactly: Option<usize>,
-    /// Answers of the network that are not those of the equations, and were replaced.
+    /// Number of answers of the network that differed from the equations and were replaced.
     #[serde(skip_serializing_if = "Option::is_none")]
     rejected_answers: Option<usize>,
     unstable_poses: usize,
@@ -149,13 +149,13 @@ struct CrossingReport {
     y_m: f64,
 }
 
-/// A plan that was written.
+/// A plan that was written to files.
 pub struct WrittenPlan {
     /// Its numbers, as text.
     pub report: Report,
     /// The rod.
     pub rod: DeployedRod,
-    /// The path along which it is laid.
+    /// The path along which the rod is laid.
     pub path: LaidPath,
     /// Plan of the knot, if one is tied.
     pub knot: Option<KnotPlan>,
@@ -177,8 +177,8 @@ impl DeploymentArguments {
 }
 
 impl DeploymentPlan {
-    /// Plans, and writes trajectory, pattern and figure into a directory. `spare` states what is done with a rod that is longer
-    /// than its pattern, unless the arguments do.
+    /// Plans, and writes trajectory, pattern and figure into a directory. `spare` determines how
+    /// the spare length of a rod is laid, unless the arguments do.
     pub fn write(&self, out: &Path, spare: &Spare<'_>) -> Result<WrittenPlan, Failure> {
         let file = RodFile::read(self.rod_file()?)?;
         let rod = file.rod;
@@ -236,7 +236,7 @@ impl DeploymentPlan {
             let poses: Vec<_> = lift.poses.iter().map(later).collect();
             named.push((format!("lift_{number}.csv"), trajectory_csv(&poses)?));
         }
-        // A scenario can use only the network of the program.
+        // A scenario can use only the built-in network.
         if self.model.is_none() {
             let simulated = Landing {
                 rod: &file,
@@ -286,7 +286,7 @@ impl DeploymentPlan {
         })
     }
 
-    /// Request as far as the arguments define it.
+    /// The request, as far as the arguments define it.
     fn request(&self) -> DeploymentRequest<'_> {
         DeploymentRequest {
             lead_in: self.lead_in,
@@ -299,7 +299,8 @@ impl DeploymentPlan {
         }
     }
 
-    /// The plan of a knot of this rod and of a second one, by its file, along another pattern.
+    /// The plan of a knot of this rod and a second one. `second` is the file of the second rod,
+    /// `source` its pattern.
     pub fn knot_with(&self, second: &Path, source: &PatternSource) -> Result<KnotPlan, Failure> {
         let rods = [
             RodFile::read(self.rod_file()?)?.rod,
@@ -323,7 +324,7 @@ impl DeploymentPlan {
         Ok(KnotPlan::new(planned, passages))
     }
 
-    /// Refuses a knot that cannot be tied in this way.
+    /// Rejects a knot that cannot be tied with these arguments.
     pub fn check_knot(&self) -> Result<(), Failure> {
         let rod = RodFile::read(self.rod_file()?)?.rod;
         let (request, source) = (self.request(), self.source.source()?);
@@ -333,7 +334,7 @@ impl DeploymentPlan {
         Ok(())
     }
 
-    /// Takes the rod of a cell where the arguments name none.
+    /// Uses the rod of a cell if the arguments name none.
     pub fn use_rod_of(&self, cell: &Cell) {
         if let (None, Some(file)) = (&self.rod, &cell.rod) {
             tracing::warn!("no --rod: using {} of the cell", file.display());
@@ -341,7 +342,7 @@ impl DeploymentPlan {
         }
     }
 
-    /// Takes a rod that was identified instead of the expected one.
+    /// Uses an identified rod instead of the expected one.
     pub fn use_identified(&self, file: PathBuf) {
         self.identified.get_or_init(|| file);
     }
@@ -351,7 +352,7 @@ impl DeploymentPlan {
         self.rod.as_deref()
     }
 
-    /// The file of the rod that was identified, otherwise of the expected one.
+    /// The file of the identified rod, otherwise of the expected one.
     pub fn rod_file(&self) -> Result<&Path, Failure> {
         match self.identified.get() {
             Some(identified) => Ok(identified),
@@ -359,13 +360,13 @@ impl DeploymentPlan {
         }
     }
 
-    /// The file of the rod, as given, or of the preset that is chosen for the pattern.
+    /// The given file of the rod, or that of the preset chosen for the pattern.
     pub fn expected_rod(&self) -> Result<&Path, Failure> {
         if let Some(given) = self.rod.as_ref().or(self.chosen.get()) {
             return Ok(given);
         }
         let source = self.source.source()?;
-        // A pattern with sharp corners has its drawn length.
+        // For a pattern with sharp corners, use the drawn length.
         let length = match source.pattern() {
             Err(PatternError::Deviation { .. }) => source.drawn_length(),
             pattern => pattern.at(self.source.name())?.length(),
@@ -380,7 +381,7 @@ impl DeploymentPlan {
     /// The pattern without lead-in and lead-out, m.
     pub fn outline(&self) -> Result<Vec<Point>, Failure> {
         let pattern = self.source.source()?.pattern().at(self.source.name())?;
-        // The pattern may be very long.
+        // Limit the number of points, since the pattern may be very long.
         let step = self.step.max(pattern.length() / MOST_POSES);
         let points = pattern.sampled(step).into_iter();
         Ok(points.map(|point| point.position).collect())
@@ -400,7 +401,7 @@ impl DeploymentPlan {
         !self.knot.is_empty()
     }
 
-    /// Pattern as given.
+    /// The pattern as given.
     pub fn pattern_name(&self) -> &str {
         self.source.name()
     }
@@ -444,7 +445,7 @@ impl DeploymentPlan {
             })
     }
 
-    /// The network that finds the grasps, if one does.
+    /// The network that predicts the grasps, if one is used.
     fn network(&self) -> Result<Option<Cow<'static, NeuralGrasps>>, Failure> {
         match (self.solver, self.scheme, &self.model) {
             (SolverName::Exact, _, Some(_)) => {
@@ -465,7 +466,8 @@ impl DeploymentPlan {
     }
 }
 
-/// Size of a drawing, and the options with which it can be planned; empty where its size and corners are not at fault.
+/// Advice about the size of a drawing and the options with which it can be planned; empty if its
+/// size and corners are not the problem.
 fn way_out(
     error: &RequestError,
     request: &DeploymentRequest<'_>,

@@ -86,9 +86,10 @@ struct Report {
     crease_m: f64,
     objective: ObjectiveName,
     solver: SolverName,
-    /// Number of folds of a network that were compared with exact ones, and number of wrong ones.
+    /// Number of folds of a network that were compared with exact ones.
     #[serde(skip_serializing_if = "Option::is_none")]
     compared_answers: Option<usize>,
+    /// Number of these folds that were wrong.
     #[serde(skip_serializing_if = "Option::is_none")]
     wrong_answers: Option<usize>,
     /// Whether the path was searched over exact folds instead of those of the network.
@@ -201,7 +202,7 @@ impl FoldPlanArguments {
     }
 }
 
-/// Target of the edge, as typed.
+/// Parses the target of the edge.
 pub(super) fn crease(text: &str) -> Result<Crease, String> {
     match text.trim() {
         "half" => Ok(Crease::Half),

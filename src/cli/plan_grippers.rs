@@ -24,7 +24,7 @@ struct Report {
     tasks: Vec<TaskReport>,
 }
 
-/// Task of a gripper; numbers count from 1.
+/// Task of a gripper. Numbers are counted from 1.
 #[derive(Serialize)]
 struct TaskReport {
     gripper: usize,

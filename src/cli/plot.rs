@@ -6,7 +6,7 @@ use rodlab_files::figure::AxisScale::{self, Linear, Logarithmic};
 use rodlab_files::figure::Format;
 use rodlab_lab::report::{CustomFigure, custom_figure, plot_results, write_figure};
 
-/// Choices of logarithmic axes: the horizontal one, and the vertical ones.
+/// Choices of logarithmic axes: horizontal, then vertical.
 const LOG_AXES: [Named<[AxisScale; 2]>; 4] = [
     ("x", [Logarithmic, Linear], "The horizontal axis"),
     ("y", [Linear, Logarithmic], "The vertical axes"),

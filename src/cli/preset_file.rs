@@ -7,15 +7,16 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// Presets that were used for paths without a file, to be logged once logging has started.
+/// Messages about presets that replaced missing files. They are logged after logging has started.
 static SUBSTITUTES: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-/// Reads a path, or the name of a preset of a kind. An existing file takes precedence over a preset of that name.
+/// Reads a path, or the name of a preset of a kind. An existing file takes precedence over a
+/// preset with the same name.
 pub fn file_or_preset(kind: PresetKind) -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(move |path| resolve(kind, path))
 }
 
-/// [`file_or_preset`] of a scenario or a cell.
+/// [`file_or_preset`] for a scenario or a cell.
 pub fn scenario_or_cell() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path: PathBuf| {
         let kind = match Preset::in_place_of(PresetKind::Cell, &path) {
@@ -41,7 +42,7 @@ pub struct GivenPattern {
     pub source: String,
 }
 
-/// [`file_or_preset`] of a pattern, which may be a formula, too.
+/// [`file_or_preset`] for a pattern, which may be a formula, too.
 pub fn pattern_or_preset(text: &str) -> Result<GivenPattern, Box<dyn Error + Send + Sync>> {
     let file = resolve(PresetKind::Pattern, PathBuf::from(text))?;
     Ok(GivenPattern {
@@ -50,7 +51,7 @@ pub fn pattern_or_preset(text: &str) -> Result<GivenPattern, Box<dyn Error + Sen
     })
 }
 
-/// Logs which presets were used for paths without a file.
+/// Logs which presets replaced missing files.
 pub fn log_substitutes() {
     let mut lines = SUBSTITUTES
         .lock()
@@ -60,10 +61,10 @@ pub fn log_substitutes() {
     }
 }
 
-/// The file at a path, or of the preset of this name.
+/// The file at a path, or that of the preset with this name.
 pub fn resolve(kind: PresetKind, path: PathBuf) -> Result<PathBuf, Box<dyn Error + Send + Sync>> {
     let preset = Preset::in_place_of(kind, &path);
-    // A folder of that name, such as one with results, is not meant.
+    // A folder with the name of a preset, such as a results directory, is ignored.
     if path.is_file() || path.exists() && preset.is_none() {
         return Ok(path);
     }
@@ -92,7 +93,7 @@ pub fn resolve(kind: PresetKind, path: PathBuf) -> Result<PathBuf, Box<dyn Error
     Ok(file)
 }
 
-/// The name of a preset that a bare name is nearly.
+/// The preset whose name is similar to a bare name.
 fn nearest(kind: PresetKind, path: &Path) -> Option<&'static str> {
     let typed = path
         .to_str()

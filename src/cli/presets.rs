@@ -84,7 +84,7 @@ pub fn presets(arguments: &PresetsArguments) -> Result<(), Failure> {
     print(&lines.collect::<String>())
 }
 
-/// The preset with a name, of a kind where that is given.
+/// The preset with a name, and with a kind if it is given.
 pub fn found(name: &str, kind: Option<PresetKind>) -> Result<Preset, Failure> {
     let is_meant =
         |preset: &Preset| preset.name == name && kind.is_none_or(|kind| kind == preset.kind);

@@ -7,7 +7,7 @@ use super::{standard_error, watchdog};
 use crate::reproduce::{self, ARTIFACTS, Artifact, ReproduceOptions};
 use rodlab_files::figure::Format;
 
-/// Directory for pages.
+/// Directory for reproduced pages.
 const PUBLISHED: &str = "results/reproduced";
 /// Directory for short versions of pages, which must not replace the full ones.
 const QUICK: &str = "results/reproduced-quick";
@@ -64,7 +64,7 @@ fn artifact(name: &str) -> Result<&'static Artifact, String> {
     Artifact::named(name).ok_or_else(|| format!("expected one of: {}", names()))
 }
 
-/// Makes an artefact and prints the paths of its files, or lists all.
+/// Produces an artefact and prints the paths of its files, or lists all.
 pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), Failure> {
     let Some(artifact) = arguments.artifact else {
         return print(&list());
@@ -73,7 +73,8 @@ pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), 
         directory: arguments.directory(),
         quick: arguments.quick,
         jobs: usize::from(arguments.jobs),
-        // Pages are published: they must not contain the path of the program on this machine.
+        // Since pages are published, they must not contain the path of the program on this
+        // machine.
         command_line: std::iter::once("rodlab".into())
             .chain(std::env::args_os().skip(1))
             .map(|argument| argument.to_string_lossy().into_owned())
@@ -94,7 +95,7 @@ pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), 
     print_paths(&written)
 }
 
-/// A line per artefact: name, cost on one core, title.
+/// Lists name, cost on one core and title, one line per artefact.
 fn list() -> String {
     let names = ARTIFACTS.iter().map(|artifact| artifact.name().len());
     let width = names.max().unwrap_or(0);

@@ -111,7 +111,7 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
         deadline,
         ..RunOptions::new(directory)
     };
-    // Dropped when the run has ended, however it ends.
+    // Dropped when the run ends, even after an error.
     let watched = options.directory.clone();
     let watch = || arguments.watch.then(|| Watch::start(&watched)).transpose();
     if case_set.is_sweep() {
@@ -126,7 +126,7 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
     }
     let prepared = prepare(&case_set)?;
     if arguments.dry_run {
-        // The scene must be possible, too.
+        // Check that the scene can be built, too.
         try_scene(&prepared)?;
         return print(&prepared.scenario_toml);
     }
@@ -156,13 +156,14 @@ fn as_json(outcome: &RunOutcome) -> serde_json::Value {
     })
 }
 
-/// Builds the scene of a set of one case.
+/// Builds the scene of a set with a single case.
 pub fn prepare(case_set: &CaseSet) -> Result<PreparedRun, Failure> {
     let loaded = case_set.scenario_of(0)?;
     experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues).into())
 }
 
-/// Runs a case of a task in plain simulation, and writes its page; prints the results, and returns the path of the page.
+/// Runs a task in plain simulation, writes its page, and prints the results. Returns the path of
+/// the page.
 pub(super) fn simulate(
     case_set: &CaseSet,
     options: RunOptions,
@@ -180,7 +181,7 @@ pub(super) fn simulate(
     Ok(page)
 }
 
-/// Directory and results of a run, a line each.
+/// Directory and results of a run, one per line.
 fn summary(outcome: &RunOutcome) -> String {
     let case = &outcome.case;
     let mut text = match outcome.status {
@@ -218,7 +219,7 @@ fn summary(outcome: &RunOutcome) -> String {
         line("smallest distance", format!("{:.4} mm", 1e3 * distance));
     }
     if let Some(gap) = case.mean_gap {
-        // Added to zero, a zero has no sign.
+        // Adding zero removes the sign of a negative zero.
         let nanometres = (1e9 * gap).round() + 0.0;
         line(
             "mean gap of contacts",

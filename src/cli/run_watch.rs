@@ -12,24 +12,28 @@ use std::time::{Duration, Instant};
 const OUTPUTS: usize = 1000;
 /// Least time between two pages.
 const PERIOD: Duration = Duration::from_secs(3);
-/// Least ratio of the time between two pages to the time that writing one takes: the run keeps the processor.
+/// Least ratio of the time between two pages to the time that writing one takes, so that the run
+/// keeps most of the processor time.
 const PATIENCE: u32 = 20;
 /// Time between two attempts to write the first page.
 const FIRST: Duration = Duration::from_millis(500);
 
-/// Writes the page of a results directory until it is dropped; the last page no longer reloads.
+/// Writes the page of a results directory until it is dropped. The last page does not reload
+/// itself.
 pub struct Watch {
     end: Option<Sender<()>>,
     writer: Option<JoinHandle<()>>,
 }
 
 impl Watch {
-    /// Starts to write the page of a directory, which need not exist yet, and opens it in the browser.
+    /// Starts to write the page of a directory, and opens it in the browser. The directory need
+    /// not exist yet.
     pub fn start(directory: &Path) -> Result<Self, Failure> {
         let fault =
             |error: &dyn Display| Failure::System(format!("cannot start a thread: {error}"));
         let (end, ended) = channel();
-        // The threads of the common pool belong to the run, and a pool of one is never free while it lasts.
+        // The common thread pool is used by the run; if it has a single thread, it is busy until
+        // the run ends.
         let pool = ThreadPoolBuilder::new().num_threads(1).build();
         let mut page = Page {
             directory: directory.to_owned(),
@@ -50,7 +54,7 @@ impl Drop for Watch {
     fn drop(&mut self) {
         drop(self.end.take());
         if let Some(writer) = self.writer.take() {
-            // A panic was reported on its thread; the run is done all the same.
+            // A panic of the writer was already reported; the run is complete anyway.
             let _ = writer.join();
         }
     }
@@ -64,14 +68,14 @@ struct Page {
 }
 
 impl Page {
-    /// Writes the page again and again until the run has ended.
+    /// Writes the page repeatedly until the run has ended.
     fn keep(&mut self, ended: &Receiver<()>) {
         let mut wait = FIRST;
         while ended.recv_timeout(wait) == Err(RecvTimeoutError::Timeout) {
             let start = Instant::now();
             match self.write(Some(PERIOD.as_secs_f64())) {
                 Ok(_) => wait = PERIOD.max(PATIENCE * start.elapsed()),
-                // A new run has no outputs yet, and one that starts over removes them.
+                // A new run has no outputs yet, and a run that starts over removes the old ones.
                 Err(error) => tracing::debug!("no page yet: {error}"),
             }
         }
@@ -89,7 +93,7 @@ impl Page {
         let written = self.pool.install(write)?;
         if !self.is_open {
             self.is_open = true;
-            // Not waited for: the browser may run as long as its window is open.
+            // Do not wait for the browser, which may run until its window is closed.
             if let Err(error) = open::that_detached(&to) {
                 let page = to.display();
                 tracing::warn!("no browser could be started: {error}; open {page}");

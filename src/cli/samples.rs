@@ -10,11 +10,11 @@ pub struct SampleFiles {
     pub kind: &'static str,
     /// Columns of the files.
     pub columns: SampleColumns,
-    /// The files: one, or those of the cases of a sweep.
+    /// One file, or the files of the cases of a sweep.
     pub files: Vec<PathBuf>,
 }
 
-/// Names of the kinds of experiments that make samples.
+/// Names of the kinds of experiments that generate samples.
 pub fn kinds_with_samples() -> String {
     let kinds = KINDS.iter().filter(|kind| kind.samples().is_some());
     kinds.map(|kind| kind.name()).collect::<Vec<_>>().join(", ")

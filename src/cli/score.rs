@@ -1,4 +1,4 @@
-//! `rodlab score`: how far a deployed curve is from its pattern.
+//! `rodlab score`: the distance of a deployed curve from its pattern.
 
 use super::drawn_pattern::{Part, drawn_points};
 use super::exit_code::NOT_SEEN_WHOLE;
@@ -82,10 +82,10 @@ struct Answer {
     by_nearest_point: CurveError,
     pattern_length_m: f64,
     result_length_m: f64,
-    /// Arc length of the whole result at which the compared part begins.
+    /// Arc length of the result at which the compared part begins.
     #[serde(skip_serializing_if = "Option::is_none")]
     begin_m: Option<f64>,
-    /// Length of the whole result, and that of the rod.
+    /// Length of the result, and length of the rod.
     #[serde(skip_serializing_if = "Option::is_none")]
     seen_length: Option<SeenLength>,
     reversed: bool,
@@ -187,8 +187,8 @@ impl ScoreArguments {
     }
 }
 
-/// The lead-in of a deployment's results, m: it lies before the pattern, and the rod's other end beyond it is still
-/// held by the gripper. None for other results.
+/// The lead-in of the results of a deployment, m, which precedes the pattern. The gripper still
+/// holds the other end of the rod, beyond the pattern. `None` for other results.
 fn lead_in_of(results: &Path) -> Result<Option<f64>, Failure> {
     let path = results.join("scenario.toml");
     if !path.is_file() {

@@ -1,4 +1,4 @@
-//! `rodlab sensitivity`: derivatives of probes over keys and over fields along rods.
+//! `rodlab sensitivity`: derivatives of probes with respect to keys and to fields along rods.
 
 use super::candidates::keys;
 use super::exit_code::ExitCode;
@@ -80,7 +80,7 @@ pub fn sensitivity(arguments: &SensitivityArguments) -> Result<(), Failure> {
     }
 }
 
-/// The last row, a block for each column.
+/// Formats the last row, in one block for each column.
 fn as_text(found: &Derivatives, checked: Option<&[Vec<Option<f64>>]>) -> String {
     let Some(row) = found.rows.last() else {
         return String::new();
@@ -136,7 +136,7 @@ fn in_words(number: Option<f64>) -> String {
     number.map_or("-".to_owned(), |number| format!("{number:.6e}"))
 }
 
-/// Relative deviation of a derivative from the one by differences.
+/// Relative deviation of a derivative from that by finite differences.
 fn deviation(own: Option<f64>, other: Option<f64>) -> Option<f64> {
     let (own, other) = (own?, other?);
     (other != 0.0).then(|| (own / other - 1.0).abs())

@@ -1,12 +1,13 @@
-//! `rodlab sensitivity --field`: derivatives of probes over fields along rods.
+//! `rodlab sensitivity --field`: derivatives of probes with respect to fields along rods.
 
 use super::prelude::*;
 use clap::builder::PossibleValuesParser;
 use rodlab_files::figure::Paper;
 use rodlab_lab::sensitivity::{Field, FieldDerivatives, FieldRow, Source, field_derivatives};
 
-/// Names of the table and of the figure.
+/// Name of the table.
 const TABLE: &str = "fields.csv";
+/// Name of the figure.
 const FIGURE: &str = "fields.svg";
 
 /// Fields, and when they change.
@@ -23,12 +24,13 @@ pub struct FieldArguments {
 }
 
 impl FieldArguments {
-    /// Whether no field is asked for.
+    /// Whether no field was requested.
     pub fn are_empty(&self) -> bool {
         self.fields.is_empty()
     }
 
-    /// Differentiates probes over the fields; prints, and writes a table and a figure to `out`.
+    /// Differentiates probes with respect to the fields. Prints the result, and writes a table and
+    /// a figure to `out`.
     pub fn differentiate(
         &self,
         source: Source<'_>,
@@ -59,7 +61,7 @@ impl FieldArguments {
     }
 }
 
-/// Sums and largest derivatives, a block for each column.
+/// Formats sums and largest derivatives, in one block for each column.
 fn as_text(found: &FieldDerivatives) -> String {
     let mut text = match found.time {
         0.0 => "in equilibrium\n".to_owned(),

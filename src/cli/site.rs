@@ -7,7 +7,7 @@ use crate::site::{Chapter, SiteError, build};
 use clap::Command;
 use rodlab_lab::experiment::{self, described_files};
 
-/// Pages that are not part of the guide, behind it in the menu.
+/// Pages that are not part of the guide; they follow it in the menu.
 const OTHERS: [(&str, &str); 7] = [
     ("scenarios/README.md", "Gallery"),
     ("results/reproduced/README.md", "Reproduced pages"),

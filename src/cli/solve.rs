@@ -1,4 +1,4 @@
-//! `rodlab solve`: one exact answer as JSON.
+//! `rodlab solve`: exact solutions as JSON.
 
 use super::prelude::*;
 use super::solve_arm::{ForwardArguments, InverseArguments};
@@ -8,7 +8,7 @@ use super::solve_knot::KnotInversionArguments;
 use rodlab_engine::mechanics::kirchhoff::{HangingStrip, HeavyLoop, Helix, critical_distance};
 use rodlab_lab::experiment::{HelixStability, estimated_critical_distance};
 
-/// Largest number of edges of a discrete rod; beyond, round-off outweighs the error of the mesh.
+/// Largest number of edges of a discrete rod. Beyond it, round-off exceeds the error of the mesh.
 const MOST_EDGES: usize = 2000;
 
 const POSTURES: [&str; 2] = help!(
@@ -209,7 +209,8 @@ pub fn solve(arguments: &SolveArguments) -> Result<(), Failure> {
     }
 }
 
-/// With the direction as a unit vector; at the boundary (κ, τ, ω) is `critical` times it.
+/// Solves with the direction as a unit vector; the boundary is at `critical` times this vector (κ,
+/// τ, ω).
 fn helix(arguments: &HelixArguments) -> Result<HelixAnswer, Failure> {
     let HelixArguments {
         direction,

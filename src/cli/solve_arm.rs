@@ -22,7 +22,7 @@ impl ArmChoice {
     }
 }
 
-/// Reads a cell; returns it with the index of the arm of a name.
+/// Reads a cell; returns it with the index of the named arm.
 pub(super) fn read_arm(file: &Path, arm: Option<&str>) -> Result<(Cell, usize), Failure> {
     let cell = Cell::read(file)?;
     let index = cell.arm_named("--arm", arm, file)?;
@@ -87,12 +87,12 @@ pub struct InverseArguments {
 pub enum InverseAnswer {
     /// One.
     One(Box<Posture>),
-    /// Every isolated one.
+    /// All isolated postures.
     Branches {
         /// The postures, sorted.
         branches: Vec<Posture>,
     },
-    /// Those of a redundant arm.
+    /// Curves of postures of a redundant arm.
     Curves {
         /// Samples from end to end of each curve.
         curves: Vec<Vec<Posture>>,
@@ -100,7 +100,7 @@ pub enum InverseAnswer {
 }
 
 impl InverseArguments {
-    /// The posture or postures.
+    /// Finds the posture or the postures.
     pub fn solve(&self) -> Result<InverseAnswer, Failure> {
         let (cell, index) = self.arm.read()?;
         let arm = &cell.arms[index];

@@ -5,7 +5,8 @@ use super::prelude::*;
 use rodlab_planning::plan::fold::{Fold, FoldAtlas, FoldError};
 use std::ops::RangeInclusive;
 
-/// Smallest and largest number of edges of a discrete rod; beyond, round-off outweighs the error of the mesh.
+/// Smallest and largest number of edges of a discrete rod. Beyond it, round-off exceeds the error
+/// of the mesh.
 const EDGES: RangeInclusive<usize> = 10..=5000;
 
 /// Arguments of `rodlab solve fold`.
@@ -53,7 +54,7 @@ pub struct Answer {
 }
 
 impl FoldArguments {
-    /// Finds the fold, or all.
+    /// Finds the fold, or all folds.
     pub fn solve(&self) -> Result<Answers<Answer>, Failure> {
         for (flag, value) in [("--x", self.x), ("--z", self.z)] {
             if !value.is_finite() {

@@ -5,7 +5,7 @@ use super::prelude::*;
 use rodlab_engine::mechanics::rotation;
 use rodlab_planning::plan::grasp::{Grasp, GraspError, GraspMethod, GraspProblem, GraspSolver};
 
-/// Largest number of edges of a discrete rod; beyond, round-off outweighs the error of the mesh.
+/// Largest number of edges of a discrete rod. Beyond it, round-off exceeds the error of the mesh.
 const MOST_EDGES: usize = 2000;
 
 /// Arguments of `rodlab solve grasp`.
@@ -47,7 +47,7 @@ pub struct Answer {
     curvature: f64,
     stretch: Option<f64>,
     method: Method,
-    /// 1: the gentle one.
+    /// Number of the branch; 1 is the gentle one.
     branch: usize,
     position: [f64; 3],
     rotation_vector: [f64; 3],
@@ -61,7 +61,7 @@ pub struct Answer {
 }
 
 impl GraspArguments {
-    /// Finds the grasp, or all.
+    /// Finds the grasp, or all grasps.
     pub fn solve(&self) -> Result<Answers<Answer>, Failure> {
         let stiffness = self.stretch.unwrap_or(f64::INFINITY);
         let problem = GraspProblem::new(self.suspended_length, self.curvature, stiffness)?;
@@ -85,7 +85,7 @@ impl GraspArguments {
 
     fn answer(&self, grasp: &Grasp, branch: usize) -> Answer {
         let rotation = grasp.rotation;
-        // Of the two quaternions of a rotation the one with w ≥ 0; no negative zeros.
+        // Use the quaternion of the rotation with w ≥ 0, without negative zeros.
         let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
         let quaternion = [rotation.w, rotation.i, rotation.j, rotation.k];
         Answer {
@@ -107,7 +107,7 @@ impl GraspArguments {
     }
 }
 
-/// Without negative zeros.
+/// Replaces negative zeros by zeros.
 fn plain(vector: [f64; 3]) -> [f64; 3] {
     vector.map(|part| part + 0.0)
 }

@@ -3,8 +3,8 @@
 use super::terminal::printable;
 use std::io::Write;
 
-/// Writes text to standard error. If that is closed or full, only the exit code reports the failure, and it does
-/// not change. Control characters are replaced, see [`printable`].
+/// Writes text to standard error. If standard error is closed or full, only the unchanged exit
+/// code reports the failure. Control characters are replaced, see [`printable`].
 pub fn report(text: &str) {
     let mut stderr = std::io::stderr().lock();
     let _ = stderr

@@ -37,13 +37,13 @@ struct CaseLine {
     error: Option<String>,
 }
 
-/// A task, by Slurm and by the cases of its share.
+/// A task with its state in Slurm and the cases of its share.
 #[derive(Serialize)]
 struct TaskLine {
     number: usize,
     finished: usize,
     cases: usize,
-    /// `None` if Slurm has no record of it.
+    /// State in Slurm; `None` if Slurm has no record of the task.
     slurm: Option<Task>,
 }
 
@@ -54,7 +54,7 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
     let queue = match &jobs {
         None => BTreeMap::new(),
         Some(jobs) => match cluster::tasks(&jobs.jobs) {
-            // The cases can be reported on a machine without Slurm, too.
+            // Report the cases on a machine without Slurm, too.
             Err(error @ ClusterError::Missing { .. }) => {
                 tracing::warn!("{error}");
                 BTreeMap::new()

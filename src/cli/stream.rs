@@ -146,7 +146,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         ))),
         Ending::Finished => {
             logged?;
-            // A driver on standard output has exclusive use of it.
+            // A driver that writes to standard output uses it exclusively.
             if drives_standard_output(&cell) {
                 Ok(())
             } else {

@@ -77,7 +77,7 @@ pub struct SubmitArguments {
     pub print: bool,
 }
 
-/// Submits what is neither finished nor in the queue.
+/// Submits the tasks that are neither finished nor in the queue.
 pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
     let case_set = case_set(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
     refuse_too_many(&case_set, arguments.yes)?;
@@ -125,7 +125,7 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
     let job = cluster::submit(&program, &request, &left, &mut jobs);
     let job = job.inspect_err(|error| {
         if is_new && error.is_refusal() {
-            // The files for the job are removed; the refusal is reported.
+            // Remove the files for the job; the rejection is reported.
             let _ = std::fs::remove_dir_all(&directory);
         }
     })?;
@@ -150,7 +150,7 @@ fn tasks_of(case_set: &CaseSet, asked: Option<u32>) -> usize {
     asked.map_or(TASKS, |tasks| tasks as usize).min(cases)
 }
 
-/// Tasks with cases that are not over.
+/// Tasks with unfinished cases.
 fn unfinished_tasks(records: &[(Case, CaseRecord)], tasks: usize) -> Vec<usize> {
     let is_over = |index: usize| records[index].1.status.is_final();
     let is_left = |number: &usize| {

@@ -7,11 +7,12 @@ use rodlab_lab::sweep::{
     self, Found, SEARCH_TABLE, Shard, SweepOptions, SweepOutcome, forecast_of,
 };
 
-/// Cases beyond which `--yes` must be given.
+/// Number of cases beyond which `--yes` must be given.
 const MOST_CASES: u128 = 100_000;
-/// Cases beyond which a sweep does not fit into memory: each takes up to a kilobyte.
+/// Number of cases beyond which a sweep does not fit into memory; each case takes up to a
+/// kilobyte.
 const HELD_CASES: u128 = 1_000_000;
-/// Number of cases that are tried, for a second each, to estimate the cost of all.
+/// Number of cases that are run for a second each to estimate the total cost.
 const TRIED_CASES: usize = 3;
 
 /// Runs a sweep, and prints the outcome as text or as JSON.
@@ -24,7 +25,7 @@ pub fn run(case_set: &CaseSet, options: &SweepOptions, json: bool) -> Result<(),
     report(case_set, &outcome)
 }
 
-/// Refuses numbers of cases that are probably a typing error, and those that exceed the memory.
+/// Rejects numbers of cases that are probably a typing error or that exceed the memory.
 pub fn refuse_too_many(case_set: &CaseSet, yes: bool) -> Result<(), Failure> {
     let count = case_set.count();
     let number = match count {
@@ -75,13 +76,13 @@ pub fn list(case_set: &CaseSet, options: &SweepOptions) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Estimates the time that the cases take, by trials of some.
+/// Estimates the time for all cases from trials of some.
 fn cost(case_set: &CaseSet, shard: Shard, jobs: usize) -> Result<String, Failure> {
     let indices: Vec<usize> = shard.indices(case_set.count() as usize).collect();
     let tried = indices.len().min(TRIED_CASES);
     let (mut seconds, mut trial) = (0.0, 0.0);
     for place in 0..tried {
-        // Spread over the sweep, its ends among them, which may cost differently.
+        // Trials are spread over the sweep and include its ends, which may differ in cost.
         let index = indices[place * (indices.len() - 1) / (tried - 1).max(1)];
         let forecast = forecast_of(case_set, index)?;
         trial += forecast.trial_time;

@@ -1,7 +1,8 @@
-//! Text on a terminal: names of files and messages of servers must not move the cursor, clear the screen or write the clipboard.
+//! Text on a terminal. Names of files and messages of servers must not move the cursor, clear the
+//! screen or write to the clipboard.
 
-/// Replaces control characters, and those that change the direction of writing, with U+FFFD. Line breaks, tabs and the
-/// sequences for colours and bold print stay.
+/// Replaces control characters, and characters that change the direction of writing, with U+FFFD.
+/// Line breaks, tabs and the sequences for colours and bold print are kept.
 pub fn printable(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     let mut rest = text;
@@ -25,14 +26,14 @@ fn is_harmful(character: char) -> bool {
     turns || character.is_control() && !matches!(character, '\n' | '\t')
 }
 
-/// Length of the sequence for a style (`ESC [ numbers m`) with which a text begins.
+/// Length of the sequence for a style (`ESC [ numbers m`) at the beginning of a text.
 fn style(text: &str) -> Option<usize> {
     let inside = text.strip_prefix("\u{1b}[")?;
     let end = inside.find(|character: char| !(character.is_ascii_digit() || character == ';'))?;
     inside[end..].starts_with('m').then_some(end + 3)
 }
 
-/// Hands text on to a writer in its [`printable`] form.
+/// Passes text to a writer in its [`printable`] form.
 pub struct Printable<W>(pub W);
 
 impl<W: std::io::Write> std::io::Write for Printable<W> {

@@ -113,7 +113,7 @@ impl TaskCommand for TieArguments {
         let knot = match second {
             Some(knot) => knot,
             None => {
-                // Before a directory is made.
+                // Check before a directory is created.
                 self.plan.check_knot()?;
                 let directory = planning.directory()?.join("plan");
                 let written = self.plan.write(&directory, &Spare::HANGS)?;
@@ -162,7 +162,7 @@ impl TieArguments {
         self.plan.knot_with(rod, &source).map(Some)
     }
 
-    /// Patterns as given.
+    /// The patterns as given.
     fn pattern_names(&self) -> Vec<String> {
         let first = self.plan.pattern_name().to_owned();
         let second = self.second_rod.as_ref().map(|_| {
@@ -176,7 +176,7 @@ impl TieArguments {
         std::iter::once(first.clone()).chain(second).collect()
     }
 
-    /// Indices of the arm that lays and of the one that lifts.
+    /// Indices of the arm that lays rods and of the arm that lifts strands.
     fn two_arms(&self, planning: &Planning<'_>) -> Result<[usize; 2], Failure> {
         let Planning { cell, file, .. } = planning;
         let names: Vec<&str> = cell.arms.iter().map(|arm| arm.name.as_str()).collect();

@@ -1,4 +1,4 @@
-//! `rodlab trace`: from images to centrelines.
+//! `rodlab trace`: finds centrelines in images.
 
 use super::picture_source::{RecordingArguments, SourcePicture, is_series, pictures};
 use super::prelude::*;
@@ -45,7 +45,7 @@ pub struct TraceArguments {
     ///
     /// Hues are red, orange, yellow, green, cyan, blue, purple and pink. A radius may follow a colour: #rrggbb[:radius],
     /// pick:u,v[:radius].
-    // No alias "color": that is an option of all subcommands.
+    // No alias "color", since that is an option of all subcommands.
     #[arg(
         long,
         value_name = "RULE",
@@ -190,12 +190,12 @@ fn trace_picture(
     Ok(answer)
 }
 
-/// Pixels of a picture that match a colour rule, to show why nothing was found.
+/// Pixels of a picture that match a colour rule, for a picture that shows why nothing was found.
 pub fn mask_of_rule(picture: &RgbImage, rule: &ColourRule) -> Result<Mask, VisionError> {
     Ok(Mask::of_contrast(&Contrast::new(picture, rule)?))
 }
 
-/// Distance of a pattern's points, metres.
+/// Distance between the points of a pattern, metres.
 const PATTERN_STEP: f64 = 1e-3;
 
 fn write_pattern(

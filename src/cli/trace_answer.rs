@@ -8,7 +8,7 @@ use rodlab_vision::{Camera, Passage, Point, Trace, VisionError};
 #[derive(Serialize)]
 pub struct Answer {
     image: PathBuf,
-    /// Seconds from the first picture of a recording.
+    /// Time from the first picture of a recording, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_s: Option<f64>,
     width: u32,
@@ -157,7 +157,7 @@ pub fn summary(answer: &Answer) -> String {
     text
 }
 
-/// A number of things.
+/// A number with its noun, in singular or plural.
 pub fn counted(count: usize, thing: &str) -> String {
     format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }

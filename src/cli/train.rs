@@ -7,7 +7,7 @@ use rodlab_lab::run::{Interruption, StopRequest};
 use rodlab_planning::learn::{self, Plan, Processor, Schedule, Status, Task, Trainer};
 use std::time::{Duration, Instant};
 
-/// Schedules by which steps get smaller.
+/// Schedules by which the steps decrease.
 const SCHEDULES: [Named<Schedule>; 2] = [
     (
         "plateau",
@@ -94,7 +94,7 @@ pub struct TrainArguments {
     pub timeout: Option<Duration>,
 }
 
-/// Rate of Adam with the last batch over that with the first.
+/// Ratio of the rate of Adam with the last batch to that with the first.
 const LAST_RATE: f64 = 0.01;
 
 fn is_rate(rate: f64) -> bool {

@@ -1,4 +1,4 @@
-//! Values of arguments that several subcommands read, or that are more than a number.
+//! Parsers of argument values that several subcommands use, or that are more than a number.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 pub use rodlab_files::input::{is_positive, number, numbers, positive};
@@ -42,18 +42,18 @@ pub fn edges(range: RangeInclusive<usize>) -> impl Fn(&str) -> Result<usize, Str
     }
 }
 
-/// A speed above zero, m/s.
+/// Parses a speed above zero, m/s.
 pub fn speed(text: &str) -> Result<f64, String> {
     number(is_positive, "a speed above 0 is needed, m/s")(text)
 }
 
-/// A coefficient of friction.
+/// Parses a coefficient of friction.
 pub fn friction(text: &str) -> Result<f64, String> {
     let is_friction = |number: f64| number >= 0.0 && number.is_finite();
     number(is_friction, "a number from 0 up is needed")(text)
 }
 
-/// A length above zero, in metres.
+/// Parses a length above zero, in metres.
 pub fn positive_length(text: &str) -> Result<f64, String> {
     let length = metres(text)?;
     if is_positive(length) {
@@ -63,7 +63,7 @@ pub fn positive_length(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A length from zero up, in metres.
+/// Parses a length of at least zero, in metres.
 pub fn length_from_zero(text: &str) -> Result<f64, String> {
     let length = metres(text)?;
     if length >= 0.0 && length.is_finite() {
@@ -79,7 +79,7 @@ pub fn duration(text: &str) -> Result<Duration, String> {
     Duration::try_from_secs_f64(seconds).map_err(|_| format!("{seconds} s is not a wall time"))
 }
 
-/// A share of a sweep's cases, `K/N`.
+/// Parses a share of the cases of a sweep, `K/N`.
 pub fn shard(text: &str) -> Result<Shard, String> {
     let (number, of) = text.split_once('/').ok_or("expected K/N, such as 1/4")?;
     let whole = |text: &str| text.trim().parse::<usize>();

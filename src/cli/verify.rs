@@ -24,7 +24,7 @@ pub struct VerifyArguments {
     pub markdown: bool,
 }
 
-/// A row of the table with its verdict.
+/// A row of the table, with its verdict.
 #[derive(Serialize)]
 struct Row<'a> {
     #[serde(flatten)]

@@ -76,7 +76,7 @@ pub fn view(arguments: &ViewArguments, common: &Common) -> Result<(), Failure> {
     if arguments.open { show(&to) } else { Ok(()) }
 }
 
-/// Writes the page of a robot cell, by default beside its file.
+/// Writes the page of a robot cell, by default in the folder of its file.
 fn view_cell(arguments: &ViewArguments) -> Result<(), Failure> {
     let cell = Cell::read(&arguments.directory)?;
     let trajectory = arguments.trajectory.as_deref().map(JointTrajectory::read);

@@ -1,8 +1,9 @@
-//! Ends the program if a run does not react to a request to stop.
+//! Ends the program if a run does not respond to a request to stop.
 //!
-//! Runs check between steps, and in long ones at every iteration, whether their time is up or a signal was received. Set-up, and an
-//! iteration of an enormous system, may take minutes in between. Then the program ends all the same, as if it had been killed:
-//! files appear whole, and the same command resumes from the last checkpoint.
+//! Runs check between steps, and in long steps at every iteration, whether their time limit has
+//! passed or a signal was received. Set-up, or an iteration of an enormous system, may take
+//! minutes without such a check. The watchdog then ends the program as if it had been killed. No
+//! file is incomplete, and running the same command again resumes from the last checkpoint.
 
 use super::exit_code::{INTERRUPTED, TIME_LIMIT};
 use super::standard_error;
@@ -14,16 +15,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Time between two looks.
+/// Time between two checks.
 const LOOK: Duration = Duration::from_millis(50);
-/// Time in which set-up must be over, and a run must have reacted.
+/// Wall time within which set-up must end and a run must respond.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Processor time for the same. On a busy machine, or while the disk is slow, wall time is not a measure of progress.
+/// Processor time within which set-up must end and a run must respond. On a busy machine, or while
+/// the disk is slow, wall time is not a measure of progress.
 const SPENT: Duration = Duration::from_millis(700);
-/// Wall time in which it must have reacted in any case.
+/// Wall time after which the program is ended in any case.
 const LONGEST_PATIENCE: Duration = Duration::from_secs(10);
 
-/// Watches until the end of the program over what it runs, with its time limit.
+/// Starts a watchdog that runs until the program ends. `deadline` is the time limit.
 pub fn watch(deadline: Option<Instant>) {
     let watchdog = Watchdog {
         deadline,
@@ -46,11 +48,11 @@ pub fn watch(deadline: Option<Instant>) {
 struct Watchdog {
     deadline: Option<Instant>,
     interrupted: Arc<AtomicBool>,
-    /// By the batch system, that the time is nearly up.
+    /// Whether the batch system has warned that the time limit is near.
     warned: Arc<AtomicBool>,
 }
 
-/// A request to stop: the exit code and the words.
+/// A request to stop: its exit code and its message.
 type Request = (u8, &'static str);
 
 impl Watchdog {
@@ -58,7 +60,7 @@ impl Watchdog {
         let request = loop {
             std::thread::sleep(LOOK);
             match self.request() {
-                // There is nothing to save: before the first run, or between two runs.
+                // Before the first run or between two runs there is nothing to save.
                 Some((INTERRUPTED, _)) if !is_attended() => std::process::exit(INTERRUPTED.into()),
                 Some(request) => break request,
                 None => {}
