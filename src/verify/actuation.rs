@@ -18,17 +18,18 @@ const SWIMMER: Expectation = Expectation::new(
     "Gray and Hancock 1955, finite length",
 );
 
-/// Natural strains of the file of three rods when they have grown.
+/// Curvature of the grown rods in the file of three rods, 1/m.
 const CURVATURE: f64 = 10.0;
 const TURNS_PER_LENGTH: f64 = 5.0;
 const GROWTH: f64 = 0.25;
-/// Their length, m.
+/// Length of these rods, m.
 const THREE: f64 = 0.3;
-/// Polygons of 60 edges that turn by κh = 0.05: a circle larger by (κh)²/24.
+/// Error bound for polygons of 60 edges that turn by κh = 0.05: their circle is larger by
+/// (κh)²/24.
 const ARC_BOUND: f64 = 2e-4;
 const EXACT: f64 = 1e-6;
 
-/// Rods without load have their natural shape, in the static solution and after motion; a filament
+/// Unloaded rods take their natural shape, in the static solution and after motion; a filament
 /// swims.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let text = include_str!("scenes/actuated_rods.toml");

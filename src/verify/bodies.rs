@@ -1,5 +1,5 @@
-//! Bodies whose centre of mass is off the node that carries them, from scenario files, against
-//! closed forms.
+//! Bodies with their centre of mass away from the node that carries them, from scenario files,
+//! against closed forms.
 
 use super::frequencies::{ascending, frequencies, nearest};
 use super::scenario::{at_rest, simulation};
@@ -15,7 +15,8 @@ const FALL: Expectation = Expectation::new("t = K(sin ½θ₀) √((I + md²)/mg
 
 const BOUND: f64 = 1e-3;
 
-/// A ball beyond the end of a cantilever at rest and in vibration, a box that swings about a node outside of it.
+/// A ball beyond the end of a cantilever, at rest and in vibration; a box that swings about a node
+/// outside it.
 pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
     let mut checks = cantilever()?;
     checks.push(pendulum()?);
@@ -50,13 +51,13 @@ fn cantilever() -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// From rest, at 112 degrees from the vertical, to its lowest position.
+/// Time in which a box falls from rest, at 112 degrees from the vertical, to its lowest position.
 fn pendulum() -> Result<Check, GroupError> {
     let mut simulation = simulation(include_str!("scenes/physical_pendulum.toml"), &[])?;
     let (mass, gravity) = (0.1, 9.81);
     let [along, across] = [0.05_f64, 0.02];
     let square = along * along + across * across;
-    // About the first director, which lies across the plane of the swing.
+    // The axis is the first director, which is perpendicular to the plane of the swing.
     let inertia = mass * (0.04 * 0.04 + 0.06 * 0.06) / 12.0 + mass * square;
     let ahead = libm::atan2(across, along);
     let start = 0.5 * PI + ahead;
@@ -81,7 +82,7 @@ fn pendulum() -> Result<Check, GroupError> {
     Ok(FALL.of(name, "s").relative(expected, found, BOUND))
 }
 
-/// Arithmetic–geometric mean, of which the complete elliptic integral is K(k) = π/2 / M(1, √(1 − k²)).
+/// Arithmetic–geometric mean M. The complete elliptic integral is K(k) = π/2 / M(1, √(1 − k²)).
 fn mean_of_gauss(first: f64, second: f64) -> f64 {
     let (mut arithmetic, mut geometric) = (first, second);
     while (arithmetic - geometric).abs() > 1e-15 * arithmetic {

@@ -1,5 +1,5 @@
-//! Loads at which straight rods and rings buckle, where the stiffness matrix loses positive
-//! definiteness, and one at which small motions begin to flutter.
+//! Loads at which straight rods and rings buckle, because the stiffness matrix loses positive
+//! definiteness, and a load at which small motions begin to flutter.
 
 use super::check::order;
 use super::rods::{STIFFNESS_RATIO, clamp, line, steady, straight, unit_rod, unit_stiffness};
@@ -16,14 +16,15 @@ const GREENHILL: Expectation = Expectation::new("M = 2x EI/L, tan x = x", "Green
 const MICHELL: Expectation = Expectation::new("Θ = 2π√3 EI/GJ", "Michell 1889, Zajac 1962");
 const BECK: Expectation = Expectation::new("P = 20.0509 EI/L²", "Beck 1952");
 const EDGES: usize = 80;
-/// Edges of Beck's column: the coarser of two.
+/// Number of edges of Beck's column on the coarser of two meshes.
 const BECK_EDGES: usize = 30;
-/// The ring buckles into two waves: its error at 80 edges is 0.5 %.
+/// Number of edges of the ring, which buckles into two waves. With 80 edges its error would be 0.5
+/// %.
 const RING_EDGES: usize = 140;
-/// Relative error allowed.
+/// Allowed relative error.
 const BOUND: f64 = 2e-3;
 
-/// Euler's column, the twisted rod and the twisted ring.
+/// Checks Beck's column, Euler's column, the twisted rod and the twisted ring.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let [coarse, fine] = [flutter_load(BECK_EDGES)?, flutter_load(2 * BECK_EDGES)?];
     let exact = beck_load();
@@ -56,7 +57,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
 
 /// The load at which the lowest eigenvalue of the stiffness matrix turns negative.
 fn critical(range: std::ops::Range<f64>, scene: fn(f64) -> Scene) -> Result<f64, SimulationError> {
-    // Errors of a scene do not depend on the load: one run before the search reports them.
+    // Errors of a scene do not depend on the load, so that one run before the search reports them.
     Simulation::new(&scene(range.start), &IntegrationParameters::default())?;
     Ok(bisect(range.start, range.end, |load| {
         let simulation = Simulation::new(&scene(load), &IntegrationParameters::default());
@@ -94,8 +95,9 @@ fn flutter_load(edges: usize) -> Result<f64, SimulationError> {
     Ok(low)
 }
 
-/// 1 where the configuration is stable, −1 where not. Free rings have modes without stiffness, so only
-/// an eigenvalue below the rounding error of the largest counts as negative.
+/// 1 if the configuration is stable, otherwise −1. Free rings have modes without stiffness, so
+/// that an eigenvalue counts as negative only if its size exceeds the rounding error of the
+/// largest.
 fn stability(simulation: &mut Simulation) -> f64 {
     let mut matrix = simulation.stiffness_matrix();
     let rounding = 1e-12 * matrix.diagonal().amax();
@@ -118,7 +120,7 @@ fn clamped(rod: RodDescription) -> Scene {
     }
 }
 
-/// A column held at the length of compression by the force P.
+/// A column that is held at its length under the compressive force P.
 fn compressed_column(force: f64) -> Scene {
     let shortening = force / unit_stiffness().stretching;
     let natural = line(Vector3::zeros(), Vector3::x(), EDGES);
@@ -128,8 +130,8 @@ fn compressed_column(force: f64) -> Scene {
     })
 }
 
-/// A straight rod under the twisting moment M. The twist from first to last edge leaves out half an edge
-/// at either end.
+/// A straight rod under the twisting moment M. The twist between the first and the last edge does
+/// not include half an edge at each end.
 fn twisted_rod(moment: f64) -> Scene {
     let twist = moment / unit_stiffness().twisting * (EDGES as f64 - 1.0) / EDGES as f64;
     clamped(RodDescription {
@@ -138,7 +140,7 @@ fn twisted_rod(moment: f64) -> Scene {
     })
 }
 
-/// A free ring of unit length with the given twist once around.
+/// A free ring of unit length with the given total twist.
 fn twisted_ring(twist: f64) -> Scene {
     let corner = |k: usize| {
         let angle = TAU * k as f64 / RING_EDGES as f64;

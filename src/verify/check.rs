@@ -21,11 +21,11 @@ pub struct Check {
     pub formula: String,
     /// Its source.
     pub source: String,
-    /// Value by theory.
+    /// Theoretical value.
     pub expected: f64,
-    /// Value found; NaN where the simulation failed.
+    /// Simulated value; NaN if the simulation failed.
     pub got: f64,
-    /// Unit of both; empty for pure numbers.
+    /// Unit of both values; empty for pure numbers.
     pub unit: String,
     /// |got − expected| as a fraction of the scale of the check.
     pub error: f64,
@@ -43,8 +43,8 @@ pub enum Verdict {
     Fail,
 }
 
-/// Rods and joints converge with second order, measured between a mesh and one of half its edge
-/// length.
+/// Second order of convergence of rods and joints, measured between a mesh and one with edges half
+/// as long.
 const ORDER: Expectation = Expectation::new("log₂(error at N / error at 2N)", "second order");
 
 /// A compared quantity without values.
@@ -61,7 +61,7 @@ impl Expectation {
         Self { formula, source }
     }
 
-    /// A quantity with this expectation, and its unit.
+    /// A quantity with this expectation and a unit.
     pub fn of(self, name: impl Into<String>, unit: &str) -> Quantity<'_> {
         Quantity {
             expectation: self,
@@ -77,7 +77,7 @@ impl Quantity<'_> {
         self.scaled(expected, got, expected.abs(), bound)
     }
 
-    /// A check of a number that is zero by theory; its error is the number.
+    /// A check of a number that is zero in theory; its error is the number itself.
     pub fn zero(self, got: f64, bound: f64) -> Check {
         self.scaled(0.0, got, 1.0, bound)
     }
@@ -97,7 +97,8 @@ impl Quantity<'_> {
     }
 }
 
-/// Second order of convergence, from the error on a mesh over that on the mesh with edges half as long.
+/// Check of second-order convergence, from the ratio of the errors on a mesh and on the mesh with
+/// edges half as long.
 pub(super) fn order(name: impl Into<String>, ratio_of_errors: f64) -> Check {
     let found = libm::log2(ratio_of_errors);
     ORDER.of(name, "").scaled(2.0, found, 1.0, 0.2)
@@ -128,7 +129,7 @@ impl Check {
     }
 }
 
-/// The checks as a text table.
+/// Formats the checks as a text table.
 pub fn table(checks: &[Check]) -> String {
     let width = |of: fn(&Check) -> &str| {
         checks
@@ -170,7 +171,8 @@ pub fn table(checks: &[Check]) -> String {
     text
 }
 
-/// Eight significant digits, in scientific notation only if the number is very large or small.
+/// Formats a number with eight significant digits, in scientific notation only if it is very large
+/// or small.
 pub(super) fn number(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
         format!("{value:.8}")

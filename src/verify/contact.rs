@@ -1,4 +1,5 @@
-//! Two rods that collide and rub, by every contact model: no penetration, momentum, energy, Coulomb's law.
+//! Two rods that collide and rub, with every contact model: no penetration, momentum, energy,
+//! Coulomb's law.
 
 use super::rods::{RADIUS, line, steps_of, unit_rod};
 use super::{Check, Expectation, GroupError};
@@ -12,9 +13,11 @@ const MOMENTUM: Expectation = Expectation::new("|Σ F| / Σ |F| = 0", "Newton");
 const ENERGY: Expectation = Expectation::new("max(0, E/E₀ − 1) = 0", "second law");
 const COULOMB: Expectation = Expectation::new("max |T|/N = μ", "Coulomb");
 
-/// The contact models by their names in scenario files, with the penetration that each may end a step with.
+/// The contact models with their names in scenario files, and the penetration that each allows at
+/// the end of a step.
 ///
-/// A penalty needs some; Newton's method ends rigid contact within its tolerance; a barrier has none at all.
+/// A penalty needs some penetration; rigid contact has one within the tolerance of Newton's
+/// method; a barrier has none.
 const MODELS: [(ContactModel, &str, f64); 3] = [
     (ContactModel::ImplicitContact, "imc", 0.02),
     (ContactModel::IncrementalPotential, "ipc", 0.0),
@@ -24,7 +27,7 @@ const FRICTION: f64 = 0.3;
 const LENGTH: f64 = 0.2;
 const EDGES: usize = 10;
 
-/// Collisions by all models, and one so fast that only a barrier detects it.
+/// Collisions with all models, and one that is so fast that only a barrier detects it.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     for (model, name, penetration) in MODELS {
@@ -72,11 +75,11 @@ pub(super) fn contact_parameters(model: ContactModel, friction: f64) -> ContactP
 struct Collision {
     /// Largest penetration, as a fraction of the diameter.
     penetration: f64,
-    /// Largest sum of the contact forces over the sum of their sizes.
+    /// Largest sum of the contact forces relative to the sum of their magnitudes.
     imbalance: f64,
-    /// Largest gain of energy at a time without contact that follows one with contact.
+    /// Largest gain of energy from a time with contact to a later time without contact.
     gain: f64,
-    /// Largest ratio of friction and normal force.
+    /// Largest ratio of friction to normal force.
     friction: f64,
 }
 
@@ -122,7 +125,7 @@ fn collide(
     })
 }
 
-/// The rods cross neither at right angles nor at their middles or at nodes.
+/// The rods do not cross at right angles, at their middles or at nodes.
 fn scene(model: ContactModel, velocity: Vector3) -> Scene {
     let half = 0.5 * LENGTH;
     let straight = |middle: Vector3, direction: Vector3| {
@@ -150,7 +153,7 @@ fn energy(simulation: &Simulation) -> f64 {
     energies.kinetic + energies.elastic()
 }
 
-/// T/N of the force between two edges, along their normal and across it.
+/// Ratio T/N of the force between two edges: N along their normal, T perpendicular to it.
 fn friction_ratio(contact: &ActiveContact) -> f64 {
     let on_first_edge: Vector3 = contact.force[..6]
         .chunks_exact(3)

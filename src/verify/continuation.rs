@@ -1,5 +1,5 @@
-//! Paths of equilibria: where columns, strips and rings buckle, by continuation; for columns and
-//! strips also by the inertia of the Hessian at loads on either side.
+//! Paths of equilibria. Critical loads of columns, strips and rings come from continuation; for
+//! columns and strips also from the inertia of the Hessian at loads below and above.
 
 use super::rods::{STIFFNESS_RATIO, clamp, force_on, straight, unit_rod, unit_stiffness};
 use super::theory::beam::{CLAMPED_COLUMN, FREE_COLUMN, ring_twist, strip_tip_load};
@@ -17,14 +17,16 @@ const EULER: Expectation = Expectation::new("P = c π² EI/L²", "Euler");
 const PRANDTL: Expectation = Expectation::new("P = 4.0126 √(EI₁ GJ)/L²", "Prandtl 1899");
 const MICHELL: Expectation = Expectation::new("Θ = 2π√3 EI/GJ", "Michell 1889, Zajac 1962");
 const EDGES: usize = 100;
-/// The ring buckles into two waves: its error is 0.18 % at 140 edges.
+/// Number of edges of the ring, which buckles into two waves. With 140 edges its error would be
+/// 0.18 %.
 const RING_EDGES: usize = 200;
-/// Relative error allowed.
+/// Allowed relative error.
 const BOUND: f64 = 2e-3;
-/// Bending stiffness of the strip in its stiff plane over that in its soft plane; the theory's is infinite.
+/// Bending stiffness of the strip in its stiff plane relative to that in its soft plane; the
+/// theory assumes an infinite ratio.
 const STRIP_RATIO: f64 = 1e4;
 
-/// Critical loads by continuation and by inertia.
+/// Checks critical loads from continuation and from the inertia.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let strip = unit_stiffness();
     let strip_unit = (strip.bending[0] * strip.twisting).sqrt();
@@ -103,7 +105,7 @@ fn critical_by_inertia(scene: &Scene, end: f64) -> Result<f64, SimulationError> 
     }))
 }
 
-/// A load of unit size at unit parameter.
+/// A load that equals the parameter.
 fn growing(kind: LoadKind) -> Load {
     Load {
         kind,
@@ -120,7 +122,7 @@ fn free_column() -> Scene {
     }
 }
 
-/// The clamp at the far end moves towards the other one by the parameter, in m.
+/// A column whose far clamp moves towards the other one by the parameter, in m.
 fn clamped_column() -> Scene {
     let moving = Clamp {
         motion: Motion {

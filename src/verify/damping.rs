@@ -14,17 +14,19 @@ const RELAXING: Expectation = Expectation::new(
     "s² + ω₀² (1 + r sτ/(1 + sτ)) = 0, ζ = −Re s/|s|",
     "standard linear solid, Euler–Bernoulli",
 );
-/// Speed of axial waves √(E/ρ) in the rod of the file, m/s, and its radius of gyration √(I/A), m.
+/// Speed of axial waves √(E/ρ) in the rod of the file, m/s.
 const AXIAL_SPEED: f64 = 1000.0;
+/// Radius of gyration √(I/A) of this rod, m.
 const GYRATION: f64 = 5e-3;
-/// Loss factor of its material at 1 Hz.
+/// Loss factor of the material at 1 Hz.
 const LOSS_FACTOR: f64 = 0.02;
 /// Time after which the more strongly damped higher modes have decayed, s.
 const START: f64 = 1.0;
 const END: f64 = 3.0;
 
-/// Ratio of the relaxing to the remaining modulus in the second file, and the relaxation time, s.
+/// Ratio of the relaxing to the remaining modulus in the second file.
 const RATIO: f64 = 0.2;
+/// Relaxation time in the second file, s.
 const TIME: f64 = 0.02;
 
 /// Loss factors from the logarithmic decrements of cantilevers that swing in their first mode.
@@ -45,7 +47,8 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     ])
 }
 
-/// The rate s of a mode that would have the angular frequency ω₀ if nothing relaxed, 1/s: the root near iω₀, by Newton's method.
+/// Complex rate s, 1/s, of a mode whose angular frequency would be ω₀ without relaxation: the root
+/// near iω₀, by Newton's method.
 fn relaxing_mode(frequency: f64) -> Complex<f64> {
     let (one, square) = (Complex::new(1.0, 0.0), frequency * frequency);
     let mut rate = Complex::new(0.0, frequency);
@@ -58,7 +61,8 @@ fn relaxing_mode(frequency: f64) -> Complex<f64> {
     rate
 }
 
-/// Damping ratio ζ = Δ/√(4π² + Δ²) of the first mode of a cantilever whose material has these keys, from its decrement Δ.
+/// Damping ratio ζ = Δ/√(4π² + Δ²) of the first mode of a cantilever with the given keys of the
+/// material, from its decrement Δ.
 fn damping_ratio(material: [&str; 2]) -> Result<f64, GroupError> {
     let keys = material.map(|key| format!("material.{key}"));
     let mut simulation = simulation(include_str!("scenes/plucked_cantilever.toml"), &keys)?;
@@ -80,7 +84,7 @@ fn damping_ratio(material: [&str; 2]) -> Result<f64, GroupError> {
     Ok(decrement / libm::hypot(TAU, decrement))
 }
 
-/// Height of the parabola through three heights, where the middle one is the largest.
+/// Maximum of the parabola through three heights, of which the middle one is the largest.
 fn peak([before, here, after]: [f64; 3]) -> Option<f64> {
     let bend = before - 2.0 * here + after;
     let slope = 0.5 * (after - before);

@@ -1,4 +1,4 @@
-//! Gradient and Hessian of all terms against finite differences, at random states.
+//! Gradient and Hessian of all terms at random states, against finite differences.
 
 use super::rods::{clamp, unit_rod};
 use super::{Check, Expectation, GroupError};
@@ -11,14 +11,15 @@ use std::f64::consts::TAU;
 
 const GRADIENT: Expectation = Expectation::new("R = ∇E", "central differences");
 const HESSIAN: Expectation = Expectation::new("J = ∂R/∂q", "central differences");
-/// Steps of the differences, m and rad: at this size truncation and rounding are about equal.
+/// Steps of the differences, m and rad. With this size the truncation and rounding errors are
+/// about equal.
 const STEP: f64 = 2e-5;
-/// Width of the contact zone, m: wide, so that the same steps resolve it.
+/// Width of the contact zone, m; it is large so that these steps resolve it.
 const CONTACT_ZONE: f64 = 0.02;
 /// Radius of the rods that touch, m.
 const THICK: f64 = 0.05;
 
-/// Elasticity of clamped ribbons and rings, contact, friction with inertia.
+/// Checks the elasticity of clamped ribbons and rings, contact, and friction with inertia.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     for (name, scene) in [
@@ -45,7 +46,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// A system at a random state near the placed one.
+/// A system at a random state near its initial one.
 struct Sample {
     system: System,
     unknowns: Vec<f64>,
@@ -73,7 +74,7 @@ impl Sample {
         })
     }
 
-    /// A stage that started nearby, so that all contacts slide.
+    /// A stage that starts from a nearby state, so that all contacts slide.
     fn sliding_stage(&self) -> Stage {
         let mut number = uniform_numbers(2);
         let mut start = self.unknowns.clone();
@@ -159,7 +160,8 @@ fn derivative<V: AsRef<[f64]>>(mut function: impl FnMut(f64) -> V) -> Vec<f64> {
     sum
 }
 
-/// Stretchable enough that differences of the energy see bending and twisting too.
+/// A rod that is stretchable enough for differences of the energy to resolve bending and twisting,
+/// too.
 fn soft_rod(centreline: Vec<Vector3>) -> RodDescription {
     let mut rod = unit_rod(centreline);
     rod.stiffness.stretching = 50.0;

@@ -1,4 +1,4 @@
-//! The same bytes for any number of threads and across interruptions.
+//! Identical bytes for any number of threads and after interruptions.
 
 use super::scenario::prepared;
 use super::{Check, Expectation, GroupError};
@@ -12,7 +12,7 @@ const THREADS: Expectation =
 const RESUMED: Expectation =
     Expectation::new("run = run, interrupt, resume", "checkpoint holds the state");
 
-/// A rod sinks onto another one in viscous fluid; they touch after 24 ms and rub.
+/// A rod sinks onto another one in viscous fluid; they touch after 24 ms and slide on each other.
 const SCENARIO: &str = r#"
 experiment = "scene"
 [material]
@@ -53,7 +53,7 @@ interval = 0.02
 nodes = true
 "#;
 
-/// Bytes of `series.csv` and `nodes.csv` that differ.
+/// Checks the number of different bytes in `series.csv` and `nodes.csv`.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let prepared = prepared(SCENARIO, &[])?;
     let scratch = tempfile::tempdir()?;
@@ -92,10 +92,10 @@ fn run_through(prepared: &PreparedRun, directory: &Path) -> Result<(), RunError>
     run(prepared, &options(directory)).map(drop)
 }
 
-/// Stops the run repeatedly by its time limit, later each time.
+/// Stops and resumes the run repeatedly, with a longer time limit each time.
 ///
 /// # Errors
-/// Those of the run, or an error if the machine is so fast that nothing was interrupted.
+/// The run fails, or the machine is so fast that nothing was interrupted.
 fn run_in_pieces(prepared: &PreparedRun, directory: &Path) -> Result<(), GroupError> {
     let mut limit = Duration::from_millis(1);
     let mut interruptions = 0;

@@ -16,7 +16,8 @@ const DENSE: Expectation =
 const REGULARIZATION: f64 = 1.02;
 const BOUND: f64 = 1e-3;
 
-/// Segment integral, straight rod, helix of the thesis, joined and held rods, a filament near a wall.
+/// Checks the segment integral, a straight rod, the helix of the thesis, joined and held rods, and
+/// a filament near a wall.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = vec![segment_check()];
     checks.extend(straight_rod()?);
@@ -26,8 +27,8 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// Largest relative error of the closed form over 1000 pairs of point and segment: apart, near, on the
-/// axis, touching.
+/// Largest relative error of the closed form over 1000 pairs of a point and a segment: far apart,
+/// close together, on the axis, and touching.
 fn segment_check() -> Check {
     let mut numbers = rodlab_engine::random::uniform_numbers(2023);
     let mut vector = || Vector3::from_fn(|_, _| 2.0 * numbers() - 1.0);
@@ -53,7 +54,8 @@ fn segment_check() -> Check {
     SEGMENT.of(name, "").zero(worst, 1e-10)
 }
 
-/// A straight rod of unit length, a hundred times as long as its radius, towed along and across.
+/// A straight rod of unit length, which is a hundred times its radius, towed along and across its
+/// axis.
 fn straight_rod() -> Result<Vec<Check>, SimulationError> {
     let (radius, viscosity) = (1e-2, 1.0);
     let nodes = line(Vector3::zeros(), Vector3::x(), 40);
@@ -102,7 +104,7 @@ fn helix() -> Result<Vec<Check>, SimulationError> {
     ])
 }
 
-/// Forces of a rigid rod on the fluid, by the engine.
+/// Forces of a rigid rod on the fluid, computed by the engine.
 fn fluid_forces(
     nodes: &[Vector3],
     velocities: &[Vector3],

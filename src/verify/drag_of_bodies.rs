@@ -1,4 +1,4 @@
-//! Balls that rods carry in a fluid, and rods that spin about their own axes.
+//! Balls on rods in a fluid, and rods that spin about their own axes.
 
 use super::rods::{clamp, gravity, line, round_rod, run};
 use super::theory::shell::drag_of_sphere_with_tail;
@@ -24,7 +24,8 @@ const MASS: f64 = 2e-3;
 const GRAVITY: f64 = 9.81;
 const REGULARIZATION: f64 = 1.02;
 
-/// A ball of 5 mm and 2 g alone and with a tail three times as long, and a rod that a motor spins.
+/// A ball of 5 mm and 2 g, alone and with a tail of three times its size, and a rod that is spun
+/// by a motor.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     let inside = upwards(2, 0.8 * BALL);
@@ -59,7 +60,7 @@ fn stokeslets() -> FluidModel {
     }
 }
 
-/// Nodes of a rod upwards from the origin.
+/// Nodes of a rod that points upwards from the origin.
 fn upwards(edges: usize, length: f64) -> Vec<Vector3> {
     line(Vector3::zeros(), Vector3::z() * length, edges)
 }
@@ -70,7 +71,8 @@ fn weight(nodes: &[Vector3]) -> f64 {
     (MASS + 1000.0 * PI * RADIUS * RADIUS * length) * GRAVITY
 }
 
-/// A ball on the first node of a rod, after fourteen times the relaxation time of its speed.
+/// A sinking ball on the first node of a rod, after fourteen times the relaxation time of its
+/// speed.
 fn sink(nodes: &[Vector3], fluid: FluidModel) -> Result<Simulation, SimulationError> {
     let scene = Scene {
         rods: vec![round_rod(nodes.to_vec(), YOUNG, RADIUS)],

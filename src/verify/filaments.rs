@@ -1,9 +1,9 @@
-//! Single filaments in a fluid, by the engine.
+//! Single filaments in a fluid, simulated by the engine.
 
 use rodlab_engine::mechanics::fluid::{Filament, Fluid, FluidError};
 use rodlab_engine::mechanics::{Matrix3, Vector3};
 
-/// A filament of all nodes.
+/// A filament with all nodes.
 pub fn open_filament(nodes: usize, radius: f64) -> Filament {
     Filament {
         first_node: 0,
@@ -22,6 +22,6 @@ pub fn forces_on(
     let mut forces = vec![Vector3::zeros(); nodes.len()];
     let mut resistance = vec![Matrix3::zeros(); nodes.len()];
     fluid.drag(nodes, velocities, &[], &mut forces, &mut resistance)?;
-    // The fluid reports its forces on the rod.
+    // The engine reports the forces of the fluid on the rod.
     Ok(forces.into_iter().map(|force| -force).collect())
 }

@@ -1,4 +1,4 @@
-//! Joined and held rods in a viscous fluid, through scenario files, against dense solutions.
+//! Joined and held rods in a viscous fluid, from scenario files, against dense solutions.
 
 use super::scenario::moved;
 use super::theory::stokeslet::{forces, forces_of_rods};
@@ -13,17 +13,20 @@ const BESIDE: Expectation = Expectation::new(
 );
 const BOUND: f64 = 1e-3;
 
-/// Length of the filaments, m, their edges, radius, m, and regularisation, m; the viscosity is 1 Pa s.
+/// Length of the filaments, m. The viscosity is 1 Pa s.
 const LENGTH: f64 = 0.01;
+/// Number of edges of a filament.
 const EDGES: usize = 20;
+/// Radius of the filaments, m.
 const RADIUS: f64 = 1e-4;
+/// Regularisation, m.
 const REGULARIZATION: f64 = 1.02 * RADIUS;
-/// Distance of the filament from the rod beside it, m.
+/// Distance of the filament from the rod next to it, m.
 const GAP: f64 = 5.0 * RADIUS;
 /// Force per length along the filament, N/m.
 const PULL: f64 = 1e-3;
 
-/// Filaments that are pulled along, of two pieces and beside a held rod.
+/// Filaments that are pulled along their axes: of two pieces, and next to a held rod.
 pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
     let nodes = filament(0.0);
     let drag: f64 = forces(&nodes, &[Vector3::x(); EDGES + 1], REGULARIZATION, 1.0)
@@ -41,14 +44,15 @@ pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
     ])
 }
 
-/// Nodes of the filament, moved aside.
+/// Nodes of the filament, shifted sideways.
 fn filament(y: f64) -> Vec<Vector3> {
     (0..=EDGES)
         .map(|k| Vector3::new(LENGTH * k as f64 / EDGES as f64, y, 0.0))
         .collect()
 }
 
-/// Speed of a rigid filament along itself beside one that is at rest: without torque it also turns about its middle.
+/// Speed along its axis of a rigid filament next to a filament at rest. Since there is no torque,
+/// it also rotates about its middle.
 fn speed_beside_wall(nodes: &[Vector3]) -> f64 {
     let all = [nodes.to_vec(), filament(GAP)].concat();
     let middle = Vector3::x() * (0.5 * LENGTH);
@@ -65,7 +69,8 @@ fn speed_beside_wall(nodes: &[Vector3]) -> f64 {
         Vector2::new(force, torque.sum::<f64>())
     };
     let along = wrench(&|_| Vector3::x());
-    // In units of the length, so that both columns are of the same order.
+    // Lengths are in units of the filament length, so that both columns have the same order of
+    // magnitude.
     let turning = wrench(&|x| Vector3::z().cross(&(x - middle)) / LENGTH);
     let resistance = Matrix2::from_columns(&[along, turning]);
     let motion = resistance.lu().solve(&Vector2::new(PULL * LENGTH, 0.0));
@@ -81,7 +86,7 @@ edges = 20
 shape = { kind = "straight", start = [0, "0.5 mm", 0], end = ["10 mm", "0.5 mm", 0] }
 "#;
 
-/// Two pieces of a filament that a joint holds together, and an optional rod beside them.
+/// Two pieces of a filament connected by a joint, and an optional rod next to them.
 fn scene(beside: &str) -> String {
     let pull = |rod: &str| {
         format!(
@@ -125,7 +130,7 @@ end = "5 ms"
     )
 }
 
-/// Speed along x at the middle of the filament when it is steady.
+/// Speed along x at the middle of the filament in the steady state.
 fn speed(text: &str) -> Result<f64, GroupError> {
     Ok(moved(text, &[], 5e-3)?.velocities()[11].x)
 }

@@ -1,4 +1,5 @@
-//! A filament near a wall in viscous fluid, against a dense solution with images by quadrature and a long cylinder.
+//! A filament near a wall in viscous fluid, against a dense solution with images by quadrature,
+//! and against a long cylinder.
 
 use super::filaments::{forces_on, open_filament};
 use super::scenario::simulation;
@@ -16,7 +17,7 @@ const FREE: Expectation = Expectation::new("8πη u(xᵢ) = Σ ∫ S f ds", "Cor
 const CYLINDER: Expectation = Expectation::new("2πη/arcosh(H/a)", "long cylinder");
 /// Regularisation in rod radii (thesis sec. 2.4.1).
 const REGULARIZATION: f64 = 1.02;
-/// The same beside a wall, by default.
+/// Default regularisation near a wall, in rod radii.
 const BESIDE_A_WALL: f64 = 1.65;
 const BOUND: f64 = 1e-3;
 
@@ -27,7 +28,8 @@ pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// A stiff filament of 200 radii, three radii over a wall, pulled by a force per length; and the same far from the wall.
+/// A stiff filament of 200 radii, three radii above a wall, pulled by a force per length; and the
+/// same filament far from the wall.
 fn filament() -> Result<Vec<Check>, GroupError> {
     let (length, radius, viscosity, pull) = (20e-3, 1e-4, 1.0, 1e-3);
     let (nodes, got) = speed(&[])?;
@@ -63,7 +65,7 @@ fn speed(overrides: &[String]) -> Result<(Vec<Vector3>, f64), GroupError> {
     Ok((nodes, simulation.velocities()[10].x))
 }
 
-/// Drag per length in the middle of a cylinder 600 radii long that glides along its axis.
+/// Drag per length in the middle of a cylinder 600 radii long that moves along its axis.
 fn long_cylinder() -> Result<Vec<Check>, FluidError> {
     let (radius, viscosity, edges) = (1.0, 1.0, 120);
     let mut checks = Vec::new();
@@ -81,7 +83,7 @@ fn long_cylinder() -> Result<Vec<Check>, FluidError> {
     Ok(checks)
 }
 
-/// Forces on the fluid, N per node, of a rod that moves as a whole over the wall z = 0, by the
+/// Forces on the fluid, N per node, of a rigidly moving rod above the wall z = 0, computed by the
 /// engine.
 fn forces_at_wall(
     nodes: &[Vector3],

@@ -10,8 +10,8 @@ pub(super) fn frequencies(simulation: &mut Simulation) -> Result<Vec<f64>, Group
     frequencies_of(stiffness, &simulation.mass_matrix())
 }
 
-/// Angular frequencies, ascending: K v = ω² M v has 1/ω² as the eigenvalues of L⁻¹ M L⁻ᵀ with K = L Lᵀ, where joints need no
-/// mass.
+/// Angular frequencies, ascending. The eigenproblem K v = ω² M v has 1/ω² as the eigenvalues of
+/// L⁻¹ M L⁻ᵀ with K = L Lᵀ, so that joints need no mass.
 pub(super) fn frequencies_of(
     stiffness: DMatrix<f64>,
     masses: &DMatrix<f64>,

@@ -1,4 +1,4 @@
-//! Coulomb friction: a rod on an incline, a rope around a post.
+//! Coulomb friction: a rod on an incline and a rope around a post.
 
 use super::contact::contact_parameters;
 use super::rods::{clamp, force_on, line, run_until, steady, steps_of, unit_rod};
@@ -20,18 +20,18 @@ const CAPSTAN: Expectation = Expectation::new(
 );
 const GRAVITY: f64 = 9.81;
 
-/// The contact models by their names in scenario files, with the creep speed allowed in sticking,
-/// as a fraction of the slip tolerance.
+/// The contact models with their names in scenario files, and the allowed creep speed of sticking
+/// contacts, as a fraction of the slip tolerance.
 ///
-/// The smoothed law creeps below its slip tolerance; rigid contact sticks up to the tolerance of
-/// Newton's method.
+/// With the smoothed law, sticking contacts creep below the slip tolerance; rigid contacts stick
+/// within the tolerance of Newton's method.
 const MODELS: [(ContactModel, &str, f64); 3] = [
     (ContactModel::ImplicitContact, "imc", 1.0),
     (ContactModel::IncrementalPotential, "ipc", 1.0),
     (ContactModel::Complementarity, "complementarity", 1e-6),
 ];
 
-/// Sliding and sticking on an incline, and the capstan, by every contact model.
+/// Sliding and sticking on an incline, and the capstan, with every contact model.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let (steep_angle, shallow_angle) = (30f64.to_radians(), 20f64.to_radians());
     let slip_tolerance = ContactParameters::default().slip_tolerance;
@@ -56,7 +56,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// Result for a rod on an incline.
+/// Motion of a rod on an incline.
 struct Slide {
     /// Mean acceleration over the second half of the time, m/s².
     acceleration: f64,
@@ -86,7 +86,7 @@ fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, Grou
         contact: Some(contact),
         ..Scene::default()
     };
-    // The residual of Newton's method moves a sticking rod.
+    // A sticking rod moves by the residual of Newton's method.
     let integration = IntegrationParameters {
         force_tolerance: 1e-8,
         ..IntegrationParameters::default()
@@ -105,20 +105,25 @@ fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, Grou
     })
 }
 
-/// Radius of the post, of the rope, and of the rope's centreline around the post, m.
+/// Radius of the post, m.
 pub(super) const POST_RADIUS: f64 = 0.02;
+/// Radius of the rope, m.
 const ROPE_RADIUS: f64 = 1e-3;
+/// Radius of the centreline of the rope around the post, m.
 const WRAP_RADIUS: f64 = POST_RADIUS + ROPE_RADIUS;
-/// Edges around the post and in each leg.
+/// Number of edges around the post.
 const WRAPPED_EDGES: usize = 40;
+/// Number of edges in each leg.
 const LEG_EDGES: usize = 24;
-/// Weight on the lesser leg, N.
+/// Weight on the leg with the smaller tension, N.
 const WEIGHT: f64 = 1.0;
 const ROPE_FRICTION: f64 = 0.3;
-/// Speed at which the greater leg is pulled, m/s: far above the slip tolerance, far below the speed of sound.
+/// Speed at which the other leg is pulled, m/s: far above the slip tolerance and far below the
+/// speed of sound.
 const PULL: f64 = 0.02;
 
-/// A rope over a post, half a turn; a weight hangs on one leg, the other is pulled.
+/// A rope over a post, in contact over half a turn; a weight hangs on one leg, and the other leg
+/// is pulled.
 fn capstan(model: ContactModel, name: &str) -> Result<Check, GroupError> {
     let rope = rope();
     let (stiffness, nodes) = (rope.stiffness, rope.centreline.clone());
@@ -128,7 +133,8 @@ fn capstan(model: ContactModel, name: &str) -> Result<Check, GroupError> {
     Ok(capstan_check(name, tensions, stiffness.bending[0], 3e-2))
 }
 
-/// The ratio of both tensions (N) of a rope with a bending stiffness (N m²) over the post, half a turn.
+/// Check of the ratio of the two tensions (N) of a rope with the given bending stiffness (N m²)
+/// over the post, in contact over half a turn.
 pub(super) fn capstan_check(name: String, tensions: [f64; 2], bending: f64, bound: f64) -> Check {
     let [lesser, greater] = tensions;
     let theory = Capstan {
@@ -143,8 +149,9 @@ pub(super) fn capstan_check(name: String, tensions: [f64; 2], bending: f64, boun
         .relative(expected, greater / lesser, bound)
 }
 
-/// Mean tensions of the straight parts of both legs, N, of a rope of a stretching stiffness (N)
-/// that was placed at `nodes`: from 0.3 s, when the pull has settled, to 0.5 s.
+/// Mean tensions of the straight parts of both legs, N, of a rope with the given stretching
+/// stiffness (N) that was placed at `nodes`. The mean is over 0.3 s, when the pull has settled, to
+/// 0.5 s.
 pub(super) fn leg_tensions(
     simulation: &mut Simulation,
     nodes: &[Vector3],
@@ -172,9 +179,9 @@ pub(super) fn leg_tensions(
     Ok(sums.map(|sum| sum / samples))
 }
 
-/// Nodes of a rope over the post, from the end with the weight to the end that is pulled, with
-/// given numbers of edges around the post and in each leg. They are outside, so that the edges
-/// touch the post at their middles, with a gap, as a fraction of the radius.
+/// Nodes of a rope over the post, from the end with the weight to the pulled end, with given
+/// numbers of edges around the post and in each leg. The nodes are slightly outside, so that the
+/// middles of the edges touch the post, up to a gap, which is a fraction of the radius.
 pub(super) fn rope_over_post(wrapped: usize, leg_edges: usize, gap: f64) -> Vec<Vector3> {
     let step = PI / wrapped as f64;
     let edge = 2.0 * WRAP_RADIUS * libm::tan(0.5 * step);
@@ -228,7 +235,7 @@ fn capstan_scene(model: ContactModel, rope: RodDescription) -> Scene {
         }],
         loads: vec![
             steady(force_on(0, -WEIGHT * Vector3::y())),
-            // Damps the swinging of the legs; along the rope it is 3e-4 N.
+            // This drag damps the swinging of the legs; along the rope it is 3e-4 N.
             steady(LoadKind::Drag {
                 rod: Some(0),
                 translation: 0.1,

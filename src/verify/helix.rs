@@ -1,4 +1,5 @@
-//! Helical rods with clamped ends: where the discrete rod loses stability, against conjugate points.
+//! Helical rods with clamped ends: the loss of stability of the discrete rod, against conjugate
+//! points.
 
 use super::{Check, Expectation, GroupError};
 use rodlab_engine::mechanics::dynamics::SimulationError;
@@ -14,10 +15,10 @@ const MIRRORED: Expectation = Expectation::new("(κ, τ, ω) → (κ, −τ, −
 const HEAVY_LOOP: Expectation = Expectation::new("θ'' = −(V + s/2) cos θ", "elastica by shooting");
 /// Height of a folded rod's loop in gravito-bending lengths: 0.906597 (EI/ρgA)^(1/3).
 const LOOP_HEIGHT: f64 = 1.142_240;
-/// Edges of the finer mesh of an extrapolation; the coarser has half as many.
+/// Number of edges of the finer mesh of an extrapolation; the coarser mesh has half as many.
 const EDGES: usize = 100;
-/// Beyond this distance 100 edges are too few: (0.29, 0.34, 0.90), at 18.2, is 0.8 % off. Twice as many are
-/// taken there.
+/// Distance beyond which the mesh has twice as many edges, since 100 edges are too few: the error
+/// of (0.29, 0.34, 0.90), at 18.2, is 0.8 %.
 const FAR: f64 = 12.0;
 
 const MATERIAL: Expectation =
@@ -27,8 +28,8 @@ const PATH: Expectation = Expectation::new(
     "two paths to one boundary",
 );
 
-/// Critical distances on a mesh and extrapolated in it, their independence of material and path, the mirror image,
-/// the loop's height.
+/// Checks critical distances on a mesh and extrapolated in the mesh size, their independence of
+/// material and path, the mirror image, and the height of the loop.
 pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     let directions: &[(&str, [f64; 3])] = &[
         ("planar ring (1, 0, 0)", [1.0, 0.0, 0.0]),
@@ -84,7 +85,7 @@ fn rod() -> DiscreteRod {
     }
 }
 
-/// A rod of another stiffness ratio and one of a material a thousand times stiffer.
+/// Checks a rod with another stiffness ratio, and one with a material a thousand times stiffer.
 fn materials() -> Result<[Check; 2], SimulationError> {
     let helix = Helix::from([1.0, 1.0, 1.0]);
     let critical = |rod: DiscreteRod| -> Result<f64, SimulationError> {
@@ -112,7 +113,8 @@ fn materials() -> Result<[Check; 2], SimulationError> {
     ])
 }
 
-/// The direction, of `count` random ones, whose distance along the path from the straight rod differs most.
+/// Compares the direct search with the path from the straight rod for `count` random directions;
+/// reports the direction with the largest difference.
 fn path(count: usize) -> Result<Check, SimulationError> {
     let mut number = uniform_numbers(6);
     let mut worst = (1.0, 1.0);
@@ -123,7 +125,7 @@ fn path(count: usize) -> Result<Check, SimulationError> {
         let helix = Helix::from([height, across * cosine, across * sine]);
         let critical =
             |search| rod().critical_distance(&helix, search, 0.25 * EDGES as f64, None, &|| true);
-        // Directions without a boundary have none on either path.
+        // A direction without a boundary must have none in both searches.
         let pair = match (critical(HelixSearch::Fast)?, critical(HelixSearch::Path)?) {
             (None, None) => continue,
             (fast, path) => (fast.unwrap_or(f64::NAN), path.unwrap_or(f64::NAN)),

@@ -1,5 +1,5 @@
-//! Helical rods manipulated slowly in time: their deviation from the helix, against conjugate
-//! points.
+//! Helical rods manipulated slowly in time: the onset of their deviation from the helix, against
+//! conjugate points.
 
 use super::rods::{run_until, steps_of};
 use super::{Check, Expectation, GroupError};
@@ -18,20 +18,21 @@ const ROD: DiscreteRod = DiscreteRod {
     stiffness_ratio: 1.0 / 1.33,
     bending_stiffness: 1.0,
 };
-/// Speed of the end over L/T, where T = L² √(ρA/EI): half of the rod length in a hundred T, with
-/// the first vibration of the straight rod taking 0.28 T.
+/// Speed of the end in units of L/T, with T = L² √(ρA/EI): half of the rod length in a hundred T.
+/// The period of the first vibration of the straight rod is 0.28 T.
 const SPEED: f64 = 0.005;
-/// Time step over T.
+/// Time step in units of T.
 const STEP: f64 = 0.02;
-/// Outputs along a path to this multiple of the critical distance.
+/// Number of outputs along a path.
 const OUTPUTS: usize = 500;
+/// Length of a path, as a multiple of the critical distance.
 const BEYOND: f64 = 1.1;
-/// Directions that are manipulated have a curvature of at least this, needed for a radius, and lose
-/// stability within this distance, where 100 edges are fine enough.
+/// Least curvature of a manipulated direction, which is needed for a radius.
 const LEAST_CURVATURE: f64 = 0.1;
+/// Largest critical distance of a manipulated direction, for which 100 edges are sufficient.
 const FARTHEST: f64 = 14.0;
 
-/// The distance at which the rod leaves the helix, of the worst of some random directions.
+/// Checks the distance at which the rod leaves the helix, for the worst of some random directions.
 pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     let count = if full { 10 } else { 1 };
     let mut number = uniform_numbers(65);
@@ -57,7 +58,7 @@ pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     Ok(vec![SLOW.of(name, "").relative(worst.0, worst.1, 3e-2)])
 }
 
-/// Distance at which the manipulated rod leaves the helix; NaN where it does not.
+/// Distance at which the manipulated rod leaves the helix; NaN if it does not.
 fn leaves_helix(direction: Helix, critical: f64) -> Result<f64, SimulationError> {
     let path = EndPath::new(&Manipulation {
         rod: ROD,

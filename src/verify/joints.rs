@@ -1,6 +1,6 @@
 //! Joints and bodies: frames against beam theory, pendulums and a heavy disk against their
-//! frequencies, a net and a gridshell against their symmetry; slides, and bodies whose centre is
-//! off their node, are in separate files.
+//! frequencies, a net and a gridshell against their symmetry. Slides, and bodies with their centre
+//! away from their node, are in separate files.
 
 use super::check::order;
 use super::frequencies::{ascending, frequencies, frequencies_of, nearest};
@@ -32,18 +32,20 @@ const KEPT: Expectation = Expectation::new("E(t) = E(0)", "conservation");
 const MIRRORED: Expectation =
     Expectation::new("z(x, y) = z(−x, y) = z(x, −y) = z(y, x)", "symmetry");
 
-/// Dimensions of the rods of the frames: length (m), radius (m), EI = 1e-3 N m² and GJ = ⅔ EI with
-/// Poisson's ratio one half.
+/// Length of the rods of the frames, m.
 const LENGTH: f64 = 0.2;
+/// Radius of the rods, m.
 const RADIUS: f64 = 1e-3;
+/// Bending stiffness EI, N m².
 const BENDING: f64 = 1e-3;
+/// Twisting stiffness GJ, N m²: ⅔ EI with Poisson's ratio one half.
 const TWISTING: f64 = 2.0 / 3.0 * BENDING;
-/// Load, N: so small that beam theory is linear.
+/// Load, N; small enough for linear beam theory.
 const FORCE: f64 = 1e-5;
-/// Bound of all of them with 50 edges a rod.
+/// Bound of the relative errors with 50 edges per rod.
 const BOUND: f64 = 1e-3;
 
-/// Frames under end loads, pendulums, a disk, nets, slides.
+/// Checks frames under end loads, pendulums, a disk, nets and slides.
 pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     let stiff = LENGTH.powi(3) / BENDING;
     let portal = FORCE * stiff * 5.0 / 84.0;
@@ -85,7 +87,7 @@ pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// A straight rod of the frames, of a density in kg/m³.
+/// A straight rod of the frames with the given density, kg/m³.
 fn bar(start: Vector3, end: Vector3, edges: usize, density: f64) -> RodDescription {
     let section = PI * RADIUS * RADIUS;
     let stiffness = Stiffness::circular(4.0 * BENDING / (section * RADIUS * RADIUS), 0.5, RADIUS);
@@ -96,7 +98,7 @@ fn bar(start: Vector3, end: Vector3, edges: usize, density: f64) -> RodDescripti
     }
 }
 
-/// A joint of two nodes, each given by its rod and its number.
+/// A joint of two nodes, each given by its rod and number.
 fn joint(kind: JointKind, nodes: [(usize, usize); 2]) -> Joint {
     Joint {
         name: "joint".into(),
@@ -156,7 +158,7 @@ fn star_sag(edges: usize, kind: JointKind) -> Result<f64, SimulationError> {
     Ok(-deflection(&scene, 0, edges)?.z)
 }
 
-/// Deflection of the end of a rod that is welded across the middle of a clamped one.
+/// Deflection of the end of a rod that is welded crosswise to the middle of a clamped rod.
 fn cross_deflection(edges: usize) -> Result<f64, SimulationError> {
     let across = |half: Vector3| bar(-half, half, edges, 1000.0);
     let pull = |node: usize, force: f64| {
@@ -180,7 +182,8 @@ fn cross_deflection(edges: usize) -> Result<f64, SimulationError> {
 
 const GRAVITY: f64 = 9.81;
 
-/// Two rods that hang from a hinge and from each other, with places of hinge, joint and end.
+/// Two rods that hang from a hinge and from each other, with the given positions of hinge, joint
+/// and end.
 fn two_hanging(places: [Vector3; 3], edges: usize, density: f64) -> Scene {
     let [hinge, middle, end] = places;
     Scene {
@@ -200,8 +203,8 @@ fn two_hanging(places: [Vector3; 3], edges: usize, density: f64) -> Scene {
 
 /// Two stiff rods that hang from a hinge and from each other: frequencies, and energy in a wide swing.
 fn double_pendulum() -> Result<Vec<Check>, GroupError> {
-    // Spin about their own axes costs no energy: a small drag in the static state suppresses these
-    // soft modes.
+    // The spin of the rods about their own axes has no stiffness. A small drag in the static
+    // solution suppresses these soft modes.
     let hanging = [0.0, -LENGTH, -2.0 * LENGTH].map(|z| Vector3::new(0.0, 0.0, z));
     let scene = two_hanging(hanging, 20, 10.0);
     let mut simulation = Simulation::new(&scene, &IntegrationParameters::default())?;
@@ -237,8 +240,8 @@ fn double_pendulum() -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// Frequencies of the modes in which rods swing, in pairs of equal ones; their spin has no
-/// stiffness.
+/// Frequencies of the modes in which the rods swing, in pairs of equal ones, without the modes of
+/// spin.
 fn swinging(simulation: &mut Simulation) -> Result<Vec<f64>, GroupError> {
     let stiffness = simulation.stiffness_matrix();
     let scale = stiffness.amax();
@@ -258,7 +261,7 @@ fn swinging(simulation: &mut Simulation) -> Result<Vec<f64>, GroupError> {
     frequencies_of(held, &simulation.mass_matrix())
 }
 
-/// A heavy disk at the end of a cantilever without mass of its own: frequencies, and its motion after an impulse.
+/// A heavy disk at the end of a massless cantilever: frequencies, and its motion after an impulse.
 fn disk() -> Result<Vec<Check>, GroupError> {
     let (mass, radius): (f64, f64) = (0.1, 0.03);
     let inertia = 0.25 * mass * radius * radius;
@@ -287,7 +290,7 @@ fn disk() -> Result<Vec<Check>, GroupError> {
         let got = nearest(&found, expected);
         checks.push(DISK.of(name, "rad/s").relative(expected, got, BOUND));
     }
-    // With a small sideways velocity it moves as the sum of both modes.
+    // With a small sideways velocity the disk moves in the sum of both modes.
     let (speed, end) = (1e-3, TAU / theory[0] * 3.2);
     scene.rods[0].velocity = Vector3::new(0.0, speed, 0.0);
     let simulation = run(&scene, Scheme::BackwardDifferences, end / 4000.0, end)?;
@@ -304,7 +307,7 @@ fn disk() -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// A square lattice with numbers of rods in each direction and of edges of each piece.
+/// A square lattice with the given numbers of rods in each direction and of edges per piece.
 fn lattice(rods: usize, edges: usize, boundary: Table) -> Table {
     let corner = -0.5 * LENGTH;
     toml! {
@@ -319,8 +322,8 @@ fn lattice(rods: usize, edges: usize, boundary: Table) -> Table {
     }
 }
 
-/// A flat lattice whose corners are pushed towards each other: asymmetry of the dome over its
-/// height.
+/// A flat lattice whose corners are pushed towards each other: asymmetry of the dome relative to
+/// its height.
 fn gridshell() -> Result<Check, GroupError> {
     let rods = 5;
     let boundary = toml! { ends = "corners" scale = [[0.2, 1], [1, 0.9]] };
@@ -346,7 +349,7 @@ fn gridshell() -> Result<Check, GroupError> {
     Ok(MIRRORED.of(name, "m").scaled(0.0, worst, height, 1e-9))
 }
 
-/// A square net of balls under its weight, held at its corners: asymmetry over its sag.
+/// A square net of balls under its weight, held at its corners: asymmetry relative to its sag.
 fn net(rods: usize) -> Result<Check, GroupError> {
     let boundary = toml! { ends = "corners" };
     let mut simulation = built(toml! {
@@ -364,7 +367,8 @@ fn net(rods: usize) -> Result<Check, GroupError> {
     Ok(MIRRORED.of(name, "m").scaled(0.0, worst, sag, 1e-9))
 }
 
-/// Largest difference of heights (m) at places of a square grid that its symmetry makes the same, and the largest height.
+/// Largest difference of heights (m) at equivalent places of a square grid under its symmetries,
+/// and the largest height.
 fn asymmetry(simulation: &Simulation, rods: usize, nodes: usize) -> (f64, f64) {
     let height = |rod: usize, node: usize| simulation.positions()[rod * nodes + node].z;
     let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
@@ -375,7 +379,7 @@ fn asymmetry(simulation: &Simulation, rods: usize, nodes: usize) -> (f64, f64) {
             let others = [
                 height(rod, nodes - 1 - node),
                 height(rods - 1 - rod, node),
-                // The same place of the other family, mirrored in the diagonal.
+                // The equivalent place in the other family of rods, mirrored at the diagonal.
                 height(rods + rod, node),
             ];
             for other in others {

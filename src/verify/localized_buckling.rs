@@ -1,4 +1,4 @@
-//! The localised helical buckle of a long twisted rod, the case of Bergou et al. 2008, sec. 8.
+//! The localised helical buckle of a long twisted rod: the case of Bergou et al. 2008, sec. 8.
 
 use super::rods::{clamp, unit_rod};
 use super::theory::localized_buckling::LocalizedBuckle;
@@ -23,7 +23,7 @@ const TURNS: f64 = 27.0;
 const SHORTENING: f64 = 0.3;
 const EDGES: usize = 800;
 
-/// Depth of the buckle and its envelope.
+/// Checks the depth of the buckle and its envelope.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let theory = LocalizedBuckle::new(BENDING, TWISTING, LENGTH, TURNS * TAU, SHORTENING);
     let mut simulation = Simulation::new(&scene(&theory), &IntegrationParameters::default())?;
@@ -33,7 +33,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
         .windows(2)
         .map(|edge| (edge[1] - edge[0]).normalize().x)
         .collect();
-    // There is a node in the middle of the rod; its tangent is the mean of the adjacent ones.
+    // The middle of the rod is a node; its tangent is the mean of those of the adjacent edges.
     let middle = 0.5 * (cosines[EDGES / 2 - 1] + cosines[EDGES / 2]);
     let worst = cosines
         .iter()
@@ -54,7 +54,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     ])
 }
 
-/// The rod placed on the continuum solution; its ends are clamped there.
+/// The rod, initially on the continuum solution, with its ends clamped there.
 fn scene(theory: &LocalizedBuckle) -> Scene {
     let centreline = theory
         .centreline(EDGES + 1)

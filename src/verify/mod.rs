@@ -1,8 +1,8 @@
-//! `rodlab verify`: the engine against theory.
+//! `rodlab verify`: comparison of the engine with theory.
 //!
-//! Every [`Check`] compares one number of a simulation with one number of a theory that is
-//! independent of the simulation: closed forms and independent solutions in [`theory`]. The groups
-//! run in parallel; the table keeps its order.
+//! Every [`Check`] compares a number from a simulation with one from an independent theory: a
+//! closed form or an independent solution in [`theory`]. The groups run in parallel; the table
+//! keeps its order.
 
 mod actuation;
 mod bodies;
@@ -51,7 +51,7 @@ pub use page::markdown;
 use rayon::prelude::*;
 use std::error::Error;
 
-/// A group of checks. With `full` it may take minutes and cover more parameters.
+/// A group of checks. With `full` a group may take minutes and cover more parameters.
 type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 
 /// The error of a group without results.
@@ -90,11 +90,12 @@ const GROUPS: [(&str, CheckGroup); 24] = [
 pub struct GroupResult {
     /// Name of the group.
     pub name: &'static str,
-    /// Its checks, in their order.
+    /// Checks of the group, in order.
     pub checks: Vec<Check>,
 }
 
-/// Runs every check. A group whose simulation fails gives one failed check with the reason.
+/// Runs every check. A group whose simulation fails is reported as one failed check with the
+/// reason.
 pub fn verify(full: bool) -> Vec<GroupResult> {
     GROUPS
         .par_iter()

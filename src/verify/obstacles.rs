@@ -1,4 +1,4 @@
-//! Obstacles of every shape, through scenario files: ropes over round ones, a beam lifted by an
+//! Obstacles of every shape, from scenario files: ropes over round obstacles, a beam lifted by an
 //! edge and by a ball, and rods that buckle in a tube.
 
 use super::friction::{POST_RADIUS, capstan_check, leg_tensions, rope_over_post};
@@ -12,14 +12,17 @@ use toml::{Table, Value, toml};
 const LIFTED: Expectation = Expectation::new("F = 3 EI w/a³", "Euler–Bernoulli");
 const FACETED: Expectation = Expectation::new("force at a ball of formula", "");
 
-/// Bending and stretching stiffness of the rope, N m² and N.
+/// Bending stiffness of the rope, N m².
 const BENDING: f64 = 4.41e-6;
+/// Stretching stiffness of the rope, N.
 const STRETCHING: f64 = 1e3;
-/// Edges around the post and in each leg.
+/// Number of edges around the post.
 const WRAPPED_EDGES: usize = 80;
+/// Number of edges in each leg.
 const LEG_EDGES: usize = 60;
 
-/// Ropes over a cylinder, a sphere, and meshes of that cylinder; a beam lifted by the edge of a box and by balls; rods in tubes.
+/// Checks ropes over a cylinder, over a sphere and over meshes of the cylinder, a beam lifted by
+/// the edge of a box and by balls, and rods in tubes.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let cylinder = || {
         toml! {
@@ -61,7 +64,8 @@ fn capstan(over: &str, model: &str, shape: Table) -> Result<Check, GroupError> {
     Ok(capstan_check(name, tensions, BENDING, 5e-3))
 }
 
-/// The cylinder as a mesh with a number of faces around it and corners on the cylinder.
+/// The cylinder as a mesh with the given number of faces around it and with its corners on the
+/// cylinder.
 fn prism(faces: usize) -> Table {
     let corner = |k: usize, z: f64| {
         let (sine, cosine) = libm::sincos(2.0 * PI * k as f64 / faces as f64);
@@ -83,7 +87,7 @@ fn prism(faces: usize) -> Table {
     mesh(&vertices, &triangles)
 }
 
-/// A ball as a mesh: an octahedron whose faces are divided into four a number of times, with
+/// A ball as a mesh: an octahedron whose faces are divided into four, `cuts` times, with its
 /// corners on the ball.
 fn ball(centre: [f64; 3], radius: f64, cuts: usize) -> Table {
     let directions = [
@@ -156,11 +160,12 @@ fn lifted_beam() -> Result<[Check; 2], GroupError> {
         let forces = simulation.contact_forces();
         Ok(forces.iter().map(|force| force.z).sum())
     };
-    // The lift of the centreline is that of the edge beyond its first contact, 1 mm.
+    // The lift of the centreline is the lift of the edge after first contact, which occurs at 1
+    // mm.
     let (lift, arm, radius): (f64, f64, f64) = (0.005, 0.5, 2e-3);
     let bending = 1e9 * PI * radius.powi(4) / 4.0;
     let expected = 3.0 * bending * lift / arm.powi(3);
-    // A millimetre below the beam, like the initial position of the edge of the box.
+    // The initial position is a millimetre below the beam, like that of the edge of the box.
     let centre = [arm, 0.0, -radius - 1e-3 - BALL];
     let (of_formula, of_mesh) = (sphere(centre, BALL), ball(centre, BALL, 4));
     Ok([

@@ -1,4 +1,4 @@
-//! Filaments with negligible inertia, against a dense solution of the flow and a beam at rest.
+//! Filaments with negligible inertia, against a dense solution of the flow and a static beam.
 
 use super::rods::{clamp, line, round_rod, run, steady};
 use super::theory::stokeslet::forces;
@@ -19,8 +19,8 @@ const VISCOSITY: f64 = 1.0;
 const LOAD: f64 = 1e-3;
 const YOUNG: f64 = 1e9;
 
-/// A filament with edges of five radii: inertia decays after 25 µs, a fortieth of the smaller step,
-/// bending after a second.
+/// A filament with edges of five radii. Inertia decays within 25 µs, a fortieth of the smaller
+/// step; bending within a second.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let nodes = line(Vector3::zeros(), Vector3::x() * LENGTH, EDGES);
     let drag: Vector3 = forces(

@@ -1,4 +1,4 @@
-//! The checks as a page in Markdown, kept in the repository as `results/reproduced/verify.md`.
+//! The checks as a Markdown page, which the repository contains as `results/reproduced/verify.md`.
 
 use super::GroupResult;
 use super::check::{Check, Verdict, number};
@@ -6,7 +6,7 @@ use super::check::{Check, Verdict, number};
 const HEADER: [&str; 8] = [
     "check", "formula", "expected", "got", "unit", "error", "at most", "source",
 ];
-/// Columns that depend on the machine.
+/// Columns with values that depend on the machine.
 #[cfg(test)]
 const FOUND: [usize; 2] = [3, 5];
 
@@ -54,7 +54,7 @@ fn line(cells: &[String; 8]) -> String {
     format!("| {} |\n", escaped.join(" | "))
 }
 
-/// Fails unless the page has the rows of a group, apart from the found values.
+/// Fails unless the page contains the rows of a group, regardless of the simulated values.
 #[cfg(test)]
 pub(super) fn assert_on_page(group: &str, checks: &[Check]) {
     let page = include_str!("../../results/reproduced/verify.md");

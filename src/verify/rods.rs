@@ -1,4 +1,5 @@
-//! The rod of the checks: a metre long, with unit bending stiffness, so that loads are dimensionless.
+//! The rod of the checks. It is a metre long and has unit bending stiffness, so that loads are
+//! dimensionless.
 
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::{
@@ -10,7 +11,7 @@ use rodlab_engine::mechanics::scene::{
 
 /// Radius of the rod, m: slender enough for the theories of inextensible, unshearable rods.
 pub const RADIUS: f64 = 1e-3;
-/// Ratio EI/GJ of a circular cross-section that keeps its volume.
+/// Ratio EI/GJ of a circular cross-section of an incompressible material.
 pub const STIFFNESS_RATIO: f64 = 1.5;
 
 /// Stiffness of the unit rod: EI = 1 N m², GJ = EI/1.5, EA = 4 EI/h².
@@ -27,7 +28,8 @@ pub fn unit_rod(centreline: Vec<Vector3>) -> RodDescription {
     RodDescription::uniform("rod", centreline, unit_stiffness(), RADIUS, 1.0)
 }
 
-/// A round rod of a radius (m), Young's modulus (Pa) and 1000 kg/m³ along a polyline; it keeps its volume.
+/// A round rod with the given radius (m) and Young's modulus (Pa) and with 1000 kg/m³ along a
+/// polyline; its material is incompressible.
 pub fn round_rod(centreline: Vec<Vector3>, youngs_modulus: f64, radius: f64) -> RodDescription {
     let stiffness = Stiffness::circular(youngs_modulus, STIFFNESS_RATIO - 1.0, radius);
     let mass_per_length = 1000.0 * std::f64::consts::PI * radius * radius;
@@ -39,7 +41,7 @@ pub fn straight(edges: usize) -> RodDescription {
     unit_rod(line(Vector3::zeros(), Vector3::x(), edges))
 }
 
-/// Time steps of one size, s.
+/// Fixed time steps, s.
 pub fn steps_of(step: f64) -> IntegrationParameters {
     IntegrationParameters {
         step: StepSize::Fixed(step),
@@ -47,10 +49,10 @@ pub fn steps_of(step: f64) -> IntegrationParameters {
     }
 }
 
-/// Moves a simulation up to a time, s.
+/// Advances a simulation to a time, s.
 ///
 /// # Errors
-/// The error that ends it earlier.
+/// The simulation fails before that time.
 pub fn run_until(simulation: &mut Simulation, end: f64) -> Result<(), SimulationError> {
     while simulation.time() < end {
         simulation.advance(end)?;
@@ -58,10 +60,10 @@ pub fn run_until(simulation: &mut Simulation, end: f64) -> Result<(), Simulation
     Ok(())
 }
 
-/// The simulation of a scene with steps of a size (s) up to a time (s).
+/// Simulates a scene with fixed steps (s) up to a time (s).
 ///
 /// # Errors
-/// The error that ends it earlier.
+/// The simulation fails before that time.
 pub fn run(
     scene: &Scene,
     scheme: Scheme,
@@ -77,7 +79,7 @@ pub fn run(
     Ok(simulation)
 }
 
-/// Largest distance of a node of one list from that of the other, m.
+/// Largest distance between corresponding nodes of two lists, m.
 pub fn farthest(a: &[Vector3], b: &[Vector3]) -> f64 {
     let distances = a.iter().zip(b).map(|(a, b)| (a - b).norm());
     distances.fold(0.0, f64::max)
@@ -90,7 +92,7 @@ pub fn line(start: Vector3, end: Vector3, edges: usize) -> Vec<Vector3> {
         .collect()
 }
 
-/// Holds position and frame of a node of the first rod.
+/// A clamp that holds position and frame of a node of the first rod.
 pub fn clamp(node: usize) -> Clamp {
     Clamp {
         rod: 0,
@@ -101,7 +103,7 @@ pub fn clamp(node: usize) -> Clamp {
     }
 }
 
-/// A load that acts from the beginning.
+/// A load that acts from the start.
 pub fn steady(kind: LoadKind) -> Load {
     Load {
         kind,

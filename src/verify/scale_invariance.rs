@@ -1,7 +1,7 @@
-//! The same scenes in other units: no constant in the code has a dimension.
+//! Scenes in other units, to check that no constant in the code has a dimension.
 //!
-//! A scene with lengths scaled by L, times by T and masses by M is the same scene, with its motion
-//! scaled accordingly. Positions, velocities and energies are compared over all outputs, each
+//! A scene with lengths scaled by L, times by T and masses by M is the same scene, and its motion
+//! is scaled accordingly. Positions, velocities and energies are compared over all outputs, each
 //! relative to its largest value.
 
 use super::{Check, Expectation, GroupError, scenario};
@@ -14,10 +14,10 @@ use rodlab_lab::scenario::Scales;
 const SCALE_INVARIANCE: Expectation =
     Expectation::new("x(L, T, M; t T) = L x(t)", "dimensional analysis");
 const BOUND: f64 = 1e-10;
-/// Outputs of each motion.
+/// Number of outputs of each motion.
 const OUTPUTS: usize = 10;
 
-/// From nanometres to kilometres, with unrelated units of time and mass.
+/// Units of length from nanometres to kilometres, with unrelated units of time and mass.
 const UNITS: [(&str, Scales); 4] = [
     ("nm", scales(1e-9, 1e-6, 1e-15)),
     ("µm", scales(1e-6, 1e-3, 1e-12)),
@@ -29,8 +29,8 @@ const fn scales(length: f64, time: f64, mass: f64) -> Scales {
     Scales { length, time, mass }
 }
 
-/// A cantilever that falls, in automatic steps; a pile with friction; a joint and a body; a
-/// filament in fluid.
+/// A falling cantilever with automatic steps; a pile with friction; a joint and a body; a filament
+/// in fluid.
 const SCENES: [(&str, &str); 4] = [
     (
         "cantilever, automatic steps",
@@ -44,7 +44,7 @@ const SCENES: [(&str, &str); 4] = [
     ),
 ];
 
-/// The largest difference over all units.
+/// Checks the largest difference over all units.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     for (name, text) in SCENES {
@@ -60,7 +60,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// Result of a scene: at every output, or every point of a path.
+/// Result of a sceneat every output, or at every point of a path.
 #[derive(Clone, Debug, Default)]
 struct Motion {
     positions: Vec<Vector3>,
@@ -110,8 +110,8 @@ impl Motion {
         self.energies.extend([energies.kinetic, energies.elastic()]);
     }
 
-    /// The largest difference of the same scene in other units; infinite if the numbers of outputs
-    /// differ.
+    /// The largest difference from the same scene in other units; infinite if the numbers of
+    /// outputs differ.
     fn difference(&self, scaled: &Self, scales: &Scales) -> f64 {
         let flat = |vectors: &[Vector3]| vectors.iter().flatten().copied().collect::<Vec<f64>>();
         [
@@ -155,7 +155,7 @@ fn relative(a: &[f64], b: &[f64], factor: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Powers of two whose square roots are powers of two: they cause no rounding.
+    /// Powers of two whose square roots are powers of two, which cause no rounding errors.
     const BINARY: Scales = scales(
         1.0 / (1u64 << 36) as f64,
         1.0 / (1u64 << 12) as f64,
@@ -166,7 +166,8 @@ mod tests {
     const CANTILEVER: &str = "[[rods]]\nname = 'a'\nradius = '5 mm'\nedges = 12\nshape = { kind = 'straight', start = [0, 0, 0], end = [0.3, 0, 0] }\n[[clamps]]\nrod = 'a'\nat = 'start'\n[[loads]]\nkind = 'gravity'\nacceleration = [0, 0, -9.81]\n";
 
     /// Asserts that a scene is the same in all units. In binary units most results agree to the
-    /// last bit; the others compare or add forces and moments, which only changes rounding.
+    /// last bit; the remaining ones compare or add forces and moments, which only changes
+    /// rounding.
     fn assert_same(name: &str, text: &str) {
         let motion =
             |text: &str| Motion::of(text).unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -220,7 +221,7 @@ mod tests {
             let scaled = Motion::of(&experiment::rescaled(&text, &scales).unwrap()).unwrap();
             assert_eq!(scaled.work, reference.work, "{unit}");
         }
-        // The minimum step in the file is only the initial step.
+        // A minimum step in the file affects only the initial step.
         let least = "[solver]\nminimum_step = '0.1 ms'\n";
         let coarse = Motion::of(&format!("{text}{least}")).unwrap();
         assert!(coarse.work[0] < 2 * reference.work[0], "{:?}", coarse.work);

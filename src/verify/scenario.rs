@@ -23,27 +23,27 @@ fn of_loaded(loaded: &Loaded) -> Result<PreparedRun, GroupError> {
     Ok(experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?)
 }
 
-/// The same, ready to run.
+/// The scene, ready to run.
 pub(super) fn simulation(text: &str, overrides: &[String]) -> Result<Simulation, GroupError> {
     let prepared = prepared(text, overrides)?;
     Ok(Simulation::new(&prepared.scene, &prepared.integration)?)
 }
 
-/// A scene whose keys are computed, ready to run.
+/// A scene with computed keys, ready to run.
 pub(super) fn built(scene: Table) -> Result<Simulation, GroupError> {
     let loaded = experiment::from_table("scene", scene, Path::new(""), &[])?;
     let prepared = of_loaded(&loaded)?;
     Ok(Simulation::new(&prepared.scene, &prepared.integration)?)
 }
 
-/// The same at rest.
+/// The scene at rest.
 pub(super) fn at_rest(text: &str, overrides: &[String]) -> Result<Simulation, GroupError> {
     let mut simulation = simulation(text, overrides)?;
     simulation.find_equilibrium()?;
     Ok(simulation)
 }
 
-/// The same after it has moved up to a time, s.
+/// The scene after its motion up to a time, s.
 pub(super) fn moved(text: &str, overrides: &[String], end: f64) -> Result<Simulation, GroupError> {
     let mut simulation = simulation(text, overrides)?;
     run_until(&mut simulation, end)?;

@@ -1,4 +1,5 @@
-//! Exact derivatives over each kind of parameter, against closed forms and extrapolated central differences of whole runs.
+//! Exact derivatives with respect to each kind of parameter, against closed forms and extrapolated
+//! central differences of whole runs.
 
 use super::{Check, Expectation, GroupError};
 use rodlab_lab::experiment;
@@ -13,9 +14,9 @@ const SLIDING: &str = include_str!("scenes/sliding_rod.toml");
 
 /// A small force at the tip; its deflection is a ten thousandth of the length.
 const TIP_FORCE: &str = "loads=[{kind=\"force\",rod=\"rod\",at=\"end\",force=[0,0,\"2.4 mN\"]}]";
-/// The same by weight.
+/// A small weight, with a similar deflection.
 const WEIGHT: &str = "loads=[{kind=\"gravity\",acceleration=[0,0,-0.02]}]";
-/// A second clamp, against which a natural twist presses.
+/// A second clamp, which resists a natural twist.
 const TWISTED: &str = "clamps=[{rod=\"rod\",at=\"start\"},{rod=\"rod\",at=\"end\"}]";
 const NATURAL_TWIST: &str = "rods.rod.natural_shape.twist=0.1";
 
@@ -29,7 +30,8 @@ const ADJOINT: Expectation = Expectation::new(
 );
 const DIFFERENCES: Expectation = Expectation::new("dx/dp", "extrapolated central differences");
 
-/// An equilibrium with a closed form: what is set, the column, the key, and the elasticity (p/y) dy/dp.
+/// An equilibrium with a closed form: the overrides, the column, the key, and the elasticity (p/y)
+/// dy/dp.
 type Elasticity = (
     &'static str,
     Expectation,
@@ -115,7 +117,7 @@ const ELASTICITIES: [Elasticity; 9] = [
     ),
 ];
 
-/// Keys of the rod that is moved.
+/// Parameters of the moved rod, with their keys.
 const OF_MOTION: [(&str, &str); 11] = [
     ("Young's modulus", "material.youngs_modulus"),
     ("twisting stiffness", "rods.rod.stiffness.twisting"),
@@ -129,7 +131,7 @@ const OF_MOTION: [(&str, &str); 11] = [
     ("turn of the clamp", "clamps.0.turn.1.1"),
     ("load", "loads.2.force.1"),
 ];
-/// Those of the arms.
+/// Parameters of the arms, with their keys.
 const OF_ARMS: [(&str, &str); 5] = [
     ("stiffness of a hinge", "joints.elbow.stiffness"),
     ("rest angle of a hinge", "joints.elbow.rest_angle"),
@@ -137,10 +139,10 @@ const OF_ARMS: [(&str, &str); 5] = [
     ("inertia of a body", "bodies.hand.inertia.0"),
     ("offset of a body", "bodies.hand.offset.1"),
 ];
-/// Those of the rod that slides.
+/// Parameters of the sliding rod, with their keys.
 const OF_SLIDING: [(&str, &str); 1] = [("friction", "contact.friction")];
 
-/// Fields along the rod that is moved, with the keys of their first components.
+/// Fields along the moved rod, with the keys of their first components.
 const OF_FIELDS: [(&str, Field, &str); 2] = [
     (
         "natural curvature",
@@ -154,7 +156,7 @@ const OF_FIELDS: [(&str, Field, &str); 2] = [
     ),
 ];
 
-/// Equilibria, a damped motion, sliding, and fields along a rod.
+/// Checks equilibria, a damped motion, sliding, and fields along a rod.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     for (name, expectation, overrides, column, key, expected) in ELASTICITIES {
@@ -190,7 +192,8 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// Derivatives of the displacement of the tip at the end of a run; errors are fractions of its largest component.
+/// Derivatives of the displacement of the tip at the end of a run, against differences; errors are
+/// fractions of the largest component.
 fn against_differences(
     scene: &str,
     text: &'static str,
@@ -218,7 +221,7 @@ fn against_differences(
     Ok(keys.iter().enumerate().map(of_key).collect())
 }
 
-/// Error of the derivatives over the first component of a field, added up over all nodes.
+/// Error of the derivatives with respect to the first component of a field, summed over all nodes.
 fn error_of_field(field: Field, key: &str) -> Result<f64, GroupError> {
     let source = source(MOVED, &[]);
     let of = ["tip".to_owned()];
@@ -231,7 +234,7 @@ fn error_of_field(field: Field, key: &str) -> Result<f64, GroupError> {
     Ok(largest(&errors) / largest(expected))
 }
 
-/// The largest size; NaN where a number is missing.
+/// The largest magnitude; NaN if a number is missing.
 fn largest(numbers: &[Option<f64>]) -> f64 {
     let sizes = numbers.iter().map(|one| one.map_or(f64::NAN, f64::abs));
     sizes.fold(0.0, |most, size| {
@@ -243,7 +246,7 @@ fn largest(numbers: &[Option<f64>]) -> f64 {
     })
 }
 
-/// A scene with some keys set to other values, and more of them to others.
+/// A scene with two lists of overrides.
 fn source(
     text: &'static str,
     overrides: &[&str],

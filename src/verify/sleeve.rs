@@ -1,11 +1,11 @@
-//! A rod bent out of a tube whose rim pushes it.
+//! A rod that is bent at the mouth of a tube, so that the rim pushes it out.
 //!
 //! Along a rod without loads between its ends, M²/2EI + T is constant, with the moment M and the
 //! tension T. A frictionless rim does not change it, since its force is normal to the rod, and
-//! neither does a frictionless wall along the rod. So the tension deep in the tube is the sum of
-//! both at the end: P sin θ for a dead load P across the tube at an end that has turned by θ. With
-//! little clearance it is M²/2EI for the moment M at the mouth, as in a sleeve (Bigoni, Dal Corso,
-//! Bosi and Misseroni 2015).
+//! neither does a frictionless wall along the rod. The tension deep in the tube therefore equals
+//! M²/2EI + T at the free end: P sin θ for a dead load P across the tube at an end that has turned
+//! by θ. With little clearance it is M²/2EI for the moment M at the mouth, as in a sleeve (Bigoni,
+//! Dal Corso, Bosi and Misseroni 2015).
 
 use super::scenario::moved;
 use super::{Check, Expectation, GroupError};
@@ -15,14 +15,14 @@ const PUSHED_OUT: Expectation = Expectation::new(
     "M²/2EI + T along a rod; Bigoni, Dal Corso, Bosi and Misseroni 2015",
 );
 
-/// The load at the end, N; see the scene.
+/// Load at the end, N; see the scene.
 const LOAD: f64 = 0.028;
-/// Edges of the rod; at twice as many the error is less.
+/// Number of edges of the rod; with twice as many the error is smaller.
 const EDGES: usize = 75;
 /// Time after which the rod is at rest, s.
 const REST: f64 = 2.0;
 
-/// The same rod with all models of contact.
+/// Checks the rod with all contact models.
 pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     for model in ["imc", "ipc", "complementarity"] {
@@ -33,7 +33,7 @@ pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// Tension in the tube by theory and in the simulation, N.
+/// Tension in the tube in theory and in the simulation, N.
 fn tensions(model: &str, edges: usize) -> Result<[f64; 2], GroupError> {
     let overrides = [
         format!("rods.0.edges={edges}"),

@@ -14,7 +14,7 @@ const RING: Expectation = Expectation::new(
     "statics, elastica",
 );
 
-/// A shuttle on an incline, a ring on a slack rope.
+/// Checks a shuttle on an incline and a ring on a slack rope.
 pub fn checks() -> Result<Vec<Check>, GroupError> {
     let (fall, ring) = (incline()?, ring_on_rope()?);
     Ok([fall, ring].into_iter().flatten().collect())
@@ -40,13 +40,17 @@ fn incline() -> Result<[Check; 2], GroupError> {
     ])
 }
 
-/// Length of the rope, m, distance of the posts, m, and height of the second above the first, m,
-/// EI, N m², EA, N, and the weight, N.
+/// Length of the rope, m.
 const LENGTH: f64 = 1.0;
+/// Distance of the posts, m.
 const SPAN: f64 = 0.8;
+/// Height of the second post above the first, m.
 const RISE: f64 = 0.2;
+/// Bending stiffness EI, N m².
 const BENDING: f64 = 64e9 * PI * 1.6e-15 / 4.0;
+/// Stretching stiffness EA, N.
 const STRETCHING: f64 = 64e9 * PI * 4e-8;
+/// Weight, N.
 const WEIGHT: f64 = 0.02;
 
 fn ring_on_rope() -> Result<[Check; 2], GroupError> {
@@ -69,9 +73,9 @@ fn ring_on_rope() -> Result<[Check; 2], GroupError> {
     ])
 }
 
-/// Rest position of the ring, m: tensions are the same on either side, and so are the angles α with
-/// the vertical. At the ring the rope turns by θ = π/2 − α into the horizontal, tan ϑ/4 ∝ e^(−s/λ),
-/// which takes c off its length and d off its line.
+/// Rest position of the ring, m. The tensions on both sides are equal, and so are the angles α
+/// with the vertical. At the ring the rope turns by θ = π/2 − α to become horizontal, with tan ϑ/4
+/// ∝ e^(−s/λ). This shortens the rope by c and shifts its line by d.
 fn ring_at_rest() -> Vector3 {
     let (mut low, mut high) = (0.0, FRAC_PI_2);
     let bend = |angle: f64| {

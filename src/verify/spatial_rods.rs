@@ -3,7 +3,7 @@
 //! Other checks build their scenes from plain data; these start with the text of a file, so that
 //! they check the interpretation of keys: the sides of a section, the director, the signs of
 //! natural curvatures and twist, of forces and moments, the handedness of a helix. The theory uses
-//! separate numbers.
+//! its own numbers.
 
 use super::check::order;
 use super::rods::farthest;
@@ -17,15 +17,15 @@ const KIRCHHOFF: Expectation = Expectation::new(
     "m' = −r' × n, m·dᵢ = Kᵢ (uᵢ − ûᵢ)",
     "Kirchhoff rod, multiple shooting",
 );
-/// Steps of the theory, a multiple of all numbers of edges.
+/// Number of steps of the theory: a multiple of all numbers of edges.
 const STEPS: usize = 400;
 const GRAVITY: f64 = 9.81;
 
-/// Strips and springs of scenario files without loads.
+/// Scenario files of a strip and a spring without loads.
 const STRIP: &str = include_str!("scenes/strip.toml");
 const SPRING: &str = include_str!("scenes/spring.toml");
 
-/// Loads that are added to the files.
+/// Loads that are appended to the files.
 const WEIGHT: &str = "[[loads]]\nkind = 'gravity'\nacceleration = [0, 0, -9.81]\n";
 const WIND: &str =
     "[[loads]]\nkind = 'distributed'\nrod = 'strip'\nforce_per_length = [0.1, -0.3, 0.2]\n";
@@ -36,7 +36,7 @@ const PULL: &str =
 const PULL_OF_SPRING: &str =
     "[[loads]]\nkind = 'force'\nrod = 'spring'\nat = 'end'\nforce = [0.01, -0.02, -0.05]\n";
 
-/// A strip with a helix as natural shape, placed straight along its first tangent.
+/// A strip whose natural shape is a helix, initially straight along its first tangent.
 const COILED: [&str; 3] = [
     "rods.0.shape={ kind = \"straight\", start = [0, 0, 0], end = [0, 0.8, 0.6] }",
     "rods.0.natural_shape={ kind = \"helix\", centre = [0, 0, 0], radius = \"0.2 m\", pitch = 0.9424777960769379, length = \"0.6 m\" }",
@@ -46,18 +46,19 @@ const COILED: [&str; 3] = [
 /// A scenario, and the theory for it.
 struct Case {
     name: &'static str,
-    /// Its file, loads that are added, and keys that are set to other values.
+    /// Text of its scenario file, with appended loads and overrides.
     file: &'static str,
     loads: &'static [&'static str],
     keys: &'static [&'static str],
-    /// Edges of the coarser mesh; the finer has twice as many.
+    /// Number of edges of the coarser mesh; the finer mesh has twice as many.
     edges: usize,
     theory: SpatialCantilever<fn(f64) -> [f64; 3]>,
-    /// Largest distance of a node from the theory, extrapolated from both meshes, over the length.
+    /// Largest distance of a node from the theory, extrapolated from both meshes, relative to the
+    /// length.
     bound: f64,
 }
 
-/// Order of convergence and limit of the equilibria of scenario files.
+/// Checks the order of convergence and the limit of the equilibria of scenario files.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     for case in cases() {
@@ -188,8 +189,9 @@ fn coiled(s: f64) -> [f64; 3] {
     ]
 }
 
-/// A right-handed spring of four turns about −z from the direction of x on, of round wire, 1 mm in radius, E = 0.3 GPa,
-/// ν = 1/2, without load. Its first director is the binormal, which turns with τ.
+/// An unloaded right-handed spring of four turns about −z, starting in the direction of x, of
+/// round wire with a radius of 1 mm, E = 0.3 GPa, ν = 1/2. Its first director is the binormal,
+/// which turns with τ.
 fn spring() -> SpatialCantilever<fn(f64) -> [f64; 3]> {
     let (young, wire, radius, rise) = (0.3e9, 1e-3_f64, SPRING_RADIUS, SPRING_RISE);
     let per_turn = libm::hypot(radius, rise) * TAU;
@@ -212,10 +214,11 @@ fn spring() -> SpatialCantilever<fn(f64) -> [f64; 3]> {
 }
 
 const SPRING_RADIUS: f64 = 20e-3;
-/// Pitch over 2π.
+/// Pitch divided by 2π, m.
 const SPRING_RISE: f64 = 15e-3 / TAU;
 
-/// Curvature and torsion of a right-handed helix of radius a and pitch 2πb: a and b over a² + b².
+/// Curvature and torsion of a right-handed helix of radius a and pitch 2πb: a/(a² + b²) and b/(a²
+/// + b²).
 fn curvature_and_torsion(radius: f64, rise: f64) -> [f64; 2] {
     [radius, rise].map(|part| part / (radius * radius + rise * rise))
 }
@@ -230,7 +233,7 @@ fn torsion_constant(a: f64, b: f64) -> f64 {
 }
 
 impl Case {
-    /// Order and extrapolated shape, with keys of the scenario set to other values.
+    /// Checks order and extrapolated shape, with overrides of the scenario.
     fn checks(&self, overrides: &[&str]) -> Result<[Check; 2], GroupError> {
         let exact = self.theory.points(STEPS).ok_or("no continuous solution")?;
         let coarse = self.equilibrium(self.edges, overrides)?;
@@ -271,7 +274,8 @@ mod tests {
     use super::*;
     use crate::verify::Verdict;
 
-    /// Each key that has a sign or a side, reversed: the shape is then far from that of the theory.
+    /// Reverses each key that has a sign or a side. The shape must then be far from the
+    /// theoretical one.
     #[test]
     fn reversed_keys_are_detected() {
         let wrong: [(usize, &[&str]); 16] = [

@@ -1,4 +1,4 @@
-//! Springs between nodes and about hinges, from scenario files, against closed forms; torsional
+//! Springs between nodes and about hinges, from scenario files, against closed forms. Torsional
 //! springs between frames are in a separate file.
 
 use super::frequencies::frequencies_of;
@@ -18,12 +18,15 @@ const HINGE: Expectation = Expectation::new("w = P L³/3EI + P b²/c", "Euler–
 const BREAK: Expectation = Expectation::new("v √(km) sin ωt = F", "Newton");
 const FREED: Expectation = Expectation::new("v cos ωt", "Newton");
 
-/// Stiffness of the springs of the files, N/m, gravity, m/s², and mass of a body with its light rod, kg.
+/// Stiffness of the springs in the files, N/m.
 const STIFFNESS: f64 = 50.0;
+/// Acceleration of free fall, m/s².
 const GRAVITY: f64 = 9.81;
+/// Mass of a body with its light rod, kg.
 const MASS: f64 = 0.02 + 10.0 * PI * 1e-6 * 0.02;
 
-/// Weights in a row, a weight that goes around, one that breaks its spring, a sprung hinge, turning springs.
+/// Checks weights in a row, a circling weight, a weight that breaks its spring, a sprung hinge,
+/// and torsional springs.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = weights_in_a_row()?;
     checks.push(orbit()?);
@@ -58,7 +61,8 @@ fn weights_in_a_row() -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// Angular frequencies of the vertical motion, ascending; where everything hangs vertically it is apart from all other motion.
+/// Angular frequencies of the vertical motion, ascending. If everything hangs vertically, this
+/// motion is decoupled from all others.
 fn vertical_frequencies(simulation: &mut Simulation) -> Result<Vec<f64>, GroupError> {
     let unknowns = simulation.free_unknowns();
     let vertical: Vec<usize> = (0..unknowns.len())

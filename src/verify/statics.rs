@@ -15,10 +15,11 @@ const TIP_LOADED: Expectation = Expectation::new("θ'' = −α cos θ", "Bisshop
 const RELAXED: Expectation =
     Expectation::new("rest of damped motion = equilibrium", "static solution");
 
-/// Ratio γ of weight to bending stiffness at which the released codes were compared.
+/// Ratio γ of weight to bending stiffness at which the thesis compares the released codes.
 const GAMMA: f64 = 15.696;
 
-/// Shapes of heavy and tip-loaded cantilevers, order of convergence, and the same by damped motion.
+/// Checks the shapes of heavy and tip-loaded cantilevers, their order of convergence, and the end
+/// of a damped motion.
 pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     let gammas: &[f64] = if full {
@@ -77,7 +78,7 @@ fn shape_error(load: CantileverLoad, edges: usize) -> Result<f64, SimulationErro
     Ok(distances.fold(0.0, f64::max))
 }
 
-/// A horizontal rod let go in a viscous medium comes to rest in the static shape.
+/// A horizontal rod that is released in a viscous medium comes to rest in the static shape.
 fn relaxation() -> Result<Check, SimulationError> {
     let (load, edges) = (CantileverLoad::OwnWeight(GAMMA), 50);
     let resting = equilibrium(load, edges)?;

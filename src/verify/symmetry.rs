@@ -16,14 +16,14 @@ const BOUND: f64 = 1e-9;
 const EDGES: usize = 24;
 const STEP: f64 = 5e-3;
 
-/// Rigid motion, reversed nodes and swapped rods, each for twenty time steps of two rods.
+/// Checks a rigid motion, reversed nodes and swapped rods, each for twenty time steps of two rods.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = invariance(&two_rods(), "two rods")?;
     checks.extend(invariance(&touching_rods(), "two rods in contact")?);
     Ok(checks)
 }
 
-/// Compares a scene of two rods with itself moved and renumbered.
+/// Compares a scene of two rods with the moved and the renumbered scene.
 fn invariance(scene: &Scene, name: &str) -> Result<Vec<Check>, GroupError> {
     let original = run(scene)?;
     let rotation =
@@ -50,7 +50,7 @@ fn invariance(scene: &Scene, name: &str) -> Result<Vec<Check>, GroupError> {
     ])
 }
 
-/// A clamped curved rod with a ribbon's cross-section and a free, twisted one, both loaded.
+/// A clamped curved rod with the cross-section of a ribbon, and a free twisted rod, both loaded.
 fn two_rods() -> Scene {
     let arc = |k: usize| {
         let angle = 1.2 * k as f64 / EDGES as f64;
@@ -79,7 +79,8 @@ fn two_rods() -> Scene {
     }
 }
 
-/// A rod that falls across another one whose ends are held; they touch from the first step on and rub.
+/// A rod that falls across another one whose ends are held; they touch and slide from the first
+/// step on.
 fn touching_rods() -> Scene {
     let thick = 0.01;
     let contact = ContactParameters {
@@ -148,7 +149,7 @@ fn moved(scene: &Scene, turn: &Matrix3, shift: &Vector3) -> Scene {
 fn reversed(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     for rod in &mut scene.rods {
-        // The director on the last edge follows the first one by parallel transport.
+        // Parallel transport of the first director gives that on the last edge.
         rod.first_director = last_director(rod);
         rod.centreline.reverse();
     }
@@ -163,7 +164,7 @@ fn reversed(scene: &Scene) -> Scene {
     scene
 }
 
-/// First director on the last edge of a rod as placed.
+/// First director on the last edge of a rod in its initial state.
 fn last_director(rod: &RodDescription) -> Option<Vector3> {
     let alone = Scene {
         rods: vec![rod.clone()],

@@ -1,9 +1,10 @@
-//! Every group passes; one test per group, so that they run in parallel and a failure names its
-//! group.
+//! Every group passes. There is one test per group, so that they run in parallel and a failure
+//! names its group.
 
 use super::*;
 
-/// The checks of a group pass, and are on the page of `rodlab verify --markdown`.
+/// Asserts that the checks of a group pass, and that the page of `rodlab verify --markdown`
+/// contains them.
 fn assert_passes(name: &str) {
     let group = GROUPS.iter().find(|(known, _)| *known == name);
     let (_, group) = group.expect("a group of this name");

@@ -1,5 +1,5 @@
-//! Rods pushed into a horizontal tube: onset of snaking by continuation and in a slow push, and the
-//! push at which a helix has the energy of the straight rod.
+//! Rods that are pushed into a horizontal tube: onset of snaking, from continuation and from a
+//! slow push, and the push at which a helix has the energy of the straight rod.
 
 use super::continuation::critical_on_path;
 use super::scenario::{prepared, simulation};
@@ -17,23 +17,24 @@ const UNEVEN: Expectation = Expectation::new(
     "energy of θ = kx + a sin kx",
 );
 
-/// Amplitude of the snake over the clearance that counts as growth: fifty times the tilt of the
-/// tube.
+/// Amplitude of the snake relative to the clearance at which the rod counts as snaking: fifty
+/// times the tilt of the tube.
 const SEEN: f64 = 0.05;
-/// The push has grown by 2 % while the snake grows from the lean of the tube; by less in a slower
-/// push.
+/// Allowed relative error: the push grows by 2 % while the snake grows from the tilt of the tube,
+/// and by less if the rod is pushed more slowly.
 const LATE: f64 = 5e-2;
-/// An even helix needs a push larger by 1.3 % than one that turns faster over the top.
+/// Allowed relative error: a uniform helix needs a push that is 1.3 % larger than that of a helix
+/// which turns faster near the top.
 const EVEN: f64 = 2e-2;
 
-/// The pushes of three files.
+/// Checks the pushes in three files.
 pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
     let mut checks = vec![snake_on_path()?, snake_in_time()?];
     checks.extend(helix()?);
     Ok(checks)
 }
 
-/// A rod of a file and the tube around it.
+/// A rod from a file and its tube.
 struct RodInTube {
     /// EI, N m².
     bending: f64,
@@ -56,12 +57,12 @@ impl RodInTube {
         }
     }
 
-    /// √(EI w/r), N.
+    /// Unit of push √(EI w/r), N.
     fn push(&self) -> f64 {
         (self.bending * self.weight / self.clearance).sqrt()
     }
 
-    /// (EI r/w)^¼, m.
+    /// Unit of length (EI r/w)^¼, m.
     fn length(&self) -> f64 {
         (self.bending * self.clearance / self.weight).sqrt().sqrt()
     }
@@ -71,7 +72,7 @@ impl RodInTube {
 fn snake_on_path() -> Result<Check, GroupError> {
     let prepared = prepared(include_str!("scenes/tube.toml"), &[])?;
     let rod = RodInTube::of(&prepared);
-    // A millimetre of shortening at the end of the path, of a metre.
+    // The parameter is the shortening: at the end of the path it is a millimetre of a metre.
     let shortening = 1e-3 * critical_on_path(&prepared.scene, 1.0)?;
     let name =
         "rod pushed into a horizontal tube: push at which it begins to snake, by continuation";
@@ -146,11 +147,11 @@ fn helix() -> Result<[Check; 2], GroupError> {
     ])
 }
 
-/// A turn on either side of the middle of a helix, where its ends have no effect.
+/// One turn on each side of the middle of a helix, where its ends have no effect.
 struct MiddleTurns {
     /// Push along the tube, N.
     push: f64,
-    /// Energy beyond that of the straight rod under the same push, J.
+    /// Energy in excess of that of the straight rod under the same push, J.
     energy: f64,
     /// k, 1/m.
     wave_number: f64,
@@ -168,7 +169,7 @@ impl MiddleTurns {
             let turned = (after - before).norm() / (0.5 * (after + before).norm());
             turned / (0.5 * (lengths[node - 1] + lengths[node]))
         };
-        // Cumulative angle about the axis of the tube from its bottom.
+        // Angle about the axis of the tube from one node to the next.
         let turn = |from: &Vector3, to: &Vector3| {
             libm::atan2(from.y * to.z - from.z * to.y, from.y * to.y + from.z * to.z)
         };
@@ -196,7 +197,7 @@ impl MiddleTurns {
                         - straight)
                     + push * (advance - length);
                 let turned = turn(&start, &end).abs();
-                // Zero beyond the turn, and a fraction for the edge at its end.
+                // Weight of the edge: zero beyond the turn, and a fraction at its end.
                 let part = ((TAU - angle) / turned).clamp(0.0, 1.0);
                 sums[0] += part * energy;
                 sums[1] += part * advance;

@@ -14,15 +14,18 @@ const SPIN: Expectation = Expectation::new("ω² = 2c/mr²", "Newton");
 const HARMONIC: Expectation = Expectation::new("θ = θ₀ (1 − cos ωt)", "Newton");
 
 const PENDULUM: &str = include_str!("scenes/turning_pendulum.toml");
-/// Length and radius of its rod, m, the mass of that, kg, and the stiffness of its spring, N m/rad.
+/// Length of the rod of the pendulum, m.
 const LENGTH: f64 = 0.1;
+/// Radius of the rod, m.
 const RADIUS: f64 = 1e-3;
+/// Mass of the rod, kg.
 const MASS: f64 = 1000.0 * PI * RADIUS * RADIUS * LENGTH;
+/// Stiffness of the spring, N m/rad.
 const STIFFNESS: f64 = 1e-3;
-/// Second order, with 40 edges.
+/// Error bound for second-order convergence with 40 edges.
 const BOUND: f64 = 1e-3;
 
-/// Two beams under an end moment, a rod that swings about its end.
+/// Checks two beams under an end moment, and a rod that swings about its end.
 pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
     let mut checks = arcs()?.to_vec();
     checks.extend(small_swings()?);
@@ -75,7 +78,7 @@ fn wide_swing() -> Result<Check, GroupError> {
     let end = 1.3 * 2.0 * PI / swing();
     let simulation = moved(PENDULUM, &[rotation], end)?;
     let tip = simulation.positions().last().ok_or("no nodes")?;
-    // It rotates about −y from x to z.
+    // The rod rotates about −y from x to z.
     let angle = libm::atan2(tip.z, tip.x).rem_euclid(2.0 * PI);
     let expected = rest * (1.0 - libm::cos(swing() * end));
     let name = "the same, released 1.5 rad from the rest angle of its spring: angle after 1.3 periods, error over its amplitude";

@@ -18,12 +18,13 @@ const STRING: Expectation = Expectation::new(
     "f = (n/2L) √(T/μ), corrected for EI and clamps",
     "Timoshenko",
 );
-/// Fourth order, with 50 edges.
+/// Error bound for fourth-order convergence with 50 edges.
 const BOUND: f64 = 1e-5;
-/// The mass that serves bending leaves axial waves an error of second order, (kh)²/24.
+/// Error bound of axial waves. The mass matrix for fourth-order bending gives them an error of
+/// second order, (kh)²/24.
 const AXIAL_BOUND: f64 = 5e-5;
-/// Second order, with 100 edges: that mass leaves (kh)²/24 to waves of tension, too, and the bends at the clamps are only five
-/// edges long.
+/// Error bound of the string with 100 edges. It is of second order, since waves of tension have
+/// the error (kh)²/24, too, and the bends at the clamps are only five edges long.
 const STRING_BOUND: f64 = 1e-3;
 
 const FREE_ROD: &str = include_str!("scenes/free_rod.toml");
@@ -33,12 +34,13 @@ const CANTILEVER: &str = concat!(
 );
 const STRETCHED_STRING: &str = include_str!("scenes/stretched_string.toml");
 
-/// Speed of axial waves √(E/ρ) in rods of the files, m/s.
+/// Speed of axial waves √(E/ρ) in the rods of the files, m/s.
 const AXIAL_SPEED: f64 = 1000.0;
-/// Their radius of gyration √(I/A), half the radius, m.
+/// Radius of gyration √(I/A) of these rods, half their radius, m.
 const GYRATION: f64 = 5e-3;
 
-/// First three modes of bending, clamped, free and stretched, and of torsion, and the first axial mode.
+/// Checks the first three modes of bending (clamped, free and stretched) and of torsion, and the
+/// first axial mode.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let clamped = Modes::of(CANTILEVER, &[])?;
     let free = Modes::of(FREE_ROD, &[])?;
@@ -53,7 +55,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
         ("free rod", FREE, &free, free_wave_number),
     ];
     for (name, expectation, modes, wave_number) in cases {
-        // Bending modes come in pairs, one in either plane.
+        // Bending modes come in pairs, one in each plane.
         let bending = modes.frequencies(Motion::Bending);
         for mode in 1..=3 {
             let name = format!("{name}, bending mode {mode}: ω");
@@ -78,11 +80,12 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// The first modes of a string that begins under tension.
+/// The first modes of a string with an initial tension.
 fn stretched_string(overrides: &[String]) -> Result<Vec<Check>, GroupError> {
     let prepared = prepared(STRETCHED_STRING, overrides)?;
     let rod = &prepared.scene.rods[0];
-    // Per length of the stretched string the mass is less, and a length of it bends as the shorter one without stress does.
+    // The stretched string has less mass per length, and a piece of it bends like the shorter
+    // stress-free piece.
     let stretch = 1.0 + rod.pretension / rod.stiffness.stretching;
     let bending = rod.stiffness.bending[0] * stretch;
     let mass = rod.mass_per_length / stretch;
@@ -104,12 +107,12 @@ enum Motion {
     Axial,
 }
 
-/// Angular frequencies of all modes of a rod along x, ascending, with the motion that holds most of
-/// their kinetic energy; without rigid-body modes.
+/// Angular frequencies of all modes of a rod along x, ascending, with the motion that has most of
+/// their kinetic energy. Rigid-body modes are not included.
 struct Modes(Vec<(f64, Motion)>);
 
 impl Modes {
-    /// Of a scenario file of one rod, with some keys set to other values.
+    /// Computes the modes of a scenario file with one rod and some overrides.
     fn of(text: &str, overrides: &[String]) -> Result<Self, GroupError> {
         let mut simulation = simulation(text, overrides)?;
         let (stiffness, masses) = (simulation.stiffness_matrix(), simulation.mass_matrix());
@@ -141,7 +144,7 @@ impl Modes {
             .collect();
         modes.sort_by(|a, b| a.0.total_cmp(&b.0));
         let fastest = modes.last().map_or(0.0, |mode| mode.0);
-        // Rounding leaves the rigid body's at some √ε of the fastest.
+        // Due to rounding, the rigid-body frequencies are about √ε times the fastest one.
         modes.retain(|mode| mode.0 > 1e-6 * fastest);
         Ok(Self(modes))
     }
@@ -156,7 +159,7 @@ impl Modes {
 mod tests {
     use super::*;
 
-    /// Parts by which the first three bending modes and the first torsional one are off.
+    /// Relative errors of the first three bending modes and of the first torsional mode.
     fn errors(text: &str, edges: usize, inertia: &str, exact: fn(usize) -> f64) -> [f64; 4] {
         let keys = [
             format!("rods.0.edges={edges}"),
@@ -203,7 +206,7 @@ mod tests {
             let found = libm::log2(coarse.error / fine.error);
             println!("{}: {:e} {found}", fine.name, fine.error);
             assert!((1.8..2.2).contains(&found), "{found}");
-            // The remainder of both without the second-order error.
+            // The remaining errors of both meshes without the second-order part.
             let limit = (4.0 * fine.got - coarse.got) / 3.0;
             assert!((limit / fine.expected - 1.0).abs() < 1.5e-4, "{limit}");
         }
@@ -211,13 +214,13 @@ mod tests {
 
     #[test]
     fn a_ring_is_left_to_lumped_masses_by_default() {
-        // The nodes of a strongly bent rod are outside its centreline, which consistent masses make
-        // worse.
+        // The nodes of a strongly bent rod are outside its centreline, and consistent masses
+        // increase this error.
         let text = FREE_ROD.replace(
             "kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0]",
             "kind = \"ring\", centre = [0, 0, 0], normal = [0, 0, 1], radius = 1.0",
         );
-        // The lowest mode in its plane, an ellipse: ω² = 36/5 EI/ρA R⁴.
+        // The lowest in-plane mode of a ring is an ellipse: ω² = 36/5 EI/ρA R⁴.
         let exact = 7.2_f64.sqrt() * GYRATION * AXIAL_SPEED;
         let off = |inertia: &str| {
             let keys = [

@@ -3,8 +3,9 @@
 use rodlab_engine::mechanics::kirchhoff::numerics::bisect;
 use std::f64::consts::PI;
 
-/// Natural wave numbers β L of a cantilever, roots of cos x cosh x = −1 (Euler–Bernoulli; e.g. Timoshenko,
-/// Vibration Problems in Engineering, sec. 53). Modes count from 1; ω = (β L)² √(EI/(ρA))/L².
+/// Natural wave numbers β L of a cantilever, roots of cos x cosh x = −1 (Euler–Bernoulli; e.g.
+/// Timoshenko, Vibration Problems in Engineering, sec. 53). Modes are counted from 1; ω = (β L)²
+/// √(EI/(ρA))/L².
 pub fn cantilever_wave_number(mode: usize) -> f64 {
     // Divided by cosh x, so that high modes do not overflow.
     let middle = (mode as f64 - 0.5) * PI;
@@ -13,7 +14,7 @@ pub fn cantilever_wave_number(mode: usize) -> f64 {
     })
 }
 
-/// The same of a free rod, roots of cos x cosh x = 1; without rigid-body modes.
+/// Natural wave numbers β L of a free rod, roots of cos x cosh x = 1, without rigid-body modes.
 pub fn free_wave_number(mode: usize) -> f64 {
     let middle = (mode as f64 + 0.5) * PI;
     bisect(middle - 0.25 * PI, middle + 0.25 * PI, |x| {
@@ -21,15 +22,17 @@ pub fn free_wave_number(mode: usize) -> f64 {
     })
 }
 
-/// Natural wave numbers ω L/c of torsional or axial waves in a rod held at one end: (2 n − 1) π/2, where
-/// c² is G/ρ or E/ρ.
+/// Natural wave numbers ω L/c of torsional or axial waves in a rod held at one end: (2 n − 1) π/2,
+/// with c² = G/ρ or E/ρ.
 pub fn fixed_free_wave_number(mode: usize) -> f64 {
     (mode as f64 - 0.5) * PI
 }
 
-/// Angular frequency, rad/s, of a mode of a rod with clamped ends under tension (e.g. Timoshenko, Vibration Problems in
-/// Engineering): EI w⁗ − T w″ = μ ω² w has w = e^{±αx}, e^{±iβx} with α² − β² = T/EI and μ ω² = EI α² β², and clamped ends
-/// 2αβ (1 − cosh αL cos βL) + (α² − β²) sinh αL sin βL = 0. Between (nπ/L) √(T/μ), the string's, and that of the beam.
+/// Angular frequency, rad/s, of a mode of a rod with clamped ends under tension (e.g. Timoshenko,
+/// Vibration Problems in Engineering): EI w⁗ − T w″ = μ ω² w has the solutions w = e^{±αx},
+/// e^{±iβx} with α² − β² = T/EI and μ ω² = EI α² β². Clamped ends require 2αβ (1 − cosh αL cos βL)
+/// + (α² − β²) sinh αL sin βL = 0. Limits are the frequency of the string, (nπ/L) √(T/μ), and that
+/// of the beam.
 pub fn stretched_frequency(
     mode: usize,
     tension: f64,
@@ -38,7 +41,7 @@ pub fn stretched_frequency(
     length: f64,
 ) -> f64 {
     let of_both = |beta: f64| libm::hypot(beta, (tension / bending).sqrt());
-    // Divided by cosh αL, so that stiff tension does not overflow.
+    // Divided by cosh αL, so that a high tension does not overflow.
     let first = mode as f64 * PI / length;
     let beta = bisect(first, first + 0.6 * PI / length, |beta| {
         let alpha = of_both(beta);
@@ -55,15 +58,15 @@ pub const CLAMPED_COLUMN: f64 = 4.0 * PI * PI;
 /// Critical compression of a column with one end clamped and one free, P L²/EI = π²/4 (Euler).
 pub const FREE_COLUMN: f64 = 0.25 * PI * PI;
 
-/// Flutter load of a column that is clamped at one end and pushed at the other by a force along its
-/// tangent there, P L²/EI = 20.0509 (Beck 1952). Motions of the frequency ω (in √(EI/ρA)/L²) obey,
-/// with p = P L²/EI,
+/// Flutter load of a column that is clamped at one end and pushed at the other by a force along
+/// its tangent there, P L²/EI = 20.0509 (Beck 1952). Motions with the frequency ω (in units of
+/// √(EI/ρA)/L²) satisfy, with p = P L²/EI,
 ///
 /// ```text
 /// p² + 2ω² (1 + cosh λ₁ cos λ₂) + p ω sinh λ₁ sin λ₂ = 0,    λ₁,₂² = √(p²/4 + ω²) ∓ p/2
 /// ```
 ///
-/// whose first two roots meet where the least value between them is zero.
+/// The first two roots meet at the load for which the least value between them is zero.
 pub fn beck_load() -> f64 {
     let least = |load: f64| {
         let characteristic = |frequency: f64| {
@@ -137,10 +140,10 @@ mod tests {
         for mode in 1..=3 {
             let frequency =
                 |tension: f64, bending: f64| stretched_frequency(mode, tension, bending, 2.0, 3.0);
-            // A clamped beam has the wave numbers of a free one.
+            // A clamped beam has the same wave numbers as a free beam.
             let beam = (free_wave_number(mode) / 3.0).powi(2) * 0.5_f64.sqrt();
             assert!((frequency(1e-9, 1.0) / beam - 1.0).abs() < 1e-9);
-            // To first order each end of a stiff string shortens it by √(EI/T).
+            // To first order, each end shortens a stiff string by √(EI/T).
             let string = mode as f64 * PI / 3.0 * 0.5_f64.sqrt();
             let stiff = frequency(1.0, 1e-8) / string - 1.0;
             assert!((stiff / (2.0 * 1e-4 / 3.0) - 1.0).abs() < 1e-3, "{stiff}");

@@ -1,4 +1,4 @@
-//! Dry friction after Coulomb.
+//! Dry friction by Coulomb's law.
 
 use rodlab_engine::mechanics::kirchhoff::numerics::bisect;
 
@@ -7,19 +7,19 @@ pub fn sliding_acceleration(gravity: f64, incline: f64, friction: f64) -> f64 {
     gravity * (libm::sin(incline) - friction * libm::cos(incline))
 }
 
-/// A rope of bending stiffness EI that slides around a post, turning by the angle φ in all.
+/// A rope of bending stiffness EI that slides around a post and turns by the total angle φ.
 ///
-/// On the post the curvature is 1/ρ (ρ: radius of the rope's centreline) and the tension grows with
-/// the angle as in Euler's capstan. A leg of tension T still turns by ψ, T (1 − cos ψ) = EI/2ρ²,
-/// after it has left the post, since its bending moment fades out over a length; there T = t +
-/// EI/2ρ² with the tension t at the post, and the shear force T sin ψ is carried by a concentrated
-/// contact force, which also has friction:
+/// On the post the curvature is 1/ρ (ρ: radius of the rope's centreline) and the tension grows
+/// with the angle as in Euler's capstan. A leg of tension T turns by a further angle ψ, T (1 − cos
+/// ψ) = EI/2ρ², after it has left the post, since its bending moment decays over some length. At
+/// the last contact, T = t + EI/2ρ² with the tension t at the post. The shear force T sin ψ is
+/// carried by a concentrated contact force, which also causes friction:
 ///
 /// T₂ − EI/2ρ² − μ T₂ sin ψ₂ = (T₁ − EI/2ρ² + μ T₁ sin ψ₁) exp(μ (φ − ψ₁ − ψ₂)).
 ///
-/// Without bending stiffness this is Euler's T₂ = T₁ exp(μφ). Derivation: on a leg n·t + EI κ²/2 = T is
-/// constant, at the post κ is continuous, and there n·t' = μ n·t/ρ; the shear force jumps from T sin ψ
-/// to zero where contact begins.
+/// Without bending stiffness this is Euler's T₂ = T₁ exp(μφ). Derivation: on a leg, n·t + EI κ²/2
+/// = T is constant; at the post κ is continuous, and n·t' = μ n·t/ρ on it. The shear force jumps
+/// from T sin ψ to zero at the first contact.
 #[derive(Clone, Copy, Debug)]
 pub struct Capstan {
     /// Friction coefficient μ.
@@ -70,8 +70,7 @@ mod tests {
 
     #[test]
     fn bending_matters_to_second_order_in_the_turning_of_the_legs() {
-        // ψ₁ = 0.1 and 0.05: the concentrated forces compensate for the angle of the legs without
-        // contact.
+        // ψ₁ = 0.1 and 0.05: the concentrated forces compensate for the angles ψ without contact.
         let deviation = |bending: f64| (ratio(bending) / ratio(0.0) - 1.0).abs();
         let (stiff, soft) = (deviation(2e-2), deviation(5e-3));
         assert!(

@@ -1,14 +1,14 @@
-//! A long twisted rod whose ends approach: the localised helical buckle.
+//! The localised helical buckle of a long twisted rod whose ends approach each other.
 //!
-//! The homoclinic solution of van der Heijden & Thompson 2000 (Nonlinear Dynamics 21:71) for an isotropic
-//! rod of infinite length: with m = M/(2 √(B T)) the angle φ between tangent and axis obeys
-//! (cos φ − cos φ₀)/(1 − cos φ₀) = tanh²(s/s*), cos φ₀ = 2 m² − 1, s* = √(B/T)/√(1 − m²).
-//! Bergou et al. 2008 (Discrete elastic rods, sec. 8) compare a discrete rod with it.
+//! The homoclinic solution of van der Heijden & Thompson 2000 (Nonlinear Dynamics 21:71) for an
+//! isotropic rod of infinite length. With m = M/(2 √(B T)), the angle φ between tangent and axis
+//! satisfies (cos φ − cos φ₀)/(1 − cos φ₀) = tanh²(s/s*), cos φ₀ = 2 m² − 1, s* = √(B/T)/√(1 −
+//! m²). Bergou et al. 2008 (Discrete elastic rods, sec. 8) compare a discrete rod with it.
 
 use rodlab_engine::mechanics::kirchhoff::numerics::{bisect, runge_kutta};
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Half the number of steps in the shape.
+/// Half the number of integration steps of the shape.
 const HALF_STEPS: usize = 4000;
 
 /// The buckle of a rod of given stiffness, length, end rotation and end shortening.
@@ -25,8 +25,9 @@ pub struct LocalizedBuckle {
 }
 
 impl LocalizedBuckle {
-    /// Solves end shortening D = √(16 B/T − 4 M²/T²) and end rotation R = M L/C + 4 acos m for
-    /// tension and moment. Of the two solutions it returns the stable one, with the larger m.
+    /// Solves the equations for the end shortening, D = √(16 B/T − 4 M²/T²), and the end rotation,
+    /// R = M L/C + 4 acos m, for tension and moment. Of the two solutions, returns the stable one,
+    /// which has the larger m.
     pub fn new(bending: f64, twisting: f64, length: f64, rotation: f64, shortening: f64) -> Self {
         let at = |m: f64| {
             let tension = 16.0 * bending * (1.0 - m * m) / shortening.powi(2);
@@ -44,7 +45,7 @@ impl LocalizedBuckle {
         }
     }
 
-    /// m = M/(2 √(B T)).
+    /// Dimensionless load m = M/(2 √(B T)).
     fn load(&self) -> f64 {
         self.moment / (2.0 * (self.bending * self.tension).sqrt())
     }
@@ -66,8 +67,8 @@ impl LocalizedBuckle {
         middle + (1.0 - middle) * self.envelope(s)
     }
 
-    /// Centreline at `nodes` equally spaced arc lengths from one end to the other, the axis along x: its
-    /// tangent turns about the axis at the rate M/(B (1 + cos φ)).
+    /// Centreline at `nodes` equally spaced arc lengths from one end to the other, with the axis
+    /// along x. Its tangent turns about the axis at the rate M/(B (1 + cos φ)).
     pub fn centreline(&self, nodes: usize) -> Vec<[f64; 3]> {
         let half = 0.5 * self.length;
         let path = runge_kutta(0.0, half, [0.0; 4], HALF_STEPS, |s, &[_, _, _, azimuth]| {
@@ -136,7 +137,8 @@ mod tests {
     fn the_centreline_is_shortened_as_asked_and_has_unit_speed() {
         let line = bergou().centreline(201);
         let chord = line[200][0] - line[0][0];
-        // The length is finite: the envelope's tails hold a shortening of about 1e-9.
+        // Since the length is finite, the tails of the envelope contribute a shortening of about
+        // 1e-9.
         assert!((9.29 - chord - 0.3).abs() < 1e-8, "{chord}");
         let edge = |k: usize| -> f64 {
             let difference = std::array::from_fn::<f64, 3, _>(|i| line[k + 1][i] - line[k][i]);

@@ -1,18 +1,19 @@
-//! Drag of a sphere with a tail, with the surface of the sphere as points with no slip, and a dense
+//! Drag of a sphere with a tail, with no-slip points on the surface of the sphere and a dense
 //! solution.
 
 use super::stokeslet::{adaptive_segment_integral, regularized_stokeslet};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::f64::consts::PI;
 
-/// Points on the sphere: from 200 to 800 of them the drag with a tail changes by less than 10⁻³.
+/// Number of points on the sphere. Between 200 and 800 points the drag with a tail changes by less
+/// than 10⁻³.
 const POINTS: usize = 400;
-/// Regularisation of the points over their distance.
+/// Regularisation of the points relative to their distance.
 const REGULARIZATION: f64 = 0.5;
 
-/// Drag per velocity (N s/m) of a sphere and a straight tail that move together along the tail: the
-/// sphere of the `radius` around the first of the `nodes`, of which those inside it carry no force.
-/// The shell has the size for which it has Stokes' drag without a tail.
+/// Drag per velocity (N s/m) of a sphere and a straight tail that move together along the tail.
+/// The sphere has the given `radius` and is centred at the first of the `nodes`; nodes inside it
+/// carry no force. The size of the shell is chosen so that it has Stokes' drag without a tail.
 pub fn drag_of_sphere_with_tail(
     radius: f64,
     nodes: &[Vector3<f64>],
@@ -25,7 +26,7 @@ pub fn drag_of_sphere_with_tail(
     factor * drag(radius * wanted / alone, nodes[0], nodes, regularization)
 }
 
-/// The same over 8πη for a shell of a given radius.
+/// This drag divided by 8πη, for a shell with a given radius.
 fn drag(shell: f64, centre: Vector3<f64>, nodes: &[Vector3<f64>], regularization: f64) -> f64 {
     let points: Vec<Vector3<f64>> = (0..POINTS)
         .map(|k| {

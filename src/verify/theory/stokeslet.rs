@@ -1,5 +1,5 @@
-//! Drag of rods by regularised Stokeslet segments, with quadrature in place of closed forms and a dense
-//! solution in place of Krylov iterations.
+//! Drag of rods by regularised Stokeslet segments, with quadrature instead of closed forms and a
+//! dense solution instead of Krylov iterations.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use rodlab_engine::mechanics::kirchhoff::numerics::gauss_legendre;
@@ -27,7 +27,7 @@ pub fn adaptive_segment_integral(
     })
 }
 
-/// The same for any kernel of the place on the segment.
+/// These integrals for any kernel that depends on the place on the segment.
 pub fn adaptive_integral(
     start: &Vector3<f64>,
     end: &Vector3<f64>,
@@ -63,7 +63,7 @@ pub fn adaptive_integral(
     total
 }
 
-/// Forces of a polyline on the fluid, N per node, that give its nodes the velocities (m/s).
+/// Forces of a polyline on the fluid, N per node, for given velocities of its nodes (m/s).
 pub fn forces(
     nodes: &[Vector3<f64>],
     velocities: &[Vector3<f64>],
@@ -73,8 +73,9 @@ pub fn forces(
     forces_of_rods(&[nodes.len()], nodes, velocities, regularization, viscosity)
 }
 
-/// Forces of polylines on the fluid, N per node, that give their nodes the velocities (m/s): collocation at the nodes with
-/// force densities linear along each edge, dense LU. `rods` has the number of nodes of each polyline.
+/// Forces of polylines on the fluid, N per node, for given velocities of their nodes (m/s). The
+/// method is collocation at the nodes, with force densities that are linear along each edge, and a
+/// dense LU decomposition. `rods` contains the number of nodes of each polyline.
 pub fn forces_of_rods(
     rods: &[usize],
     nodes: &[Vector3<f64>],
@@ -128,7 +129,8 @@ mod tests {
         let (start, end) = (Vector3::zeros(), Vector3::new(0.0, 1e-3, 0.0));
         let x = Vector3::new(3.0, 0.0005, -2.0);
         let [first, second] = adaptive_segment_integral(&x, &start, &end, 1e-3);
-        // The weights 1 − s/L and s/L have their centres at a third and two thirds of the segment.
+        // The centroids of the weights 1 − s/L and s/L are at a third and two thirds of the
+        // segment.
         for (integral, centre) in [(first, 1.0 / 3.0), (second, 2.0 / 3.0)] {
             let point = regularized_stokeslet(&(x - start.lerp(&end, centre)), 1e-3) * 0.5e-3;
             assert!((integral - point).amax() < 1e-7 * point.amax());

@@ -1,21 +1,23 @@
-//! A slender filament that swims by waves of its natural curvature in viscous fluid, small amplitudes, finite length.
+//! A slender filament that swims by waves of its natural curvature in viscous fluid, for small
+//! amplitudes and a finite length.
 //!
-//! A filament along x with the bending stiffness B and the natural curvature Re K e^{i(kx − ωt)} moves across by
-//! y = Re Y(x) e^{−iωt}, where the drag ζ_⊥ ẏ per length balances elasticity:
+//! A filament along x with the bending stiffness B and the natural curvature Re K e^{i(kx − ωt)}
+//! moves transversely by y = Re Y(x) e^{−iωt}. The drag per length, ζ_⊥ ẏ, balances elasticity:
 //!
 //! ```text
 //! −iω ζ_⊥ Y + B (Y'' − K e^{ikx})'' = 0,     Y'' = K e^{ikx} and Y''' = ik K e^{ikx} at both free ends
 //! ```
 //!
-//! whose solution is the forced wave P e^{ikx}, P (B k⁴ − iω ζ_⊥) = −B k² K, with four free waves e^{βx}, β⁴ = iω ζ_⊥/B. The
-//! force of the fluid along x on a unit length is −ζ_∥ ẋ + (ζ_⊥ − ζ_∥) ẏ y' to second order; since that on all of the filament
-//! vanishes, it swims by
+//! The solution is the forced wave P e^{ikx}, P (B k⁴ − iω ζ_⊥) = −B k² K, and four free waves
+//! e^{βx}, β⁴ = iω ζ_⊥/B. To second order, the force of the fluid along x per length is −ζ_∥ ẋ +
+//! (ζ_⊥ − ζ_∥) ẏ y'. Since the total force on the filament vanishes, it swims with the velocity
 //!
 //! ```text
 //! U = (ζ_⊥/ζ_∥ − 1) 1/L ∫ ⟨ẏ y'⟩ dx,     ⟨ẏ y'⟩ = ½ Re(−iω Y Y'*)
 //! ```
 //!
-//! on average over a cycle. A wave y = b sin(kx − ωt) alone gives −½ (ζ_⊥/ζ_∥ − 1) b² kω (Gray and Hancock 1955).
+//! averaged over a cycle. The wave y = b sin(kx − ωt) alone gives −½ (ζ_⊥/ζ_∥ − 1) b² kω (Gray and
+//! Hancock 1955).
 
 use nalgebra::{Complex, Matrix4, Vector4};
 
@@ -38,12 +40,12 @@ pub struct Swimmer {
     pub angular_frequency: f64,
 }
 
-/// Pieces of the quadrature over the length, an even number.
+/// Number of intervals of the quadrature over the length; must be even.
 const PIECES: usize = 2000;
 
 impl Swimmer {
-    /// U, m/s; positive in the direction of the wave. `None` if the free waves cannot satisfy the
-    /// end conditions.
+    /// Swimming speed U, m/s; positive in the direction of the wave. `None` if the free waves
+    /// cannot satisfy the end conditions.
     pub fn speed(&self) -> Option<f64> {
         let i = Complex::i();
         let (k, omega) = (self.wave_number, self.angular_frequency);
@@ -53,7 +55,7 @@ impl Swimmer {
             / (Complex::from(stiffness * k.powi(4)) - drag);
         let root = (drag / stiffness).powf(0.25);
         let roots = [root, i * root, -root, -i * root];
-        // Each free wave is 1 at the end where it is largest.
+        // Each free wave is scaled to 1 at the end at which it is largest.
         let free = |beta: Complex<f64>, x: f64| {
             let from = if beta.re > 0.0 { self.length } else { 0.0 };
             (beta * (x - from)).exp()
@@ -68,7 +70,7 @@ impl Swimmer {
             let natural = Complex::from(self.curvature) * (i * k).powi(order - 2);
             (natural - forced * (i * k).powi(order)) * (i * k * x).exp()
         });
-        // Rows of third derivatives are larger by |β|.
+        // Rows of third derivatives are larger by the factor |β|.
         let scales = [1.0, root.norm()].map(|scale| 1.0 / scale);
         let scale = |row: usize| Complex::from(scales[row % 2]);
         let matrix = Matrix4::from_fn(|row, column| matrix[(row, column)] * scale(row));

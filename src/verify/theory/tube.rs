@@ -1,6 +1,7 @@
-//! A heavy rod pushed into a horizontal tube. With its angle θ(x) in the tube, the bending stiffness EI, the weight w per length,
-//! the clearance r, lengths in units of (EI r/w)^¼ and the push f in units of √(EI w/r), its energy beyond that of the straight
-//! rod under the same push, per length and over w r, is for small slopes
+//! A heavy rod pushed into a horizontal tube. It has the angle θ(x) in the tube, the bending
+//! stiffness EI, the weight w per length and the clearance r. Lengths are in units of (EI r/w)^¼,
+//! and the push f is in units of √(EI w/r). For small slopes, the difference between its energy
+//! and that of the straight rod under the same push, per length and divided by w r, is
 //!
 //! ```text
 //! e = ½ θ″² + ½ θ′⁴ − ½ f θ′² + 1 − cos θ
@@ -8,22 +9,22 @@
 
 use rodlab_engine::mechanics::kirchhoff::numerics::bisect;
 
-/// Push at which the straight rod begins to snake (Dawson and Paslay 1984): θ = a sin kx has the energy
-/// e = ¼ a² (k⁴ − f k² + 1), first negative for k = 1 and f = 2.
+/// Push at which the straight rod begins to snake (Dawson and Paslay 1984). The snake θ = a sin kx
+/// has the energy e = ¼ a² (k⁴ − f k² + 1), which first becomes negative for k = 1 and f = 2.
 pub const SNAKE: f64 = 2.0;
 
-/// Push at which a helix that turns evenly, θ = kx, has the energy of the straight rod (Chen, Lin and Cheatham 1990):
-/// e = ½ k⁴ − ½ f k² + 1, zero at first for k⁴ = 2 and f = 2√2.
+/// Push at which a uniform helix, θ = kx, has the energy of the straight rod (Chen, Lin and
+/// Cheatham 1990). The energy e = ½ k⁴ − ½ f k² + 1 first becomes zero for k⁴ = 2 and f = 2√2.
 pub const EVEN_HELIX: f64 = 2.0 * std::f64::consts::SQRT_2;
 
-/// The same of a helix of the wave number k that turns faster near the top, θ = kx + a sin kx. To
-/// second order in a
+/// Push at which a helix with the wave number k that turns faster near the top, θ = kx + a sin kx,
+/// has the energy of the straight rod. To second order in a
 ///
 /// ```text
 /// e = ½ k⁴ − ½ f k² + 1 + ½ a + q a²,     q = (7 k⁴ − f k²)/4
 /// ```
 ///
-/// least for a = −1/4q, which takes 1/16q from the energy.
+/// The energy is least for a = −1/4q, which reduces it by 1/16q.
 pub fn uneven_helix(wave_number: f64) -> f64 {
     let square = wave_number * wave_number;
     bisect(2.0, 4.0, |push| {

@@ -1,13 +1,13 @@
-//! Drag of rods beside a wall: regularised Stokeslets with their images term by term, by quadrature and a dense solution, and
-//! the drag of a long cylinder in closed form.
+//! Drag of rods beside a wall, from regularised Stokeslets with their images term by term,
+//! quadrature and a dense solution; and the drag of a long cylinder in closed form.
 
 use super::stokeslet::{adaptive_integral, regularized_stokeslet};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use std::f64::consts::PI;
 
-/// Velocity per force at `x`, times 8πη, of a regularised Stokeslet at `y` over the wall z = 0 with its images as Ainley et al.
-/// (2008) list them: the Stokeslet at the mirrored point, a dipole of the blob 3ε²/(4π R⁵), a doublet, and the difference
-/// of two rotlets.
+/// Velocity per force at `x`, times 8πη, of a regularised Stokeslet at `y` above the wall z = 0,
+/// with the images listed by Ainley et al. (2008): the Stokeslet at the mirrored point, a dipole
+/// of the blob 3ε²/(4π R⁵), a doublet, and the difference of two rotlets.
 pub fn stokeslet_at_wall(x: &Vector3<f64>, y: &Vector3<f64>, regularization: f64) -> Matrix3<f64> {
     let height = y.z;
     let v = x - Vector3::new(y.x, y.y, -height);
@@ -29,8 +29,8 @@ pub fn stokeslet_at_wall(x: &Vector3<f64>, y: &Vector3<f64>, regularization: f64
         + images
 }
 
-/// The force that a polyline over the wall z = 0 exerts on the fluid when all of it moves at unit speed along x, y or z: columns,
-/// N s/m.
+/// The force that a polyline above the wall z = 0 exerts on the fluid in a rigid motion with unit
+/// speed along x, y or z. Each direction is a column, N s/m.
 pub fn drag_at_wall(nodes: &[Vector3<f64>], regularization: f64, viscosity: f64) -> Matrix3<f64> {
     let count = nodes.len();
     let mut matrix = DMatrix::zeros(3 * count, 3 * count);
@@ -66,8 +66,9 @@ pub fn drag_at_wall(nodes: &[Vector3<f64>], regularization: f64, viscosity: f64)
     drag
 }
 
-/// Drag per length and velocity of a long cylinder that glides along its axis at a height over a wall, N s/m²:
-/// 2πη/arcosh(height/radius), exact (Couette flow between a cylinder and a plane in bipolar coordinates).
+/// Drag per length and velocity of a long cylinder that moves along its axis at a height above a
+/// wall, N s/m²: 2πη/arcosh(height/radius), exact (Couette flow between a cylinder and a plane in
+/// bipolar coordinates).
 pub fn gliding_cylinder(viscosity: f64, radius: f64, height: f64) -> f64 {
     2.0 * PI * viscosity / libm::acosh(height / radius)
 }
@@ -97,9 +98,9 @@ mod tests {
 
     #[test]
     fn a_sphere_of_forces_near_the_wall_is_slowed_as_faxen_found() {
-        // The velocity of a blob under a force is reduced by 9a/16h along the wall and 9a/8h across
-        // it (Faxén 1922, Lorentz 1907), a the radius of the sphere of the same drag: 8πη u =
-        // (6πηa)⁻¹ 8πη f = 4/(3a) f.
+        // The velocity of a blob under a force is reduced by 9a/16h along the wall and 9a/8h
+        // across it (Faxén 1922, Lorentz 1907), where a is the radius of a sphere with the same
+        // drag: 8πη u = (6πηa)⁻¹ 8πη f = 4/(3a) f.
         let epsilon = 1e-3;
         let radius = 4.0 / 3.0 / (2.0 / epsilon);
         let y = Vector3::new(0.0, 0.0, 50.0 * radius);
