@@ -1,4 +1,4 @@
-//! Natural curvature as an array: an actuation of both curvatures of each rod.
+//! Natural curvature as an array, by actuation of both curvatures of each rod.
 
 use rodlab_engine::mechanics::dynamics::{Simulation, SimulationError};
 use rodlab_engine::mechanics::scene::{ActuatedStrain, Actuation, Course, RodDescription, Scene};
@@ -7,7 +7,7 @@ use std::ops::Range;
 /// The rods whose natural curvature a program sets.
 #[derive(Clone, Debug, Default)]
 pub struct CurvedRods {
-    /// Nodes of each, and its two actuations.
+    /// Nodes of each rod, and its two actuations.
     rods: Vec<(Range<usize>, [usize; 2])>,
 }
 
@@ -44,7 +44,7 @@ impl CurvedRods {
         Self { rods }
     }
 
-    /// Whether there are any.
+    /// Whether there are no such rods.
     pub fn is_empty(&self) -> bool {
         self.rods.is_empty()
     }

@@ -9,19 +9,19 @@ use numpy::{
 use pyo3::prelude::*;
 use rodlab_engine::mechanics::Vector3;
 
-/// An array n × 3.
+/// Creates an array n × 3.
 pub fn rows<'py>(py: Python<'py>, vectors: &[Vector3]) -> Bound<'py, PyArray2<f64>> {
     let flat = vectors.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
     table(py, [vectors.len(), 3], flat)
 }
 
-/// An array of a shape, from its elements row by row.
+/// Creates an array with two dimensions from its elements, row by row.
 pub fn table<'py>(py: Python<'py>, shape: [usize; 2], flat: Vec<f64>) -> Bound<'py, PyArray2<f64>> {
     let array = Array2::from_shape_vec(shape, flat).expect("one element for each place");
     array.into_pyarray(py)
 }
 
-/// An array of a shape, from its elements row by row.
+/// Creates an array with three dimensions from its elements, row by row.
 pub fn cube<'py>(py: Python<'py>, shape: [usize; 3], flat: Vec<f64>) -> Bound<'py, PyArray3<f64>> {
     let array = Array3::from_shape_vec(shape, flat).expect("one element for each place");
     array.into_pyarray(py)
@@ -32,10 +32,11 @@ pub fn column(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>> {
     values.into_pyarray(py)
 }
 
-/// The elements of something like an array, row by row, if it has one of the `shapes` and all are finite.
+/// The number of the matching shape in `shapes` and the elements of an array-like object, row by
+/// row; all must be finite.
 ///
 /// # Errors
-/// What is expected instead, after the name of the argument.
+/// A message with the name of the argument and the expected shapes.
 pub fn elements(
     py: Python<'_>,
     name: &str,
@@ -83,14 +84,14 @@ fn in_words(shape: &[usize]) -> String {
 pub struct Written {
     name: &'static str,
     shape: Vec<usize>,
-    /// Made when it is asked for first.
+    /// The array; created at its first use.
     array: Option<Py<PyAny>>,
-    /// Its elements when they were read last.
+    /// Elements at the last read.
     read: Vec<f64>,
 }
 
 impl Written {
-    /// An array of a shape, at first full of zeros.
+    /// Creates an array with a shape, filled with zeros.
     pub fn new(name: &'static str, shape: &[usize]) -> Self {
         Self {
             name,
@@ -112,14 +113,14 @@ impl Written {
         Ok(array.clone_ref(py))
     }
 
-    /// Writes all elements; numbers and rows are repeated as NumPy does it.
+    /// Writes all elements; numbers and rows are repeated (broadcast) as in NumPy.
     pub fn assign(&mut self, py: Python<'_>, values: &Bound<'_, PyAny>) -> PyResult<()> {
         let array = self.array(py)?;
         let assigned = array.bind(py).set_item(py.Ellipsis(), values);
         assigned.map_err(|error| bad_argument(format!("{}: {}", self.name, error.value(py))))
     }
 
-    /// Elements that differ from those that were read last.
+    /// Reads the elements; returns them if they differ from the last read.
     pub fn changed(&mut self, py: Python<'_>) -> PyResult<Option<&[f64]>> {
         let Some(array) = &self.array else {
             return Ok(None);
@@ -141,12 +142,12 @@ impl Written {
         Ok(Some(&self.read))
     }
 
-    /// Elements that were read last.
+    /// Elements at the last read.
     pub fn last_read(&self) -> &[f64] {
         &self.read
     }
 
-    /// Takes over elements that another state had, also into the array that the program holds.
+    /// Restores the elements of another state, also in the array that the program holds.
     pub fn put_back(&mut self, py: Python<'_>, elements: &[f64]) -> PyResult<()> {
         self.read.copy_from_slice(elements);
         if let Some(array) = self.array.take() {
@@ -167,7 +168,7 @@ pub fn vectors(flat: &[f64]) -> Vec<Vector3> {
         .collect()
 }
 
-/// Copies vectors into an array n × 3 that exists.
+/// Copies vectors into an existing array n × 3.
 pub fn copy_rows(array: &Bound<'_, PyArray2<f64>>, vectors: &[Vector3]) -> PyResult<()> {
     let shape = [vectors.len(), 3];
     if array.shape() != shape {

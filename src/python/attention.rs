@@ -4,10 +4,10 @@ use pyo3::prelude::*;
 use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
-/// Time between two looks at the signals.
+/// Time between two checks for signals.
 pub const BETWEEN: Duration = Duration::from_millis(20);
 
-/// Looks at the signals of the program from time to time.
+/// Checks periodically for signals to the program.
 pub struct Attention {
     last: Cell<Instant>,
     /// The exception of a signal, such as `KeyboardInterrupt`.
@@ -15,7 +15,7 @@ pub struct Attention {
 }
 
 impl Attention {
-    /// Begins to look.
+    /// Starts to check.
     pub fn new() -> Self {
         Self {
             last: Cell::new(Instant::now()),
@@ -23,7 +23,8 @@ impl Attention {
         }
     }
 
-    /// Whether no signal has asked to stop. It is called without the lock of the interpreter.
+    /// Whether the call may continue, since no signal requests a stop. Must be called without the
+    /// lock of the interpreter.
     pub fn continues(&self) -> bool {
         if self.raised.borrow().is_some() {
             return false;
@@ -38,7 +39,7 @@ impl Attention {
         true
     }
 
-    /// The exception to raise, if a signal came.
+    /// The exception to raise, if a signal arrived.
     pub fn finish(self) -> PyResult<()> {
         self.raised.into_inner().map_or(Ok(()), Err)
     }

@@ -23,7 +23,7 @@ pub struct Batch {
     cases: Vec<Case>,
     nodes: usize,
     forces: Written,
-    /// Scratch of the threads.
+    /// Unused work memory for the threads.
     spare: Mutex<Vec<Lockstep>>,
 }
 
@@ -40,7 +40,7 @@ impl Case {
         })
     }
 
-    /// Sets clamps in motion that are to move until the first of some times.
+    /// Starts the motions of clamps that must end at the first of the given times.
     fn carry(&mut self, until: &[Option<f64>]) {
         let now = self.stepper.run.simulation.time();
         if let Some(&Some(first)) = until.first()
@@ -127,10 +127,10 @@ impl Batch {
                         advance_group(group, &mut lockstep, &goes_on);
                         spare.lock().unwrap().push(lockstep);
                     });
-                    // The other side waits for it.
+                    // The receiver waits for this message.
                     let _ = finish.send(());
                 });
-                // Signals are looked at by the thread that called.
+                // The calling thread checks for signals.
                 let attention = Attention::new();
                 while let Err(RecvTimeoutError::Timeout) = finished.recv_timeout(BETWEEN) {
                     if !attention.continues() {
@@ -221,7 +221,7 @@ impl Batch {
             };
             let now = case.stepper.run.simulation.time();
             let step = first - now;
-            // As a simulation that is stepped as often.
+            // The times are those of a single simulation with the same number of steps.
             let ends = std::iter::successors(Some(first), |end| Some(end + step));
             Ok(ends.take(count).map(Some).collect())
         })

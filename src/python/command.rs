@@ -31,7 +31,7 @@ pub fn command(py: Python<'_>, arguments: Vec<OsString>) -> PyResult<String> {
     }
 }
 
-/// Return the demonstrations that arguments of the command line ask for; None for any other command.
+/// Return the demonstrations that a command line requests; None for any other command.
 #[pyfunction]
 pub fn demonstrations<'py>(
     py: Python<'py>,

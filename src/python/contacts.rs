@@ -21,7 +21,7 @@ pub struct Contacts {
     /// Forces on the first of each pair, friction included, m × 3, N.
     #[pyo3(get)]
     forces: Py<PyArray2<f64>>,
-    /// Unit vectors from the second to the first, m × 3.
+    /// Unit vectors from the second body to the first, m × 3.
     #[pyo3(get)]
     normals: Py<PyArray2<f64>>,
     /// Distances of centrelines, m, m.
@@ -30,7 +30,7 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    /// Those of a simulation.
+    /// The contacts of a simulation.
     pub fn of(py: Python<'_>, simulation: &Simulation) -> Self {
         let contacts = simulation.contacts();
         let positions = simulation.positions();
@@ -57,7 +57,8 @@ impl Contacts {
     }
 }
 
-/// Where the force on the first body acts on its centreline: the mean of its nodes, weighed with their forces along the normal.
+/// Point on the centreline of the first body at which the force acts: the mean of its nodes,
+/// weighted with their forces along the normal.
 fn point(contact: &ActiveContact, positions: &[Vector3]) -> Vector3 {
     let forces = contact
         .force

@@ -1,4 +1,4 @@
-//! Exceptions, which `rodlab/errors.py` defines, with the texts of the command line.
+//! Exceptions with the messages of the command line; `rodlab/errors.py` defines them.
 
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -37,7 +37,7 @@ pub fn of_exit_code(exit_code: u8, message: &str) -> PyErr {
     Python::attach(raise).unwrap_or_else(|error| error)
 }
 
-/// The exception for a fault of an argument.
+/// The exception for an invalid argument.
 pub fn bad_argument(message: impl Into<String>) -> PyErr {
     of_exit_code(2, &message.into())
 }
@@ -55,7 +55,7 @@ pub fn of_run(error: &RunError) -> PyErr {
     of_exit_code(rodlab::cli::exit_code_of_run(error), &error.to_string())
 }
 
-/// The exception for derivatives that do not exist.
+/// The exception for a failed differentiation.
 pub fn of_sensitivity(error: SensitivityError) -> PyErr {
     let (exit_code, message) = rodlab::cli::failure_of_sensitivity(error);
     of_exit_code(exit_code, &message)

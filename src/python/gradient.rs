@@ -1,4 +1,4 @@
-//! Derivatives of probes over keys and over fields along rods as arrays.
+//! Derivatives of probes with respect to keys and to fields along rods, as arrays.
 
 use crate::arrays::{column, cube, table};
 use crate::attention::Attention;

@@ -51,7 +51,7 @@ mod _rodlab {
     #[pymodule_export]
     use super::stepper::StepReport;
 
-    /// Adds the version, and names the exceptions here, too.
+    /// Adds the version and the exceptions to the module.
     #[pymodule_init]
     fn complete(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
         use pyo3::types::{PyAnyMethods, PyModuleMethods};

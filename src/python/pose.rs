@@ -20,7 +20,7 @@ pub struct Target {
 }
 
 impl Target {
-    /// A pose 4 × 4, or a position of 3 numbers.
+    /// A target from a pose 4 × 4, or from a position of 3 numbers.
     pub fn new(clamp: usize, flat: &[f64]) -> PyResult<Self> {
         if flat.len() == 3 {
             return Ok(Self {
@@ -45,7 +45,7 @@ impl Target {
         })
     }
 
-    /// From something like an array.
+    /// Reads a target from an array-like object.
     pub fn read(py: Python<'_>, clamp: usize, pose: &Bound<'_, PyAny>) -> PyResult<Self> {
         let (_, flat) = elements(py, "pose", pose, &[&[4, 4], &[3]])?;
         Self::new(clamp, &flat)
@@ -56,7 +56,7 @@ impl Target {
         self.clamp
     }
 
-    /// Sets the clamp in motion from where it is.
+    /// Starts the motion of the clamp from its current pose.
     pub fn carry(&self, simulation: &mut Simulation, until: f64) -> PyResult<()> {
         let frame = self.frame.map(|frame| {
             nalgebra::UnitQuaternion::from_matrix_eps(&frame, 1e-14, 100, nalgebra::one())
@@ -66,10 +66,10 @@ impl Target {
     }
 }
 
-/// The clamp of a number.
+/// The clamp with a number.
 ///
 /// # Errors
-/// It does not exist, or was released.
+/// The clamp does not exist, or was released.
 pub fn held(simulation: &Simulation, clamp: usize) -> PyResult<HeldPose> {
     simulation.clamp_pose(clamp).ok_or_else(|| {
         let clamps = simulation.clamps();
@@ -80,7 +80,7 @@ pub fn held(simulation: &Simulation, clamp: usize) -> PyResult<HeldPose> {
     })
 }
 
-/// A pose as an array 4 × 4.
+/// Creates an array 4 × 4 from a pose.
 pub fn matrix<'py>(py: Python<'py>, held: &HeldPose) -> Bound<'py, PyArray2<f64>> {
     let pose = nalgebra::Isometry3::from_parts(held.position.into(), held.frame);
     let pose = pose.to_homogeneous();

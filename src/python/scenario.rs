@@ -20,7 +20,7 @@ pub struct Scenario {
     reader: Arc<Reader>,
 }
 
-/// Reads a scenario from where it comes from, with further overrides.
+/// Reads a scenario from its source, with further overrides.
 type Reader = dyn Fn(&[String]) -> Result<Loaded, ScenarioError> + Send + Sync;
 
 impl Scenario {
@@ -37,7 +37,7 @@ impl Scenario {
         })
     }
 
-    /// The scenario with further overrides, `key=value` each.
+    /// Returns a function that reads the scenario with further overrides of the form `key=value`.
     pub fn source(&self) -> impl Fn(&[String]) -> Result<Loaded, ScenarioError> + use<> {
         let reader = Arc::clone(&self.reader);
         move |more| reader(more)
@@ -158,7 +158,7 @@ impl Scenario {
     }
 }
 
-/// The folder relative to which a scenario names files.
+/// The folder to which file names in a scenario are relative.
 fn folder(given: Option<PathBuf>) -> PathBuf {
     given.unwrap_or_else(|| PathBuf::from("."))
 }

@@ -1,4 +1,4 @@
-//! A simulation: its steps, its actions, its state.
+//! A simulation with its steps, actions and state.
 
 use crate::arrays::{Written, column, copy_rows, cube, rows, table, vectors};
 use crate::attention::Attention;
@@ -20,14 +20,14 @@ use rodlab_engine::mechanics::system::Grasp;
 use rodlab_files::results::Value;
 use rodlab_lab::run::Mode;
 
-/// A scene in motion, with n nodes in all: rod after rod.
+/// A scene in motion with n nodes in total, rod after rod.
 #[pyclass(module = "rodlab._rodlab")]
 pub struct Simulation {
     stepper: Stepper,
     forces: Written,
     torques: Written,
     curvature: Written,
-    /// Whether the program has changed what the scenario does by itself.
+    /// Whether the program has changed the course of the scenario.
     intervened: bool,
 }
 

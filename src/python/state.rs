@@ -6,16 +6,16 @@ use pyo3::types::PyBytes;
 use rodlab_lab::run::LiveState;
 use serde::{Deserialize, Serialize};
 
-/// All that influences the future of a simulation.
+/// All data that determine the future of a simulation.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Saved {
     /// The run.
     pub run: LiveState,
     /// Forces and moments that the program applies.
     pub actions: [Vec<f64>; 2],
-    /// Natural curvature that it sets.
+    /// Natural curvature that the program sets.
     pub curvature: Vec<f64>,
-    /// Whether it has left the course of the scenario.
+    /// Whether the program has changed the course of the scenario.
     pub intervened: bool,
 }
 

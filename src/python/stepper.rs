@@ -9,11 +9,11 @@ use rodlab_engine::mechanics::dynamics::{self, SimulationError, StepSize};
 use rodlab_lab::run::{LiveRun, LiveState, PreparedRun};
 use std::sync::Arc;
 
-/// What a call of `step` or `run` did.
+/// Report on a call of `step` or `run`.
 #[pyclass(frozen, get_all, module = "rodlab._rodlab")]
 #[derive(Clone, Default)]
 pub struct StepReport {
-    /// Time at its end, s.
+    /// Time at the end of the call, s.
     pub time: f64,
     /// Size of the last step, s.
     step: f64,
@@ -21,11 +21,11 @@ pub struct StepReport {
     steps: usize,
     /// Newton iterations.
     newton_iterations: usize,
-    /// Contacts with a force at the end.
+    /// Number of contacts with a force at the end.
     contacts: usize,
-    /// Steps that were repeated.
+    /// Number of repeated steps.
     retries: usize,
-    /// Why the scenario's own condition ended the motion, if it did.
+    /// Reason, if the scenario's own condition ended the motion.
     ended: Option<String>,
 }
 
@@ -49,19 +49,19 @@ impl StepReport {
     }
 }
 
-/// A simulation, and the poses that its clamps are to have.
+/// A simulation, and the target poses of its clamps.
 pub struct Stepper {
     pub scenario: Scenario,
     pub prepared: Arc<PreparedRun>,
     pub run: LiveRun,
     pub curved: CurvedRods,
-    /// Poses that clamps are to have at the end of the next step.
+    /// Target poses of clamps at the end of the next step.
     targets: Vec<Target>,
 }
 
-/// Why a stepper stopped.
+/// Reason why a stepper stopped.
 pub enum Stopped {
-    /// A signal came.
+    /// A signal arrived.
     Signal,
     /// A step failed.
     Failed(SimulationError),
@@ -90,7 +90,7 @@ impl Stepper {
         })
     }
 
-    /// Continues from a state, bit for bit; where that fails, nothing changes.
+    /// Restores a state bit for bit. If that fails, nothing changes.
     pub fn restore(&mut self, state: LiveState) -> PyResult<()> {
         // Nodes may have been grasped and released since the state was saved.
         let restored = LiveRun::new(&self.prepared).and_then(|mut run| {
@@ -124,7 +124,7 @@ impl Stepper {
         Ok(())
     }
 
-    /// Size of the scenario's steps, if they have a fixed one, s.
+    /// Size of the scenario's steps, s, if it is fixed.
     pub fn fixed_step(&self) -> Option<f64> {
         match self.prepared.integration.step {
             StepSize::Fixed(step) => Some(step),
@@ -132,7 +132,7 @@ impl Stepper {
         }
     }
 
-    /// Time at which a call of `step` ends; `None`: after one step, wherever it ends.
+    /// Time at which a call of `step` ends; `None` if it ends after one step of any size.
     pub fn end_of_step(&self, duration: Option<f64>) -> PyResult<Option<f64>> {
         let now = self.run.simulation.time();
         match duration {
@@ -150,7 +150,7 @@ impl Stepper {
         }
     }
 
-    /// Sets the clamps in motion that are to move.
+    /// Starts the motions of clamps with a target.
     pub fn carry(&mut self, until: f64) -> PyResult<()> {
         for target in std::mem::take(&mut self.targets) {
             target.carry(&mut self.run.simulation, until)?;
@@ -158,7 +158,7 @@ impl Stepper {
         Ok(())
     }
 
-    /// Takes steps up to `until`, or one.
+    /// Takes steps up to `until`, or a single step.
     pub fn advance(
         &mut self,
         until: Option<f64>,

@@ -8,13 +8,13 @@ use pyo3::types::{
 };
 use toml::{Table, Value};
 
-/// Deepest nesting of a value.
+/// Largest depth of nested values.
 const DEEPEST: usize = 64;
 
-/// A table from a mapping. Keys with the value `None` are left out.
+/// Converts a mapping to a table. Keys with the value `None` are omitted.
 ///
 /// # Errors
-/// A key that is not text, or a value that no scenario has, with the place of either.
+/// A key is not text, or a value cannot occur in a scenario; the message gives the place.
 pub fn table(mapping: &Bound<'_, PyMapping>) -> PyResult<Table> {
     entries(mapping, "", 0)
 }
@@ -82,7 +82,7 @@ fn one(value: &Bound<'_, PyAny>, place: &str, depth: usize) -> PyResult<Value> {
             .map(|(index, item)| one(&item, &format!("{place}.{index}"), depth + 1));
         return Ok(Value::Array(values.collect::<PyResult<_>>()?));
     }
-    // Numbers of NumPy and objects with a name, such as rods of a scene.
+    // Accept numbers of NumPy, and objects with a name, such as rods of a scene.
     if let Ok(number) = value.extract::<f64>() {
         return Ok(match value.call_method0("__index__") {
             Ok(index) => Value::Integer(index.extract()?),
@@ -98,10 +98,10 @@ fn one(value: &Bound<'_, PyAny>, place: &str, depth: usize) -> PyResult<Value> {
     )))
 }
 
-/// Lists of the numbers of an array, one for each of its dimensions.
+/// Converts an array to nested lists of numbers, one level per dimension.
 fn numbers(array: &Bound<'_, PyUntypedArray>, place: &str, depth: usize) -> PyResult<Value> {
     if array.ndim() == 0 || array.dtype().kind() != b'f' {
-        // Through the values of Python that it holds.
+        // Convert other arrays through their Python values.
         return one(&array.call_method0("tolist")?, place, depth + 1);
     }
     let floats = array.call_method1("astype", ("float64",))?;
@@ -121,7 +121,7 @@ fn name_of_type(value: &Bound<'_, PyAny>) -> String {
     name.map_or_else(|_| "another object".to_owned(), |name| name.to_string())
 }
 
-/// An empty dictionary that is filled with pairs.
+/// Creates a dictionary from pairs.
 pub fn dictionary<'py, V: IntoPyObject<'py>>(
     py: Python<'py>,
     pairs: impl IntoIterator<Item = (&'static str, V)>,

@@ -44,7 +44,7 @@ def command(arguments: Sequence[str]) -> str:
     """Run the command line, and return its standard output; a failure raises its error."""
 
 def demonstrations(arguments: Sequence[str]) -> dict[str, Any] | None:
-    """Return the demonstrations that arguments of the command line ask for; None for any other command."""
+    """Return the demonstrations that a command line requests; None for any other command."""
 
 @final
 class Scenario:
