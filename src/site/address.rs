@@ -1,11 +1,11 @@
-//! Addresses of links: paths in the repository.
+//! Addresses of links, which are paths in the repository.
 
 use std::fmt;
 
 /// Target of a link in the repository.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Address {
-    /// The file, from the root of the repository.
+    /// Path of the file from the root of the repository.
     pub path: String,
     /// The anchor on its page.
     pub anchor: Option<String>,
@@ -28,7 +28,7 @@ impl Address {
         Some(Self { path, anchor })
     }
 
-    /// Whether it is a page of the site.
+    /// Whether the target is a page of the site.
     pub fn is_page(&self) -> bool {
         self.path.ends_with(".md")
     }
@@ -44,7 +44,7 @@ impl fmt::Display for Address {
     }
 }
 
-/// A path beside a page, from the root.
+/// Converts a path relative to a page to a path from the root.
 fn joined(page: &str, path: &str) -> String {
     let mut parts: Vec<&str> = page.split('/').collect();
     parts.pop();
@@ -67,8 +67,8 @@ pub fn html_path(page: &str) -> String {
     }
 }
 
-/// The address of a place relative to the folder of a page; that of the root, empty or with a
-/// trailing slash, if the path is empty.
+/// The address of a place relative to the folder of a page. For an empty place it is the address
+/// of the root: empty or with a trailing slash.
 pub fn relative(page: &str, place: &str) -> String {
     "../".repeat(page.matches('/').count()) + place
 }

@@ -1,7 +1,8 @@
-//! The documentation as a web site that needs no server: pages of the repository, and pages in which the program describes itself.
+//! The documentation as a web site that needs no server: pages of the repository, and pages that
+//! the program generates about itself.
 //!
-//! Pages keep their places: `src/guide/contact.md` becomes `src/guide/contact.html`, and the files
-//! that pages link to are copied beside them, so that links have the same targets as in the
+//! Pages keep their paths: `src/guide/contact.md` becomes `src/guide/contact.html`. Files to which
+//! pages link are copied to the same paths, so that links have the same targets as in the
 //! repository. Pages are found by following links from `README.md`.
 
 mod address;
@@ -24,13 +25,13 @@ const SEARCH: &str = include_str!("search.js");
 /// A generated page without a file in the repository.
 #[derive(Clone, Debug)]
 pub struct Chapter {
-    /// Its path, such as `reference/keys.md`.
+    /// Path, such as `reference/keys.md`.
     pub path: &'static str,
-    /// Its text, Markdown.
+    /// Text, Markdown.
     pub text: String,
 }
 
-/// Why a site was not built.
+/// Reason why a site was not built.
 #[derive(Debug, Error)]
 pub enum SiteError {
     /// The folder is not a checkout of the repository.
@@ -52,11 +53,11 @@ pub enum SiteError {
     Results(#[from] ResultsError),
 }
 
-/// Builds the site of a repository in a folder; returns how many pages it has. `menu` holds the paths and titles of the pages that all
-/// pages link to.
+/// Builds the site of a repository in a folder; returns the number of its pages. `menu` contains
+/// the paths and titles of the pages to which all pages link.
 ///
 /// # Errors
-/// A file cannot be read or written, or a link is broken; then nothing is written.
+/// A file cannot be read or written, or a link is broken. If a link is broken, nothing is written.
 pub fn build(
     repository: &Path,
     chapters: &[Chapter],
@@ -106,7 +107,8 @@ pub fn build(
     Ok(site.len())
 }
 
-/// All pages reachable by links from `README.md` and the chapters, by their paths.
+/// Renders all pages that can be reached by links from `README.md` and from the chapters; returns
+/// them by path.
 fn collect(
     repository: &Path,
     chapters: &[Chapter],
@@ -124,7 +126,7 @@ fn collect(
             Some(chapter) => chapter.text.clone(),
             None if file.is_file() => fs::read_to_string(&file)
                 .map_err(|error| SiteError::Unreadable { path: file, error })?,
-            // Reported with the page that links to it.
+            // The missing page is reported with the page that links to it.
             None => continue,
         };
         let page = render(&path, &opened(&path, &text));
@@ -156,7 +158,7 @@ fn broken_links(site: &BTreeMap<String, Rendered>, repository: &Path, out: &Path
         .collect()
 }
 
-/// Files of the repository that pages link to.
+/// Files of the repository to which pages link.
 fn copied(site: &BTreeMap<String, Rendered>) -> impl Iterator<Item = &String> {
     let links = site.values().flat_map(|page| &page.links);
     let files = links.filter(|link| !link.is_page() && !link.path.starts_with("api/"));

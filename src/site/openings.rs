@@ -238,8 +238,8 @@ const OPENINGS: &[[&str; 4]] = &[
     ],
 ];
 
-/// The text of a page with its opening after the title; other pages unchanged. A page whose first block of code is a command
-/// keeps that one.
+/// The text of a page with its opening after the title. Pages without an opening are unchanged. A
+/// page whose first block of code is a command keeps this command.
 pub fn opened(path: &str, text: &str) -> String {
     let name = path.strip_prefix("src/guide/");
     let name = name.and_then(|name| name.strip_suffix(".md"));

@@ -6,15 +6,15 @@ use std::collections::BTreeSet;
 
 /// A page.
 pub struct Rendered {
-    /// Its first heading.
+    /// The first heading.
     pub title: String,
     /// Content between header and footer.
     pub html: String,
-    /// Its text, for the search.
+    /// Text for the search.
     pub words: String,
     /// Its anchors.
     pub anchors: BTreeSet<String>,
-    /// Targets of its links in the repository.
+    /// Targets of links in the repository.
     pub links: Vec<Address>,
 }
 
