@@ -1,5 +1,5 @@
-//! Applications of the thesis' deployment: cables placed in clips (5.5.5) and knots tied on the table (5.5.6), ten trials each that
-//! differ by the jitter of the grippers.
+//! Applications of deployment in the thesis: cables placed in clips (5.5.5) and knots tied on the
+//! table (5.5.6). Each has ten trials with different jitter of the grippers.
 
 use super::cases::{Case, Run, prepared_table, table_of, value};
 use rodlab_lab::experiment::DeploymentOutcome;
@@ -10,13 +10,13 @@ use toml::{Table, Value, toml};
 /// A task of thesis Tab. 5.4.
 #[derive(Debug)]
 pub(super) struct Task {
-    /// Its name in the thesis.
+    /// Name in the thesis.
     pub name: &'static str,
-    /// Its name for files.
+    /// Name for files.
     pub id: &'static str,
-    /// Successes in ten trials of the thesis, by the intuitive and by the optimal scheme.
+    /// Successes in ten trials of the thesis, for the intuitive and for the optimal scheme.
     pub measured: [usize; 2],
-    /// Time, s: `time.end` of its scenario.
+    /// Simulated time, s: `time.end` of its scenario.
     end: f64,
     scenario: &'static str,
     rod: &'static str,
@@ -63,9 +63,9 @@ pub(super) const TASKS: [Task; 4] = [
     },
 ];
 
-/// Number of trials of each task by each scheme.
+/// Number of trials of each task with each scheme.
 pub(super) const TRIALS: u64 = 10;
-/// A few steps, s.
+/// Duration of a few steps, s.
 #[cfg(test)]
 const FEW_STEPS: f64 = 0.05;
 
@@ -74,16 +74,16 @@ const FEW_STEPS: f64 = 0.05;
 pub(super) struct Application {
     /// Index into [`TASKS`].
     pub task: usize,
-    /// Whether the rod is laid by the optimal grasps; else by the intuitive scheme.
+    /// Whether the rod is laid with the optimal grasps instead of the intuitive scheme.
     pub is_optimal: bool,
     /// Seed of the jitter.
     pub seed: u64,
-    /// Time, s; `None` for that of the scenario.
+    /// Shortened simulated time, s; `None` for that of the scenario.
     shortened: Option<f64>,
 }
 
 impl Application {
-    /// Ten trials of each task by each scheme; a quick version has one.
+    /// Ten trials of each task with each scheme; a quick version has one trial.
     pub fn of_table_5_4(quick: bool) -> Vec<Self> {
         let trials = if quick { 1 } else { TRIALS };
         let trial = |task: usize, is_optimal: bool| {
@@ -103,7 +103,7 @@ impl Application {
         tasks.flat_map(both).collect()
     }
 
-    /// The trials in the virtual cell: knots by the optimal scheme only.
+    /// The trials in the virtual cell; knots only with the optimal scheme.
     pub fn of_table_5_4_in_cell(quick: bool) -> Vec<Self> {
         let mut trials = Self::of_table_5_4(quick);
         trials.retain(|trial| {
@@ -112,7 +112,7 @@ impl Application {
         trials
     }
 
-    /// The scheme by its name.
+    /// Name of the scheme.
     pub fn scheme(&self) -> &'static str {
         if self.is_optimal {
             "optimal"
@@ -121,7 +121,7 @@ impl Application {
         }
     }
 
-    /// The scenario of the task, its rod and its patterns in it.
+    /// The scenario of the task, with its rod and its patterns.
     fn scenario(&self) -> Table {
         let task = &TASKS[self.task];
         let mut scenario = table_of(task.scenario);
@@ -140,7 +140,7 @@ impl Application {
         if let Some(end) = self.shortened {
             set("pattern", toml! { kind = "line" length = 0.002 }.into());
             set("release", (0.5 * end).into());
-            // The line has neither clips nor crossings, and there is no time for another one.
+            // The shortened scenario lays a short line, without clips, crossings or a second rod.
             deployment.retain(|key, _| !["clips", "knot", "second"].contains(&key));
             return scenario;
         }
@@ -155,7 +155,7 @@ impl Application {
     }
 }
 
-/// Each stroke of the program's own drawing as a pattern.
+/// Each stroke of a built-in drawing as a pattern.
 fn strokes(svg: &str) -> Vec<Table> {
     let strokes = read_svg(svg).expect("the drawings of the repository are patterns");
     let pattern = |number: usize| {

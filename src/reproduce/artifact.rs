@@ -1,4 +1,4 @@
-//! The artefacts: one value for each table and figure, with its runs and its page.
+//! The artefacts, one for each table and figure, with its runs and its page.
 
 use super::cases::{Case, Run, run_all};
 use super::page::{Heading, Page, PageFigure};
@@ -6,8 +6,8 @@ use super::{ReproduceOptions, Result};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// A table or figure of the thesis, or one about this engine itself; each is declared beside the
-/// code of its page.
+/// A table or figure of the thesis, or a table or figure about this engine itself. Each is
+/// declared next to the code of its page.
 pub struct Artifact {
     pub(super) name: &'static str,
     pub(super) title: &'static str,
@@ -15,17 +15,17 @@ pub struct Artifact {
 }
 
 impl Artifact {
-    /// Its name on the command line and of directories.
+    /// Name on the command line and of directories.
     pub fn name(&self) -> &'static str {
         self.name
     }
 
-    /// Its title, with its number.
+    /// Title with its number.
     pub fn title(&self) -> &'static str {
         self.title
     }
 
-    /// Name and title of its page.
+    /// Name and title of the page.
     pub(super) fn heading(&self) -> Heading {
         Heading {
             name: self.name,
@@ -33,7 +33,7 @@ impl Artifact {
         }
     }
 
-    /// Rough cost of all its runs on one core, s.
+    /// Rough cost of all runs on one core, s.
     pub fn cost(&self, quick: bool) -> f64 {
         self.recipe.cost(quick)
     }
@@ -62,20 +62,20 @@ pub(super) trait Recipe: Sync {
     /// Writes the page.
     fn write(&self, page: &mut Page, cases: &[Case<Self::Run>]) -> Result<()>;
 
-    /// Draws the figures from the table alone, if it is sufficient.
+    /// Draws the figures from the table alone, if the table is sufficient.
     fn figures_of_table(&self, _: &Path) -> Option<Result<Vec<PageFigure>>> {
         None
     }
 }
 
-/// A page whose figures show more than a table holds.
+/// A page whose figures need more data than a table contains.
 pub(super) struct Free<R> {
     runs: fn(quick: bool) -> Vec<R>,
     write: fn(&mut Page, &[Case<R>]) -> Result<()>,
 }
 
 impl<R> Free<R> {
-    /// Runs and the writer of their page.
+    /// Combines runs with the writer of their page.
     pub const fn new(
         runs: fn(quick: bool) -> Vec<R>,
         write: fn(&mut Page, &[Case<R>]) -> Result<()>,
@@ -101,10 +101,10 @@ pub(super) trait AnyRecipe: Sync {
     /// Rough cost of all runs on one core, s.
     fn cost(&self, quick: bool) -> f64;
 
-    /// Draws the figures from the table alone, if it is sufficient.
+    /// Draws the figures from the table alone, if the table is sufficient.
     fn redrawn(&self, table: &Path) -> Option<Result<Vec<PageFigure>>>;
 
-    /// Makes the runs and writes the page; returns the files written.
+    /// Performs the runs and writes the page; returns the written files.
     fn make(
         &self,
         artifact: &'static Artifact,
@@ -112,7 +112,7 @@ pub(super) trait AnyRecipe: Sync {
         report: &(dyn Fn(&str) + Sync),
     ) -> Result<Vec<PathBuf>>;
 
-    /// The same with a few steps of the first `count` runs.
+    /// Performs a few steps of the first `count` runs and writes the page.
     #[cfg(test)]
     fn make_shortened(
         &self,
@@ -130,12 +130,12 @@ pub(super) trait AnyRecipe: Sync {
     #[cfg(test)]
     fn kind(&self) -> &'static str;
 
-    /// Prepares a number of the runs, each of which has a rod.
+    /// Prepares a number of the runs, and checks that each has a rod.
     #[cfg(test)]
     fn check_scenarios(&self, quick: bool, count: usize);
 }
 
-/// Makes the runs of an artefact and writes its page; returns the files written.
+/// Performs the runs of an artefact and writes its page; returns the written files.
 fn make<R: Recipe + ?Sized>(
     recipe: &R,
     artifact: &Artifact,

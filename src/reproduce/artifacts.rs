@@ -1,4 +1,4 @@
-//! The list of what can be reproduced.
+//! The list of all artefacts.
 
 use super::artifact::Artifact;
 
@@ -57,7 +57,7 @@ pub static ARTIFACTS: &[Artifact] = &[
 ];
 
 impl Artifact {
-    /// The artefact of a name.
+    /// The artefact with a name.
     pub fn named(name: &str) -> Option<&'static Self> {
         ARTIFACTS.iter().find(|artifact| artifact.name == name)
     }
@@ -95,7 +95,7 @@ mod tests {
         }
     }
 
-    /// One of each kind; the test of the pages includes more.
+    /// Prepares one run of each kind. The test of the pages includes more.
     #[test]
     fn runs_of_an_artefact_are_scenarios() {
         let is_full = crate::reproduce::tests_are_full();

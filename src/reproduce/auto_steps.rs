@@ -1,5 +1,5 @@
-//! Automatic steps over the whole simulated time of the thesis, beside the growth of a small
-//! initial difference.
+//! Automatic steps over the whole simulated time of the thesis, compared with the growth of a
+//! small initial difference.
 
 use super::bundling::{Bundling, STEP_VARIANTS};
 use super::difference::{Difference, curve, differences, figure, nodes_of};
@@ -15,7 +15,8 @@ pub(super) const ARTIFACT: Artifact = Artifact {
 /// Largest difference of automatic steps, in radii.
 const BOUND: f64 = 0.5;
 
-/// Share of the simulated time after which flagella have bundled and means are computed.
+/// Fraction of the simulated time after which the flagella have bundled. Means are computed from
+/// then on.
 const BUNDLED: f64 = 0.2;
 
 /// A row of the CSV file; differences are ē of thesis Eq. 2.28.
@@ -30,11 +31,11 @@ struct Row {
     iterations_per_step: f64,
     wall_time_s: f64,
     cpu_time_s: Option<f64>,
-    /// Largest over the whole time that both runs reached.
+    /// Largest difference over the time that both runs reached.
     difference_radii: Option<f64>,
-    /// Time at which it first exceeds [`BOUND`].
+    /// Time at which the difference first exceeds [`BOUND`].
     bound_exceeded_s: Option<f64>,
-    /// Means over the output times after the part [`BUNDLED`] of the simulated time.
+    /// Means over the output times after the fraction [`BUNDLED`] of the simulated time.
     mean_bending_energy_j: f64,
     mean_contacts: f64,
 }

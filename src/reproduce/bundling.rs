@@ -21,7 +21,7 @@ pub(super) struct Bundling {
     pub scheme: Scheme,
     /// Time step.
     pub step: Step,
-    /// Relative enlargement of the helix radius, to show the growth of a small difference.
+    /// Relative enlargement of the helix radius; it shows the growth of a small difference.
     pub widening: f64,
     /// Simulated time, s.
     pub end: f64,
@@ -33,9 +33,9 @@ const HELIX_RADIUS: f64 = 0.01;
 /// Time scheme of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scheme {
-    /// That of the thesis.
+    /// The implicit Euler method, as in the thesis.
     ImplicitEuler,
-    /// Of third order.
+    /// Backward differences of third order.
     BackwardDifferences,
 }
 
@@ -52,9 +52,9 @@ impl Scheme {
 /// Time step of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Step {
-    /// Always the same, s.
+    /// Fixed step, s.
     Fixed(f64),
-    /// Chosen by the local error.
+    /// Step chosen from the local error.
     Auto,
 }
 
@@ -70,7 +70,7 @@ impl Step {
         }
     }
 
-    /// In the notation of tables: in s, or "auto".
+    /// The step as in tables: in s, or "auto".
     pub fn in_words(self) -> String {
         self.key().trim_matches('"').to_owned()
     }
@@ -83,17 +83,19 @@ pub(super) const DISTANCE_TOLERANCE: f64 = 1e-5;
 pub(super) const FLAGELLA: [usize; 4] = [2, 3, 5, 10];
 /// Numbers of flagella whose cost is measured.
 const FLAGELLA_OF_COST: [usize; 6] = [2, 5, 10, 20, 50, 100];
-/// Simulated time of the thesis and of a quick look, s.
+/// Simulated time of the thesis, and of a quick version, s.
 const END: [f64; 2] = [250.0, 20.0];
-/// The same of a difference, whose quick look has 20 s of contact.
+/// Simulated time of the difference of two models, and of its quick version with 20 s of contact,
+/// s.
 const END_OF_DIFFERENCE: [f64; 2] = [250.0, 25.0];
-/// The same of costs: 400 steps, of which the first dozens build the preconditioner.
+/// Simulated time of the cost of steps, and of its quick version, s: 400 steps, of which the first
+/// few dozen build the preconditioner.
 const END_OF_COST: [f64; 2] = [0.4, 0.05];
-/// The same of the comparison of steps.
+/// Simulated time of the comparison of steps, and of its quick version, s.
 const END_OF_STEPS: [f64; 2] = [20.0, 5.0];
 
-/// Distance tolerance δ by which contact models are compared, m: a fifth of that of the thesis,
-/// since ē shrinks with it. Smaller values are unnecessarily stiff.
+/// Distance tolerance δ for the comparison of contact models, m: a fifth of that of the thesis,
+/// since ē decreases with it. Smaller values are unnecessarily stiff.
 pub(super) const DISTANCE_TOLERANCE_OF_DIFFERENCE: f64 = 2e-6;
 /// Time steps that are compared; the first is the reference.
 pub(super) const COMPARED_STEPS: [(Scheme, Step); 12] = [
@@ -114,7 +116,7 @@ pub(super) const COMPARED_STEPS: [(Scheme, Step); 12] = [
 /// Numbers of flagella with automatic steps.
 const FLAGELLA_OF_AUTO_STEPS: [usize; 2] = [2, 10];
 
-/// Step and widening of the helices; the first is the reference.
+/// Pairs of step and widening of the helices; the first pair is the reference.
 pub(super) const STEP_VARIANTS: [(Step, f64); 3] = [(STEP, 0.0), (Step::Auto, 0.0), (STEP, 1e-8)];
 
 /// Contact models that the thesis compares.
@@ -127,7 +129,7 @@ pub(super) enum ContactModel {
 }
 
 impl ContactModel {
-    /// Its abbreviation in the literature.
+    /// Abbreviation in the literature.
     pub fn name(self) -> &'static str {
         match self {
             Self::Imc => "IMC",
@@ -144,7 +146,7 @@ impl ContactModel {
 }
 
 impl Bundling {
-    /// Flagella without friction, by the contact model of the thesis.
+    /// Flagella without friction, with the contact model of the thesis.
     fn free(flagella: usize, ends: [f64; 2], quick: bool) -> Self {
         Self {
             flagella,
@@ -158,19 +160,19 @@ impl Bundling {
         }
     }
 
-    /// Each run by both contact models, those of IMC before those of IPC.
+    /// Each run with both contact models: first all runs with IMC, then all with IPC.
     fn by_both_models(runs: &[Self]) -> Vec<Self> {
         let models = [ContactModel::Imc, ContactModel::Ipc];
         let run = |model| runs.iter().map(move |run| Self { model, ..*run });
         models.into_iter().flat_map(run).collect()
     }
 
-    /// All numbers of flagella by both contact models.
+    /// All numbers of flagella with both contact models.
     pub fn of_table_2_1(quick: bool) -> Vec<Self> {
         Self::by_both_models(&FLAGELLA.map(|flagella| Self::free(flagella, END, quick)))
     }
 
-    /// Two flagella with growing friction.
+    /// Two flagella with increasing friction.
     pub fn of_table_2_2(quick: bool) -> Vec<Self> {
         let run = |tenths| Self {
             friction: f64::from(tenths) / 10.0,
@@ -179,7 +181,7 @@ impl Bundling {
         (1..=10).map(run).collect()
     }
 
-    /// Five flagella by both contact models, with a small distance tolerance.
+    /// Five flagella with both contact models, with a small distance tolerance.
     pub fn of_figure_2_5(quick: bool) -> Vec<Self> {
         Self::by_both_models(&[Self {
             distance_tolerance: DISTANCE_TOLERANCE_OF_DIFFERENCE,
@@ -196,13 +198,13 @@ impl Bundling {
         [0.0, 0.3, 0.7].map(run).to_vec()
     }
 
-    /// Growing numbers of flagella for a short time.
+    /// Increasing numbers of flagella for a short time.
     pub fn of_cost(quick: bool) -> Vec<Self> {
         let run = |flagella| Self::free(flagella, END_OF_COST, quick);
         FLAGELLA_OF_COST.map(run).to_vec()
     }
 
-    /// Two flagella by time steps of growing size.
+    /// Two flagella with time steps of increasing size.
     pub fn of_drag_steps(quick: bool) -> Vec<Self> {
         let run = |(scheme, step)| Self {
             scheme,
@@ -212,7 +214,8 @@ impl Bundling {
         COMPARED_STEPS.map(run).to_vec()
     }
 
-    /// Fixed and automatic steps over the whole time, and a small difference to compare with.
+    /// Fixed and automatic steps over the whole time, and the growth of a small difference for
+    /// comparison.
     pub fn of_auto_steps(quick: bool) -> Vec<Self> {
         let variants = |flagella| {
             STEP_VARIANTS.map(|(step, widening)| Self {
@@ -230,7 +233,7 @@ impl Bundling {
 }
 
 impl Run for Bundling {
-    /// Its name, such as `m2_imc_mu0.3_250s`.
+    /// Name of the run, such as `m2_imc_mu0.3_250s`.
     fn id(&self) -> String {
         let Self {
             flagella,
@@ -283,15 +286,15 @@ impl Run for Bundling {
         self.end
     }
 
-    /// Rough cost on one core, s: the cost of the fluid grows with the square of the number of
-    /// flagella, up to a thousand nodes, above which the fluid is computed by clusters.
+    /// Rough cost on one core, s. The cost of the fluid grows with the square of the number of
+    /// flagella up to a thousand nodes; beyond, the fluid is computed with clusters.
     fn cost(&self) -> f64 {
         let flagella = self.flagella as f64;
         let rubbing = 1.0 + 3.0 * self.friction;
         let cost_of_step = 0.1e-3 * flagella + 0.04e-3 * flagella * flagella.min(40.0);
         let step = match self.step {
             Step::Fixed(step) => step,
-            // As measured with two flagella in contact.
+            // Mean step, as measured with two flagella in contact.
             Step::Auto => 3e-3,
         };
         self.end / step * cost_of_step * rubbing

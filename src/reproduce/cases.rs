@@ -1,4 +1,4 @@
-//! Runs, some at a time, each in its own results directory.
+//! Performs runs, several at a time, each in its own results directory.
 
 use super::{ReproduceError, ReproduceOptions, Result};
 use rodlab_files::results::{CaseRecord, MAIN_CASE, Manifest};
@@ -12,14 +12,14 @@ use toml::{Table, Value};
 
 /// Folder of the runs of all artefacts.
 const CASES: &str = "cases";
-/// Digits of the scenario's hash in the name of a run's directory.
+/// Number of digits of the scenario's hash in the name of a run's directory.
 const HASH_DIGITS: usize = 8;
 
 /// A run of an artefact.
 pub(super) trait Run: Clone + Sync + Send {
-    /// Its name, for directories.
+    /// Name of the run, for directories.
     fn id(&self) -> String;
-    /// The run, ready to start.
+    /// Prepares the run.
     fn prepare(&self) -> PreparedRun;
     /// Simulated time, s; `None` for solutions without time.
     fn end(&self) -> f64 {
@@ -27,7 +27,7 @@ pub(super) trait Run: Clone + Sync + Send {
     }
     /// Rough cost on one core, s.
     fn cost(&self) -> f64;
-    /// A short version of it, a few steps.
+    /// A short version of the run with a few steps.
     #[cfg(test)]
     fn shortened(&self) -> Self;
     /// Extent of the run, for the text of a quick version.
@@ -36,30 +36,30 @@ pub(super) trait Run: Clone + Sync + Send {
     }
 }
 
-/// The run of a scenario file, with overrides, of that name.
+/// Prepares the run of a scenario file with overrides; `id` is its name.
 ///
 /// # Panics
-/// If it is not possible: the scenarios of artefacts are the program's own.
+/// If the scenario is invalid, since the scenarios of artefacts are built in.
 pub(super) fn prepared(id: &str, file: &str, overrides: &[String]) -> PreparedRun {
     prepared_table(id, table_of(file), overrides)
 }
 
-/// The run of a scenario, with overrides, of that name.
+/// Prepares the run of a scenario with overrides; `id` is its name.
 ///
 /// # Panics
-/// If it is not possible: the scenarios of artefacts are the program's own.
+/// If the scenario is invalid, since the scenarios of artefacts are built in.
 pub(super) fn prepared_table(id: &str, scenario: Table, overrides: &[String]) -> PreparedRun {
     let loaded = from_table(id, scenario, Path::new(""), overrides);
     let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
     prepare(&loaded.scenario).unwrap_or_else(|issues| panic!("{issues:?}"))
 }
 
-/// The keys of one of the program's own files.
+/// The keys of a built-in file.
 pub(super) fn table_of(file: &str) -> Table {
     file.parse().expect("the files of the program are TOML")
 }
 
-/// Numbers in a scenario.
+/// Converts numbers to a value in a scenario.
 pub(super) fn value(numbers: impl Serialize) -> Value {
     Value::try_from(numbers).expect("numbers are TOML")
 }
@@ -69,20 +69,20 @@ pub(super) fn value(numbers: impl Serialize) -> Value {
 pub(super) struct Case<R> {
     /// The run.
     pub run: R,
-    /// Its results directory.
+    /// Results directory.
     pub directory: PathBuf,
     /// Outcome; the status shows whether the simulated time was reached.
     pub record: CaseRecord,
-    /// Its manifest.
+    /// Manifest.
     pub manifest: Manifest,
-    /// Whether an earlier call had finished it.
+    /// Whether an earlier call has finished the run.
     pub was_finished: bool,
 }
 
 /// End of a run.
 type Ended<R> = Result<Case<R>>;
 
-/// Runs all unfinished runs, `options.jobs` at a time, in order.
+/// Performs all unfinished runs in order, `options.jobs` at a time.
 pub(super) fn run_all<R: Run>(
     runs: &[R],
     options: &ReproduceOptions,
@@ -103,7 +103,7 @@ pub(super) fn run_all<R: Run>(
         flow
     })
     .map_err(|error| ReproduceError::Threads(error.to_string()))?;
-    // Runs are started in order: before one that was not started, another has failed.
+    // Runs are started in order, so that an earlier run has failed if one was not started.
     results
         .into_iter()
         .map_while(OnceLock::into_inner)
@@ -112,7 +112,8 @@ pub(super) fn run_all<R: Run>(
 
 fn run_one<R: Run>(asked: &R, options: &ReproduceOptions) -> Result<Case<R>> {
     let prepared = asked.prepare();
-    // Another version of the program may resolve the scenario differently: that is another run.
+    // Another version of the program may resolve the scenario differently, which is a different
+    // run.
     let hash = blake3::hash(prepared.scenario_toml.as_bytes()).to_hex();
     let name = format!("{}-{}", asked.id(), &hash[..HASH_DIGITS]);
     let directory = options.directory.join(CASES).join(name);
@@ -123,7 +124,8 @@ fn run_one<R: Run>(asked: &R, options: &ReproduceOptions) -> Result<Case<R>> {
     };
     let was_finished = match run(&prepared, &run_options) {
         Ok(outcome) => outcome.status == RunStatus::AlreadyFinished,
-        // A failure of the mechanics is a result: the simulations of the thesis also end there.
+        // A failure of the mechanics is a result, since the simulations of the thesis also end
+        // there.
         Err(RunError::Simulation { .. }) => false,
         Err(error) => return Err(error.into()),
     };
@@ -138,7 +140,7 @@ fn run_one<R: Run>(asked: &R, options: &ReproduceOptions) -> Result<Case<R>> {
 }
 
 impl<R: Run> Case<R> {
-    /// Its end, for progress reports.
+    /// The end of the run in one line, for progress reports.
     fn in_a_line(&self) -> String {
         let Self { run, record, .. } = self;
         let how = if self.was_finished {
@@ -153,7 +155,7 @@ impl<R: Run> Case<R> {
         format!("{}: {}{at}, {how}", run.id(), self.status())
     }
 
-    /// Its status as text.
+    /// The status as text.
     pub fn status(&self) -> &'static str {
         self.record.status.in_words()
     }

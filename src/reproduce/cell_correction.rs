@@ -1,4 +1,5 @@
-//! Effect of the correction by the camera in the virtual cell, through drivers and pictures.
+//! Effect of the correction by the camera in the virtual cell, which includes drivers and
+//! pictures.
 
 use super::deployment_correction::{Errors, distances, disturbance, verdict};
 use super::laying::{Laying, PATTERNS};
@@ -21,20 +22,20 @@ struct Row {
     /// In the cell.
     open_cm: Option<f64>,
     corrected_cm: Option<f64>,
-    /// In plain simulation.
+    /// Mean distance in plain simulation, without correction.
     simulated_open_cm: Option<f64>,
     simulated_corrected_cm: Option<f64>,
 }
 
 impl Row {
-    /// The pattern, and the disturbance of its laying.
+    /// The patternand the disturbance during laying.
     fn trial(&self) -> (&str, String) {
         let name = disturbance(self.jitter_mm, self.seed, self.length_error);
         (&self.pattern, name)
     }
 }
 
-/// Writes the table; means are over patterns that were laid with and without correction.
+/// Writes the table. Means are over patterns that were laid both with and without correction.
 fn write(page: &mut Page, _: &[Case<Laying>], rows: &[Row]) -> Result<()> {
     page.text(
         "The green rod of thesis Tab. 5.1 on a table of friction 0.4, laid by the gantry of the \

@@ -1,4 +1,5 @@
-//! Cost of a time step over the number of flagella, of rods in a heap, and of edges of one rod.
+//! Cost of a time step depending on the number of flagella, of rods in a heap, and of edges of one
+//! rod.
 
 use super::bundling::Bundling;
 use super::cases::{Run, prepared_table};
@@ -17,18 +18,19 @@ pub(super) const ARTIFACT: Artifact = Artifact {
 pub(super) enum Costly {
     /// Flagella in a viscous fluid.
     Flagella(Bundling),
-    /// A heap of a number of rods, for a time, s.
+    /// A heap with a number of rods, and its simulated time, s.
     Heap(usize, f64),
-    /// A rod of a number of edges, for a time, s.
+    /// A rod with a number of edges, and its simulated time, s.
     Rod(usize, f64),
 }
 
-/// Numbers of rods in a heap; of edges of a rod.
+/// Numbers of rods in a heap.
 const RODS: [usize; 3] = [10, 50, 200];
+/// Numbers of edges of a rod.
 const EDGES: [usize; 5] = [100, 300, 1000, 3000, 10000];
-/// Simulated time of the heaps, in which they fall in, and of a quick look, s.
+/// Simulated time of the heaps, during which they collapse, and of the quick version, s.
 const END_OF_HEAP: [f64; 2] = [0.2, 0.02];
-/// The same of the rod.
+/// Simulated time of the rod, and of the quick version, s.
 const END_OF_ROD: [f64; 2] = [0.5, 0.02];
 
 impl Costly {
@@ -57,13 +59,15 @@ impl Costly {
     }
 }
 
-/// Names of the three families.
+/// Name of the family of flagella.
 const FLAGELLA: &str = "flagella";
+/// Name of the family of heaps.
 const HEAPS: &str = "rods in a heap";
+/// Name of the family of single rods.
 const ONE_ROD: &str = "edges of a rod";
 
-/// Rods of 20 edges in turns of the golden angle, 2.25 mm above each other, over a square of 10 cm, as in
-/// `scenarios/pile.toml`.
+/// Rods of 20 edges in turns of the golden angle, with a vertical spacing of 2.25 mm, over a
+/// square of 10 cm, as in `scenarios/pile.toml`.
 fn heap(rods: usize, end: f64) -> Table {
     toml! {
         experiment = "scene"

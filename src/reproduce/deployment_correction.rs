@@ -1,4 +1,4 @@
-//! Effect of the online correction on jitter of the gripper and errors of the gravito-bending
+//! Effect of the online correction for jitter of the gripper and errors of the gravito-bending
 //! length.
 
 use super::laying::{Laying, PATTERNS};
@@ -25,7 +25,7 @@ struct Row {
 }
 
 impl Row {
-    /// The pattern, and the disturbance of its laying.
+    /// The patternand the disturbance during laying.
     fn trial(&self) -> (&str, String) {
         let name = disturbance(self.jitter_mm, self.seed, self.length_error);
         (&self.pattern, name)
@@ -86,7 +86,7 @@ fn rows(cases: &[Case<Laying>]) -> Result<Vec<Row>> {
     Ok(rows.collect())
 }
 
-/// Disturbance of the laying of a rod, and its distances from the pattern, cm.
+/// Disturbance during the laying of a rod, and distances of the rod from the pattern, cm.
 pub(super) struct Errors {
     pub jitter: f64,
     pub length: f64,
@@ -120,7 +120,7 @@ pub(super) fn verdict(errors: &[Errors]) -> String {
 /// A quantity of rows with its name.
 type Quantity<Row> = (&'static str, fn(&Row) -> Option<f64>);
 
-/// Disturbance of the laying of a rod, as text.
+/// Disturbance during the laying of a rod, as text.
 pub(super) fn disturbance(jitter_mm: f64, seed: u64, length_error: f64) -> String {
     match (jitter_mm > 0.0, length_error != 0.0) {
         (true, _) => format!("jitter {jitter_mm} mm, seed {seed}"),
@@ -129,7 +129,8 @@ pub(super) fn disturbance(jitter_mm: f64, seed: u64, length_error: f64) -> Strin
     }
 }
 
-/// Mean distances from each pattern for each disturbance; `trial` gives both.
+/// Mean distances from each pattern for each disturbance; `trial` returns pattern and disturbance
+/// of a row.
 pub(super) fn distances<Row>(
     rows: &[Row],
     trial: fn(&Row) -> (&str, String),

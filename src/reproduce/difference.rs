@@ -5,14 +5,14 @@ use super::prelude::*;
 use super::table;
 use rodlab_files::results::{NodePositions, ResultsError, RodRecord, read_nodes};
 
-/// Height of the figure over the size of its letters.
+/// Height of the figure relative to the size of its letters.
 const HEIGHT: f64 = 24.0;
 
-/// Difference of two runs at a time; a row of CSV files.
+/// Difference of two runs at a time, which is a row of CSV files.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Difference {
     pub time_s: f64,
-    /// ē: mean distance of the nodes over the radius h.
+    /// ē: mean distance of the nodes divided by the radius h.
     pub mean_difference_radii: f64,
 }
 
@@ -25,7 +25,7 @@ pub(super) fn nodes_of(case: &Case<Bundling>) -> Result<Vec<NodePositions>, Resu
     read_nodes(&case.directory, case.manifest.rods.iter().map(count).sum())
 }
 
-/// ē at the output times that both runs reached: both are the same multiples of the interval. The
+/// ē at the output times that both runs reached, which are the same multiples of the interval. The
 /// radius is in m.
 pub(super) fn differences(
     first: &[NodePositions],
@@ -55,7 +55,7 @@ pub(super) fn curve(name: String, differences: &[Difference]) -> Curve {
     })
 }
 
-/// Adds a figure of such curves over time, ē on a logarithmic axis.
+/// Adds a figure of such curves over time, with ē on a logarithmic axis.
 pub(super) fn figure(page: &mut Page, name: &str, caption: &str, curves: Vec<Curve>) -> Result<()> {
     let plot = plot("ē in radii", curves);
     let style = PlotStyle {

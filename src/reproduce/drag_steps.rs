@@ -1,4 +1,4 @@
-//! Errors of time steps relative to a fine solution.
+//! Errors of time steps relative to a reference solution with fine steps.
 
 use super::bundling::{Bundling, Scheme, Step};
 use super::difference::{Difference, curve, differences, figure, nodes_of};
@@ -20,9 +20,9 @@ struct Row {
     iterations_per_step: f64,
     cpu_time_s: Option<f64>,
     first_contact_s: Option<f64>,
-    /// Largest up to the first contact of the fine solution.
+    /// Largest difference up to the first contact of the reference solution.
     difference_before_contact_radii: Option<f64>,
-    /// Largest over the whole time that both runs reached.
+    /// Largest difference over the time that both runs reached.
     difference_radii: Option<f64>,
 }
 
@@ -66,10 +66,10 @@ fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<()> {
     )
 }
 
-/// Steps with separate colours, for both schemes, s.
+/// Steps with their own colours, for both schemes, s.
 const STEPS: [f64; 5] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2];
 
-/// ē of a run: its colour shows the step, its line the scheme.
+/// ē of a runas a curve. The colour shows the step, the line style the scheme.
 fn named(run: &Bundling, differences: &[Difference]) -> Curve {
     let step = match run.step {
         Step::Fixed(step) => format!("{step} s"),

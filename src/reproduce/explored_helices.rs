@@ -16,21 +16,21 @@ use std::sync::Arc;
 
 const CELL: &str = include_str!("../../scenarios/cells/helix_gantry.toml");
 const ROD: &str = include_str!("../../scenarios/rods/nitinol_wire.toml");
-/// Notes of the run beside its own numbers.
+/// Scenario file that is stored with the run, in addition to its own numbers.
 const BASE: &str = include_str!("../../scenarios/helix_boundary.toml");
 /// Directions of the thesis.
 pub(super) const DIRECTIONS: usize = 328;
-/// Interval of these in a quick version.
+/// Interval of the directions in a quick version.
 const QUICK: usize = 41;
 /// Largest speed of the cells relative to real time.
 const RATE: f64 = 40.0;
-/// Processor time of a direction, s: measured, right to a factor of two.
+/// Processor time of a direction, s(measured; correct within a factor of two).
 const SECONDS_PER_DIRECTION: f64 = 10.0;
 
 /// Directions of the thesis, each explored separately by an arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Explored {
-    /// Interval of the explored directions.
+    /// Interval between explored directions.
     pub every: usize,
     /// Distance ‖(κ, τ, ω)‖ at which a search ends.
     pub farthest: f64,
@@ -46,7 +46,7 @@ pub(super) const SEARCH: SearchSteps = SearchSteps {
 };
 
 impl Explored {
-    /// All of them, or a few.
+    /// All directions of the thesis, or a few.
     pub fn of_the_thesis(quick: bool) -> Self {
         Self {
             every: if quick { QUICK } else { 1 },
@@ -67,7 +67,7 @@ impl Run for Explored {
 
     fn prepare(&self) -> PreparedRun {
         let mut run = prepared(&self.id(), BASE, &[]);
-        // This text identifies the run: another cell, rod or search is another run.
+        // This text identifies the run, so that another cell, rod or search gives another run.
         for (what, text) in [("cell", CELL), ("rod", ROD)] {
             let hash = blake3::hash(text.as_bytes()).to_hex();
             run.scenario_toml +=
@@ -124,7 +124,7 @@ impl TableJob for Explored {
     }
 }
 
-/// Explores a direction in a cell of its own.
+/// Explores a direction in its own cell.
 fn explore(
     direction: [f64; 3],
     farthest: f64,
@@ -159,8 +159,8 @@ fn exploration(rod: ClampedRod, directions: &[[f64; 3]], farthest: f64) -> Explo
     }
 }
 
-/// Serves the cell in a thread, and passes the cell of its clients, the rod and an empty directory
-/// to a function.
+/// Serves the cell in a thread, and calls a function with the client's cell, the rod and an empty
+/// directory.
 fn with_cell<T>(
     task: impl FnOnce(&Cell, ClampedRod, &Path) -> Result<T, String>,
 ) -> Result<T, String> {
@@ -197,8 +197,8 @@ mod tests {
         [0.249, 0.498, -0.831],
     ];
 
-    /// The 21st of the 328 directions: a wire that snapped here, and is not regrasped, snaps far
-    /// earlier the second time.
+    /// The 21st of the 328 directions. A wire that has snapped here snaps far earlier the second
+    /// time unless it is regrasped.
     const SNAPS: [[f64; 3]; 1] = [[0.9375, 0.299_694_16, 0.176_853_497]];
 
     #[test]
@@ -223,7 +223,7 @@ mod tests {
                 TaskRun::planned(task.unwrap(), Vec::new())
             };
             let mut run = planned(true);
-            // Some time after the first row is there, somewhere on the second ray.
+            // Interrupt some time after the first row was written, during the second ray.
             let first = std::cell::Cell::new(None::<Instant>);
             let is_interrupted = || {
                 let has_row = || read_exploration(directory).is_ok_and(|rows| rows.len() == 1);

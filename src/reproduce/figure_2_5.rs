@@ -1,7 +1,8 @@
-//! Figure 2.5c: how far IMC and IPC come apart.
+//! Figure 2.5c: the difference between IMC and IPC.
 //!
-//! Both models stand for rigid contact, but their rods rest at different distances within δ of touching: with δ = h/100
-//! microns apart, which the bundle amplifies. The figure compares them where both are close to the rigid limit.
+//! Both models approximate rigid contact, but their rods rest at different gaps of less than δ.
+//! With δ = h/100 these gaps differ by microns, which the bundle amplifies. The figure compares
+//! the models with a δ for which both are close to the rigid limit.
 
 use super::bundling::{Bundling, DISTANCE_TOLERANCE_OF_DIFFERENCE};
 use super::difference::{Difference, curve, differences, nodes_of};
@@ -16,7 +17,7 @@ pub(super) const ARTIFACT: Artifact = Artifact {
 /// Time after the first contact over which the difference is reported, s.
 const FIRST_SECONDS: f64 = 20.0;
 
-/// Writes the size of the difference; the cases are IMC and IPC.
+/// Writes the difference; the cases are IMC and IPC.
 fn write(page: &mut Page, cases: &[Case<Bundling>], rows: &[Difference]) -> Result<()> {
     let largest_until = |end: f64| {
         let until = rows.iter().filter(|row| row.time_s <= end);

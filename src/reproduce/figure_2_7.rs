@@ -1,4 +1,4 @@
-//! Figure 2.7: traction of a trefoil, and the limit of a loose one.
+//! Figure 2.7: traction of a trefoil, and its limit for a loose knot.
 
 use super::overhand_law;
 use super::prelude::*;
@@ -32,9 +32,9 @@ struct Row {
 /// A loose knot: means over a run.
 struct Loose {
     epsilon: f64,
-    /// F̄ less the work of friction, over ε⁴/2.
+    /// F̄ without the work of friction, divided by ε⁴/2.
     frictionless: f64,
-    /// Contact force P h²/EI over ε³: σ.
+    /// σ: contact force P h²/EI divided by ε³.
     sigma: f64,
 }
 
@@ -90,7 +90,8 @@ fn measured(case: &Case<Tightening>) -> Result<Vec<Row>> {
     Ok(pulled_rows(case)?.iter().filter_map(row).collect())
 }
 
-/// μ ∫ P de over the energy lost to friction while the ends move; `None` without friction.
+/// μ ∫ P de divided by the energy that is lost to friction while the ends move; `None` without
+/// friction.
 fn slip_work(case: &Case<Tightening>) -> Result<Option<f64>> {
     let rows = pulled_rows(case)?;
     let slip = |pair: &[KnotRow]| {
@@ -129,7 +130,7 @@ impl Loose {
     }
 }
 
-/// Value at x of the polynomial through points, by Lagrange's formula.
+/// Value at `at` of the polynomial through points, by Lagrange's formula.
 fn interpolated(points: &[(f64, f64)], at: f64) -> f64 {
     let weight = |own: usize| {
         let others = points.iter().enumerate().filter(|(other, _)| *other != own);
@@ -179,7 +180,7 @@ fn limit(page: &mut Page, loose: &[Loose]) {
     );
 }
 
-/// Traction over tightness, a plot for each friction coefficient.
+/// Traction over tightness, in one plot for each friction coefficient.
 fn traction(rows: &[Row]) -> PageFigure {
     let plots: Vec<LinePlot> = runs(rows)
         .take(FRICTIONS.len())
@@ -197,10 +198,10 @@ fn traction(rows: &[Row]) -> PageFigure {
     )
 }
 
-/// A number of a loose knot.
+/// A quantity of a loose knot.
 type Measure = fn(&Loose) -> f64;
 
-/// A number of loose knots over their tightness, loose ones first.
+/// A quantity of loose knots over their tightness, the loosest knot first.
 fn by_tightness(loose: &[Loose], value: Measure) -> Vec<(f64, f64)> {
     let points = loose.iter().map(|knot| (knot.epsilon, value(knot)));
     let mut points: Vec<(f64, f64)> = points.collect();

@@ -24,7 +24,7 @@ struct Row {
     scaled_force: f64,
     /// n² h/e.
     scaled_shortening: f64,
-    /// n² h/e by Eq. 2.30.
+    /// n² h/e from Eq. 2.30.
     jawed_2015: f64,
 }
 

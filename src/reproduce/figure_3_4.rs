@@ -1,4 +1,5 @@
-//! Figure 3.4: the inversion of an overhand knot, and the factors of its inversion point.
+//! Figure 3.4: the inversion of an overhand knot, and the factors that influence its inversion
+//! point.
 
 use super::inversion::Inversion;
 use super::inversion_page::{Row, figure, plots, rows, runs_of, table};
@@ -16,7 +17,7 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     ),
 };
 
-/// Differences of the runs of [`Inversion::of_figure_3_4`].
+/// Names of the runs of [`Inversion::of_figure_3_4`], which state their differences.
 const NAMES: [&str; 7] = [
     "n = 3, h = 1.6 mm, μ = 0.1",
     "pulled from l̄_k = 312.5",

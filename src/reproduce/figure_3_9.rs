@@ -5,7 +5,8 @@ use super::prelude::*;
 use rodlab_engine::mechanics::kirchhoff::EndSpin;
 use rodlab_planning::knot::SimplifiedKnot;
 
-/// A row of the CSV file: a knot held at a rotation, or one in equilibrium, which has no columns for energy and moment.
+/// A row of the CSV file: a knot held at a rotation, or a knot in equilibrium, for which energy
+/// and moment are empty.
 #[derive(Serialize, Deserialize)]
 struct Row {
     end_spin: String,
@@ -15,7 +16,7 @@ struct Row {
     moment_normalized: Option<f64>,
 }
 
-/// Poisson's ratio of the rod, incompressible: GJ/EI = 2/3.
+/// Clamped ends of an incompressible rod: GJ/EI = 2/3.
 pub(super) const CLAMPED: EndSpin = EndSpin::Clamped {
     stiffness_ratio: 2.0 / 3.0,
 };
@@ -30,7 +31,7 @@ pub(super) const ARTIFACT: Artifact = Artifact {
         figures,
     ),
 };
-/// The two conditions at the ends of the loop, and their names.
+/// The two conditions at the ends of the loop, with their names.
 pub(super) const SPINS: [(&str, EndSpin); 2] =
     [("clamped", CLAMPED), ("free to spin", EndSpin::Free)];
 /// Unknotting number of the figure.
@@ -40,7 +41,7 @@ const LENGTHS: [f64; 3] = [137.5, 150.0, 175.0];
 /// Largest l̄_k of the equilibria drawn.
 const LARGEST_LENGTH: f64 = 250.0;
 
-/// Equilibria whose rotations differ by more are of different pieces, rad.
+/// Difference of rotations above which equilibria belong to different pieces of the curve, rad.
 const GAP: f64 = 0.3;
 
 /// Energies and moments of held knots, and the equilibria.
@@ -144,7 +145,7 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     ]
 }
 
-/// Points of the equilibria in the range drawn, with a gap between pieces, which are far apart.
+/// Points of the equilibria in the drawn range, with a gap between distant pieces.
 fn equilibria(rows: &[&Row]) -> Vec<(f64, Option<f64>)> {
     let mut points = Vec::new();
     for (index, row) in rows.iter().enumerate() {
@@ -158,7 +159,7 @@ fn equilibria(rows: &[&Row]) -> Vec<(f64, Option<f64>)> {
     points
 }
 
-/// A row of the table for each condition changed.
+/// A row of the table for each changed condition.
 fn end_conditions(simulated: Option<f64>) -> Vec<Vec<String>> {
     let mut table = Vec::new();
     for (name, spin) in SPINS {

@@ -24,7 +24,7 @@ pub(super) struct Row {
     wall_time_s: f64,
 }
 
-/// Methods of the thesis and ours, with sliding by millimetres.
+/// Methods for which the sliding is only millimetres: those of the thesis and ours.
 const OURS: [&str; 3] = ["open", "closed", "held"];
 
 /// Writes table and figures.

@@ -1,4 +1,5 @@
-//! Figure 4.11 in the virtual cell: seven folds through drivers and camera, beside the plain simulation.
+//! Figure 4.11 in the virtual cell: seven folds through drivers and camera, compared with the
+//! plain simulation.
 
 use super::folds::{Folded, METHODS, SCENARIOS, Scenario};
 use super::folds_in_cell::{FRICTION, FoldedInCell, PARTS, fold_in_cell};
@@ -19,19 +20,21 @@ pub(super) struct Row {
     scenario: String,
     /// Method of holding the edge: `held` by a moment, or `closed` without one, as in fig4.11.
     way: String,
-    /// `folded`, or the reason of the failure.
+    /// `folded`, or the reason for the failure.
     status: String,
-    /// Largest sliding of the sheet of the cell while it was held, and final sliding.
+    /// Largest sliding of the simulated sheet while it was held.
     largest_sliding_mm: Option<f64>,
+    /// Final sliding of the simulated sheet.
     final_sliding_mm: Option<f64>,
-    /// The same by the camera at the end; `None` if the edge then covered the free end.
+    /// Final sliding according to the camera; `None` if the edge then covered the free end.
     seen_sliding_mm: Option<f64>,
-    /// Error of the fold length of the sheet of the cell, and the same by camera and joints.
+    /// Error of the fold length of the simulated sheet.
     fold_length_error_mm: Option<f64>,
+    /// Error of the fold length according to camera and joints.
     seen_fold_length_error_mm: Option<f64>,
     /// Number of replanned parts.
     planned_anew: usize,
-    /// The plain simulation.
+    /// Sliding in the plain simulation.
     simulated_sliding_mm: Option<f64>,
     simulated_fold_length_error_mm: Option<f64>,
 }
@@ -115,7 +118,7 @@ fn rows(case: &Case<Folded>) -> Result<Vec<Row>> {
 }
 
 impl Row {
-    /// Measurements of a folded sheet by the camera, in mm.
+    /// Camera measurement of a folded sheet as text, in mm.
     fn seen(&self, value: Option<f64>) -> String {
         match value {
             None if self.status.starts_with("folded") => "not seen".to_owned(),
@@ -124,7 +127,7 @@ impl Row {
     }
 }
 
-/// Sliding of sheets that are held by a moment; the others slide much farther.
+/// Sliding of sheets that are held by a moment. The others slide much farther.
 fn figures(rows: &[Row]) -> Vec<PageFigure> {
     let place = |row: &Row| {
         let index = SCENARIOS.iter().position(|known| known.id == row.scenario);

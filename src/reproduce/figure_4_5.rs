@@ -14,10 +14,11 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Free::new(Folded::of_figure_4_5, write),
 };
 
-/// λ from which folds have the last colour.
+/// λ above which folds have the last colour.
 const LARGEST_RATIO: f64 = 1.0;
-/// Cells of the grid between two that are drawn, and between two in the table.
+/// Step, in cells of the grid, between drawn cells.
 const DRAWN: usize = 4;
+/// Step, in cells of the grid, between cells in the table.
 const LISTED: usize = 8;
 /// Shortest suspended length of the workspace, L_gb.
 const SHORTEST: f64 = 0.5;
@@ -110,8 +111,8 @@ fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<()> {
     Ok(())
 }
 
-/// Grid spacing of the gripper positions, L_gb: that of the thesis, four times as large in short
-/// tests.
+/// Grid spacing of the gripper positions, L_gb: that of the thesis; in short tests it is four
+/// times as large.
 fn spacing() -> f64 {
     #[cfg(test)]
     if !super::tests_are_full() {
@@ -120,7 +121,7 @@ fn spacing() -> f64 {
     ForceManifold::SPACING
 }
 
-/// A value of folds over the gripper positions, with the outline of the workspace and paths.
+/// A quantity of folds over the gripper positions, with the outline of the workspace and paths.
 fn coloured(
     folds: &[&Fold],
     (label, most): (&str, Option<f64>),

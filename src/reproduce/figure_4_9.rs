@@ -11,8 +11,9 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Tabled::new(Hanging::of_figure_4_9, Rows::Series(rows), write, figures),
 };
 
-/// Points of the drawn relation, and its last length, L_gb.
+/// Number of points of the drawn relation.
 const POINTS: usize = 120;
+/// Largest length of the drawn relation, L_gb.
 const LONGEST: f64 = 6.5;
 
 /// A row of the CSV file.

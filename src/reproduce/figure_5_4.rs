@@ -15,24 +15,25 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Tabled::new(SidewaysPush::of_figure_5_5, Rows::All(rows), write, figures),
 };
 
-/// Rays, degrees above the table, and grasps along each.
+/// Step between rays, degrees above the table.
 const RAY_STEP: usize = 3;
+/// Number of grasps along each ray.
 const GRASPS_PER_RAY: usize = 9;
-/// Forces of the table, EI/L_gb², of the shown grasps without a contact moment: largest value and
-/// step.
+/// Largest force of the table, EI/L_gb², of the shown grasps without a contact moment.
 const LARGEST_FORCE: f64 = 2.5;
+/// Step between these forces, EI/L_gb².
 const FORCE_STEP: f64 = 0.05;
 /// The push of thesis Fig. 5.4d.
 const PUSH: f64 = 0.12;
-/// Edges of drawn rods.
+/// Number of edges of drawn rods.
 const EDGES: usize = 200;
-/// Displacement over the push from which grasps have the last colour.
+/// Ratio of displacement to push above which grasps have the last colour.
 const LARGEST_DISPLACEMENT: f64 = 3.0;
 
 /// A row of the CSV file; lengths in L_gb, forces in EI/L_gb².
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Row {
-    /// "ray", or "free" of a contact moment.
+    /// "ray", or "free" for grasps without a contact moment.
     of: String,
     x: f64,
     z: f64,
@@ -183,7 +184,8 @@ fn rows(_: &[Case<SidewaysPush>]) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// Local minima 1 and 2: the gentle grasp, and the other one with the fewest unstable modes.
+/// Local minima 1 and 2: the gentle grasp, and the one of the others with the fewest unstable
+/// modes.
 fn minima() -> [Grasp; 2] {
     let problem = GraspProblem::new(SUSPENDED, 0.0, stretch_stiffness());
     let problem = problem.expect("a length and a stiffness in range");
@@ -265,8 +267,8 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     ]
 }
 
-/// Grasps coloured by a value, with the unstable ones and the line of those without a contact
-/// moment.
+/// Grasps coloured by a quantity, with the unstable grasps and the line of the grasps without a
+/// contact moment.
 fn region(
     rows: &[Row],
     field: ColourField,

@@ -32,7 +32,7 @@ struct SeriesRow {
     gripper_force_y_n: Option<f64>,
 }
 
-/// Sideways displacement over the push beyond which a rod has snapped.
+/// Ratio of sideways displacement to push above which a rod has snapped.
 const SNAPPED: f64 = 3.0;
 
 /// Writes table and figure.
@@ -58,7 +58,7 @@ fn write(page: &mut Page, _: &[Case<SidewaysPush>], rows: &[Row]) -> Result<()> 
     Ok(())
 }
 
-/// Largest sideways displacement at a push, L_gb; `None` where the run ended before.
+/// Largest sideways displacement at a push, L_gb; `None` if the run ended before that push.
 pub(super) fn largest_sideways_at(case: &Case<SidewaysPush>, push: f64) -> Result<Option<f64>> {
     let rows = rows_of_case(case)?;
     let there = rows.iter().find(|row| row.push >= push * (1.0 - 1e-9));

@@ -1,4 +1,5 @@
-//! Figure 5.6: optimal grasps over curvature, suspended length and stretching stiffness, exact and by the network.
+//! Figure 5.6: optimal grasps over curvature, suspended length and stretching stiffness, exact and
+//! from the network.
 
 use super::grasp_grid::{GraspGrid, LENGTH, STIFFNESS};
 use super::prelude::*;
@@ -32,7 +33,8 @@ struct Sample {
     rotation_z: Option<f64>,
 }
 
-/// A row of the CSV file: lengths in L_gb, rotation vectors in rad; first exact, then by the network.
+/// A row of the CSV file: lengths in L_gb, rotation vectors in rad; first the exact values, then
+/// those of the network.
 #[derive(Clone, Serialize, Deserialize)]
 struct Row {
     part: String,
@@ -53,7 +55,7 @@ struct Row {
     network_rotation_z: Option<f64>,
 }
 
-/// A quantity: its label, exact, and by the network.
+/// A quantity: its label, its exact value, and that of the network.
 type Quantity = (&'static str, fn(&Row) -> f64, fn(&Row) -> Option<f64>);
 
 /// The drawn quantities.
@@ -148,8 +150,8 @@ fn line(part: &str, rows: &[Row]) -> Vec<String> {
     line
 }
 
-/// Quantities over the curvature for each value of a part, minus those of its first value if
-/// `is_difference`.
+/// A quantity over the curvature, as a curve for each value of the parameter of a part. If
+/// `is_difference`, the first curve is subtracted.
 fn over_curvature(
     rows: &[Row],
     part: &str,
@@ -173,7 +175,7 @@ fn over_curvature(
             let of_value = || rows.iter().filter(move |row| value(row) == chosen);
             let exact = |row: &&Row| (row.curvature, exact(row) - first(row.curvature));
             curves.push(curve(name(chosen), of_value(), exact));
-            // Every fourth, for readability.
+            // Only every fourth curve, for readability.
             let seen = of_value().step_by(4);
             marks.extend(seen.map(|row| {
                 let learned = network(row).map(|learned| learned - first(row.curvature));

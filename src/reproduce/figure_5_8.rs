@@ -14,8 +14,9 @@ pub(super) const ARTIFACT: Artifact = Artifact {
 
 /// The factor of the thesis.
 const THESIS: f64 = 0.9066;
-/// Edges of the drawn loop, and length of rod drawn beyond it, L_gb.
+/// Number of edges of the drawn loop.
 const EDGES: usize = 200;
+/// Length of rod that is drawn beyond the loop, L_gb.
 const TAIL: f64 = 2.0;
 
 /// A row of the CSV file.

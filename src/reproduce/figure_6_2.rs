@@ -49,7 +49,7 @@ fn write(page: &mut Page, cases: &[Case<Helices>], rows: &[BoundaryRow]) -> Resu
     Ok(())
 }
 
-/// Writes the section ω = 0.
+/// Writes the page of the section ω = 0.
 fn write_section(page: &mut Page, _: &[Case<Helices>], rows: &[BoundaryRow]) -> Result<()> {
     page.text(
         "Helices without twisting moment, ω = 0. The thesis compares the discrete rod with a robot's experiments in \
@@ -79,7 +79,7 @@ fn sections(rows: &[BoundaryRow]) -> Vec<PageFigure> {
     figures.map(figure).collect()
 }
 
-/// The difference of the discrete rod from theory in the section ω = 0, which fig6.2 shows.
+/// The difference of the discrete rod from theory in the section ω = 0, which is shown by fig6.2.
 fn section(rows: &[BoundaryRow]) -> Vec<PageFigure> {
     let difference = |name: &str, value: fn(&BoundaryRow) -> Option<f64>| {
         curve(name, rows, |row| {

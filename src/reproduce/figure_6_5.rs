@@ -21,7 +21,7 @@ pub(super) const ARTIFACT: Artifact = Artifact {
 struct Row {
     poissons_ratio: f64,
     youngs_modulus_pa: f64,
-    /// Empty without gravity.
+    /// L_gb/L; empty without gravity.
     gravito_bending_length_over_length: Option<f64>,
     speed_m_s: f64,
     jitter_over_length: f64,
@@ -30,7 +30,7 @@ struct Row {
     kinetic_energy_over_that_of_the_end: f64,
 }
 
-/// A parameter, and a function that resets it to that of the undisturbed rod.
+/// A parameter, and a function that resets it to its value for the undisturbed rod.
 struct Parameter {
     name: &'static str,
     symbol: &'static str,
@@ -79,7 +79,7 @@ const PARAMETERS: [Parameter; 5] = [
     },
 ];
 
-/// Writes the errors over distance, a figure for each parameter, and how the rods buckle.
+/// Writes the errors over distancein one figure for each parameter, and how the rods buckle.
 fn write(page: &mut Page, _: &[Case<ManipulatedHelix>], rows: &[Row]) -> Result<()> {
     let predicted = critical_distance(&DIRECTION).map(|critical| critical.distance);
     page.text(&format!(
@@ -129,7 +129,8 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     PARAMETERS.iter().map(figure).collect()
 }
 
-/// The runs that differ at most in a parameter, in its order.
+/// The runs that differ from the undisturbed one at most in a parameter, ordered by this
+/// parameter.
 fn varying<'a>(parameter: &Parameter, seen: &'a [Seen]) -> Vec<&'a Seen> {
     let of_parameter = seen.iter();
     let of_parameter = of_parameter.filter(|(run, _)| differs_at_most_in(run, parameter));
@@ -139,7 +140,7 @@ fn varying<'a>(parameter: &Parameter, seen: &'a [Seen]) -> Vec<&'a Seen> {
 }
 
 impl Row {
-    /// The run that the row is of.
+    /// The run to which the row belongs.
     fn run(&self) -> ManipulatedHelix {
         let gravito_bending_length = self.gravito_bending_length_over_length;
         ManipulatedHelix {
@@ -191,14 +192,15 @@ fn differs_at_most_in(run: &ManipulatedHelix, parameter: &Parameter) -> bool {
 
 fn value_in_words(value: f64) -> String {
     if value.is_finite() {
-        // Without the round-off of a change of unit.
+        // Rounding removes the error of a change of unit.
         ((1e6 * value).round() / 1e6).to_string()
     } else {
         "∞".to_owned()
     }
 }
 
-/// Distance at which the rod deviates from the helix over the critical distance of theory.
+/// Ratio of the distance at which the rod deviates from the helix to the critical distance in
+/// theory.
 fn over_prediction(observations: &[Observation], predicted: Option<f64>) -> Option<f64> {
     Some(Buckling::of(observations).deviates? / predicted?)
 }

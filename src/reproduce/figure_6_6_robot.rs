@@ -1,4 +1,5 @@
-//! Figure 6.6 by a robot: the boundary of the stable helices, explored by the arm of a virtual cell.
+//! Figure 6.6 with a robot: the boundary of the stable helices, explored by the arm of a virtual
+//! cell.
 
 use super::explored_helices::{DIRECTIONS, Explored, SEARCH};
 use super::prelude::*;
@@ -18,12 +19,12 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     ),
 };
 
-/// Errors of the thesis' experiment: mean, standard deviation and largest.
+/// Errors of the experiment in the thesis: mean, standard deviation and largest error.
 const MEASURED: [f64; 3] = [0.0272, 0.0238, 0.1298];
-/// Largest |ω| of a unit direction that is drawn with the section ω = 0.
+/// Largest |ω| of a unit direction that is drawn in the section ω = 0.
 const NEAR: f64 = 0.15;
 
-/// Writes the results beside theory and the measurements of the thesis.
+/// Writes the results, compared with theory and with the measurements of the thesis.
 fn write(page: &mut Page, _: &[Case<Explored>], rows: &[ExplorationRow]) -> Result<()> {
     page.text(&format!(
         "A nitinol wire of 50 cm (E = 67.5 GPa, ν = 0.33, 6,450 kg/m³, diameter 1.5875 mm, that of \
@@ -112,7 +113,7 @@ fn limits(page: &mut Page, rows: &[ExplorationRow]) {
     }
 }
 
-/// The section near ω = 0, and the accuracy of all distances found.
+/// The section near ω = 0, and the accuracy of all measured distances.
 fn figures(rows: &[ExplorationRow]) -> Vec<PageFigure> {
     let mut figures = vec![PageFigure::new(
         "fig6.6-robot",

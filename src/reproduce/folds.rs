@@ -1,4 +1,5 @@
-//! Sheets that are folded (thesis 4.6): seven scenarios by several algorithms, in trials that differ by the jitter of the gripper.
+//! Folded sheets (thesis 4.6): seven scenarios with several algorithms, in trials with different
+//! jitter of the gripper.
 
 use super::cases::{Case, Run, prepared_table, table_of};
 use rodlab_lab::experiment::FoldingOutcome;
@@ -8,11 +9,11 @@ use toml::Table;
 /// A sheet and its crease.
 #[derive(Debug)]
 pub(super) struct Scenario {
-    /// Its display name.
+    /// Display name.
     pub name: &'static str,
-    /// Its name for files.
+    /// Name for files.
     pub id: &'static str,
-    /// Displacement of the edge, m, as text of its key.
+    /// Displacement of the edge, m, as the text of its key.
     pub crease: &'static str,
     /// The file of the sheet.
     pub paper: &'static str,
@@ -27,7 +28,7 @@ const ORIGAMI: &str = include_str!("../../scenarios/papers/origami.toml");
 /// The scenario into which the papers are inserted.
 const SCENARIO: &str = include_str!("../../scenarios/folding_a4.toml");
 
-/// The seven scenarios of thesis sec. 4.6.3, and that of Fig. 4.10.
+/// The seven scenarios of thesis sec. 4.6.3, and the scenario of Fig. 4.10.
 pub(super) const SCENARIOS: [Scenario; 8] = [
     scenario("A4, C = 0.25 m", "a4_25", "0.25", A4, true),
     scenario("A4, half", "a4_half", "half", A4, true),
@@ -44,7 +45,7 @@ pub(super) const SCENARIOS: [Scenario; 8] = [
     ),
     scenario("US letter, C = 0.27 m", "us_27", "0.27", US_LETTER, true),
 ];
-/// The one of Fig. 4.10; those before it are the thesis' seven.
+/// Index of the scenario of Fig. 4.10, which follows the seven compared ones.
 const COMPARED: usize = 7;
 
 const fn scenario(
@@ -64,12 +65,12 @@ const fn scenario(
 }
 
 impl Scenario {
-    /// Names of those that the thesis compares.
+    /// Names of the scenarios that the thesis compares.
     pub fn compared() -> impl Iterator<Item = &'static str> {
         SCENARIOS[..COMPARED].iter().map(|scenario| scenario.name)
     }
 
-    /// The scenario with its paper in it.
+    /// The scenario with its paper.
     pub fn table(&self) -> Table {
         let mut scenario = table_of(SCENARIO);
         scenario.remove("extends");
@@ -88,13 +89,13 @@ impl Scenario {
 pub(super) struct Method {
     algorithm: &'static str,
     is_closed: bool,
-    /// Its name for files.
+    /// Name for files.
     pub id: &'static str,
-    /// Its display name.
+    /// Display name.
     pub name: &'static str,
 }
 
-/// All methods, the four of the thesis and the one with moments.
+/// All methods: four of the thesis and one with moments.
 pub(super) const METHODS: [Method; 5] = [
     method("circle", false, "circle", "circle (intuitive)"),
     method("step-by-step", false, "step-by-step", "step by step"),
@@ -117,15 +118,15 @@ const fn method(
     }
 }
 
-/// Number of trials of each scenario by each method.
+/// Number of trials of each scenario with each method.
 pub(super) const TRIALS: u64 = 5;
-/// Time of a fold, s: `time.end` of the scenario.
+/// Duration of a fold, s: `time.end` of the scenario.
 const END: f64 = 15.0;
-/// A few steps, s.
+/// Duration of a few steps, s.
 #[cfg(test)]
 const FEW_STEPS: f64 = 0.05;
 
-/// A sheet that is folded.
+/// A run that folds a sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Folded {
     /// Index into [`SCENARIOS`].
@@ -134,7 +135,7 @@ pub(super) struct Folded {
     pub method: usize,
     /// Seed of the jitter; `None` without jitter.
     pub seed: Option<u64>,
-    /// Time, s; `None` for that of the scenario.
+    /// Shortened simulated time, s; `None` for that of the scenario.
     shortened: Option<f64>,
 }
 
@@ -148,7 +149,7 @@ impl Folded {
         }
     }
 
-    /// The seven scenarios by all methods; a quick version has one trial each.
+    /// The seven scenarios with all methods; a quick version has one trial of each.
     pub fn of_figure_4_11(quick: bool) -> Vec<Self> {
         let trials = if quick { 1 } else { TRIALS };
         let methods = |scenario: usize| {
@@ -163,7 +164,7 @@ impl Folded {
         (0..COMPARED).flat_map(of).collect()
     }
 
-    /// One scenario by all methods, without jitter.
+    /// One scenario with all methods, without jitter.
     pub fn of_figure_4_10(_quick: bool) -> Vec<Self> {
         let methods = 0..METHODS.len();
         methods
@@ -171,7 +172,7 @@ impl Folded {
             .collect()
     }
 
-    /// The seven scenarios by the optimal method, without jitter.
+    /// The seven scenarios with the optimal method, without jitter.
     pub fn of_table_4_1(_quick: bool) -> Vec<Self> {
         let open = METHODS.iter().position(|method| method.id == "open");
         let open = open.expect("the methods are those above");
@@ -181,7 +182,7 @@ impl Folded {
     }
 
     /// The seven scenarios without jitter, held by a moment if possible, otherwise in closed loop;
-    /// a quick version has the first.
+    /// a quick version has only the first.
     pub fn of_cell(quick: bool) -> Vec<Self> {
         let of = |scenario: usize| {
             let id = if SCENARIOS[scenario].is_held {
@@ -195,7 +196,7 @@ impl Folded {
         (0..if quick { 1 } else { COMPARED }).map(of).collect()
     }
 
-    /// Three papers of the thesis, folded in half by the optimal method, without jitter.
+    /// Three papers of the thesis, folded in half with the optimal method, without jitter.
     pub fn of_figure_4_5(quick: bool) -> Vec<Self> {
         let mut runs = Self::of_table_4_1(quick);
         runs.retain(|run| ["a4_half", "us_half", "ca_half"].contains(&SCENARIOS[run.scenario].id));
@@ -226,7 +227,7 @@ impl Folded {
         overrides
     }
 
-    /// The run, ready to start.
+    /// Prepares the run.
     pub fn prepared(&self) -> PreparedRun {
         let scenario = SCENARIOS[self.scenario].table();
         prepared_table(&self.id(), scenario, &self.overrides())

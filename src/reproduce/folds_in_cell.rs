@@ -1,4 +1,4 @@
-//! A sheet folded in the virtual cell, through drivers and camera, by the task of `rodlab fold`.
+//! A sheet folded in the virtual cell, with drivers and camera, by the task of `rodlab fold`.
 
 use super::Result;
 use super::cases::Case;
@@ -22,22 +22,22 @@ use std::path::Path;
 const CELL: &str = include_str!("../../scenarios/cells/gantry.toml");
 /// Friction of the table.
 pub(super) const FRICTION: f64 = 0.12;
-/// Number of parts of a path, with a camera look after each (thesis sec. 4.6.5).
+/// Number of parts of a path; the camera takes a picture after each (thesis sec. 4.6.5).
 pub(super) const PARTS: usize = 5;
 /// Requested speed of the cell relative to real time.
 const RATE: f64 = 10.0;
-/// Speeds of the hand during folding and otherwise, m/s, and smallest distance of the arm to
-/// obstacles, m: those of `rodlab fold`.
+/// Speed of the hand during folding and otherwise, m/s, as in `rodlab fold`.
 const SPEEDS: [f64; 2] = [0.05, 0.1];
+/// Smallest distance of the arm to obstacles, m, as in `rodlab fold`.
 const MARGIN: f64 = 0.01;
 
-/// Why folding a sheet failed.
+/// Reason why folding a sheet failed.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum FoldingError {
     /// The cell cannot be served, or stopped early.
     #[error(transparent)]
     Served(#[from] ServeError),
-    /// It has no sheet.
+    /// The cell has no sheet.
     #[error(transparent)]
     Sheet(#[from] RodError),
     /// The sheet was not grasped.
@@ -47,18 +47,18 @@ pub(super) enum FoldingError {
 
 /// A sheet after folding, successful or not.
 pub(super) struct FoldedInCell {
-    /// Looks and score of the task, by camera and joints.
+    /// Measurements and score of the task, from camera and joints.
     pub record: FoldRecord,
-    /// Success, or the reason of the failure.
+    /// Success, or the reason for the failure.
     pub ended: Result<(), TaskError>,
-    /// Outcome of the simulated sheet while it was held.
+    /// Motion of the simulated sheet while it was held.
     pub held: HeldSheet,
-    /// Target displacement of its edge, m.
+    /// Target displacement of the edge, m.
     pub target: f64,
 }
 
-/// Folds the sheet of a simulated run in the virtual cell, in closed loop. Pictures and logs go
-/// into a folder beside the run.
+/// Folds the sheet of a simulated run in the virtual cell, in closed loop. Pictures and logs are
+/// written to a folder next to the run.
 pub(super) fn fold_in_cell(case: &Case<Folded>) -> Result<Result<FoldedInCell, FoldingError>> {
     let text = fs::read_to_string(case.directory.join(SCENARIO))
         .map_err(ResultsError::io("read", &case.directory))?;

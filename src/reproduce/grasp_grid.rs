@@ -4,23 +4,27 @@ use super::cases::{Run, prepared_table};
 use rodlab_lab::run::PreparedRun;
 use toml::toml;
 
-/// k̄_s of thesis Fig. 5.6a and l̄_s of Fig. 5.6b.
+/// k̄_s of thesis Fig. 5.6a.
 pub(super) const STIFFNESS: f64 = 2087.0;
+/// l̄_s of thesis Fig. 5.6b.
 pub(super) const LENGTH: f64 = 13.68;
-/// Suspended lengths of Fig. 5.6a, compliances 1/k̄_s of Fig. 5.6b, and curvatures.
+/// Range of suspended lengths of Fig. 5.6a.
 const LENGTHS: [f64; 2] = [2.0, 24.0];
+/// Range of compliances 1/k̄_s of Fig. 5.6b.
 const COMPLIANCES: [f64; 2] = [0.0, 0.003];
+/// Range of curvatures.
 const CURVATURES: [f64; 2] = [0.0, 2.0];
-/// Curves, and grasps of each.
+/// Number of curves.
 const CURVES: usize = 5;
+/// Number of grasps of each curve.
 const GRASPS: usize = 41;
 
 /// A grid of grasps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct GraspGrid {
-    /// Whether it is over the suspended length; else over the stretching stiffness.
+    /// Whether the grid is over the suspended length instead of the stretching stiffness.
     pub is_over_length: bool,
-    /// Curvatures for each.
+    /// Number of curvatures for each.
     grasps: usize,
 }
 

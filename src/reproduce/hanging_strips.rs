@@ -1,4 +1,4 @@
-//! Strips held horizontally at one end that hang down under their weight (thesis 4.6.1).
+//! Strips that are held horizontally at one end and hang down under their weight (thesis 4.6.1).
 
 use super::cases::{Run, prepared_table};
 use rodlab_lab::run::PreparedRun;
@@ -6,17 +6,20 @@ use toml::toml;
 
 /// Free lengths of the strips, L_gb.
 pub(super) const LENGTHS: [f64; 8] = [0.8, 1.2, 1.6, 2.0, 2.6, 3.4, 4.5, 6.0];
-/// L_gb, thickness and width, m.
+/// L_gb of the strips, m.
 pub(super) const UNIT: f64 = 0.05;
+/// Thickness, m.
 const THICKNESS: f64 = 0.0001;
+/// Width, m.
 const WIDTH: f64 = 0.05;
-/// Edges of a strip.
+/// Number of edges of a strip.
 const EDGES: usize = 100;
-/// Density, kg/m³, and acceleration of free fall, m/s².
+/// Density, kg/m³.
 const DENSITY: f64 = 800.0;
+/// Acceleration of free fall, m/s².
 const GRAVITY: f64 = 9.81;
 
-/// A strip, an index into [`LENGTHS`].
+/// A strip, given by its index into [`LENGTHS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Hanging {
     /// The strip.
@@ -25,14 +28,14 @@ pub(super) struct Hanging {
 }
 
 impl Hanging {
-    /// All strips; a quick version has coarse ones.
+    /// All strips; a quick version has coarse meshes.
     pub fn of_figure_4_9(quick: bool) -> Vec<Self> {
         let edges = if quick { 25 } else { EDGES };
         let strip = |strip| Self { strip, edges };
         (0..LENGTHS.len()).map(strip).collect()
     }
 
-    /// Nodes of the strip.
+    /// Number of nodes of the strip.
     pub fn nodes(&self) -> usize {
         self.edges + 1
     }
@@ -44,7 +47,7 @@ impl Run for Hanging {
     }
 
     fn prepare(&self) -> PreparedRun {
-        // L_gb³ = E h²/(24 ρ g).
+        // Young's modulus E from L_gb³ = E h²/(24 ρ g).
         let modulus = 24.0 * DENSITY * GRAVITY * UNIT.powi(3) / THICKNESS.powi(2);
         let length = LENGTHS[self.strip] * UNIT;
         let scenario = toml! {

@@ -1,7 +1,8 @@
 //! Rods that are folded over onto themselves under their own weight (thesis 5.5.1).
 //!
-//! Held at its two ends only, the upright loop of a round rod falls to the side; the simulated loops are ribbons of the
-//! same gravito-bending length, which stay in their plane.
+//! The upright loop of a round rod that is held only at its two ends falls to the side. The
+//! simulated loops are therefore ribbons of the same gravito-bending length, which stay in their
+//! plane.
 
 use super::cases::{Run, prepared_table, value};
 use rodlab_engine::mechanics::kirchhoff::HeavyLoop;
@@ -16,16 +17,18 @@ pub(super) const RODS: [(usize, &str, f64); 5] = [
     (3, "rope", 0.034),
     (5, "cable", 0.0801),
 ];
-/// Thickness and width of the ribbon, m.
+/// Thickness of the ribbon, m.
 const THICKNESS: f64 = 0.001;
+/// Width of the ribbon, m.
 const WIDTH: f64 = 0.1;
-/// Edges of the loop.
+/// Number of edges of the loop.
 const EDGES: usize = 200;
-/// Density, kg/m³, and acceleration of free fall, m/s².
+/// Density, kg/m³.
 const DENSITY: f64 = 1000.0;
+/// Acceleration of free fall, m/s².
 const GRAVITY: f64 = 9.81;
 
-/// The loop of a rod, an index into [`RODS`].
+/// The loop of a rod, given by its index into [`RODS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct LoopOfRod {
     /// The rod.
@@ -34,13 +37,13 @@ pub(super) struct LoopOfRod {
 }
 
 impl LoopOfRod {
-    /// All rods; a quick version has coarse ones.
+    /// All rods; a quick version has coarse meshes.
     pub fn of_figure_5_8(quick: bool) -> Vec<Self> {
         let edges = if quick { 40 } else { EDGES };
         (0..RODS.len()).map(|rod| Self { rod, edges }).collect()
     }
 
-    /// Nodes of the loop.
+    /// Number of nodes of the loop.
     pub fn nodes(&self) -> usize {
         self.edges + 1
     }
@@ -57,7 +60,7 @@ impl Run for LoopOfRod {
         let theory = HeavyLoop::new();
         let places = theory.places(self.edges).into_iter();
         let points: Vec<[f64; 3]> = places.map(|[x, z]| [x * unit, 0.0, z * unit]).collect();
-        // L_gb³ = E h²/(24 ρ g) for a ribbon of thickness h.
+        // Young's modulus E from L_gb³ = E h²/(24 ρ g) for a ribbon of thickness h.
         let modulus = 24.0 * DENSITY * GRAVITY * unit.powi(3) / THICKNESS.powi(2);
         let scenario = toml! {
             experiment = "scene"

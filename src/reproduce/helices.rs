@@ -4,13 +4,14 @@ use super::cases::{Run, prepared};
 use rodlab_lab::run::PreparedRun;
 
 const BASE: &str = include_str!("../../scenarios/helix_boundary.toml");
-/// Directions of the thesis, and of a quick look.
+/// Number of directions in the thesis.
 const DIRECTIONS: usize = 58_352;
+/// Number of directions in a quick version.
 const QUICK_DIRECTIONS: usize = 2_000;
-/// Processor time of a direction, s: measured, right to a factor of two.
+/// Processor time of a direction, s(measured; correct within a factor of two).
 const SECONDS_PER_DIRECTION: f64 = 7.5e-3;
 
-/// All directions, searched once.
+/// The search over all directions, which is done once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Helices {
     /// Number of directions of the surface.

@@ -1,14 +1,14 @@
-//! A knot pulled until it inverts, with the parameters of the thesis, chapter 3.
+//! A knot that is pulled until it inverts, with the parameters of the thesis, chapter 3.
 
 use super::cases::{Case, Run, prepared};
 use rodlab_files::results::ResultsError;
 use rodlab_lab::experiment::{KnotOutcome, KnotRow, read_knot_series};
 use rodlab_lab::run::PreparedRun;
 
-/// The inversion of the thesis' figure 3.4.
+/// The inversion of figure 3.4 in the thesis.
 const BASE: &str = include_str!("../../scenarios/inversion_n3.toml");
 
-/// A knot pulled until it inverts.
+/// A knot that is pulled until it inverts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Inversion {
     /// Unknotting number n.
@@ -17,7 +17,7 @@ pub(super) struct Inversion {
     pub radius: f64,
     /// Friction coefficient μ.
     pub friction: f64,
-    /// Nodes of the rod.
+    /// Number of nodes of the rod.
     pub nodes: usize,
     /// l̄_k = (L − l_c)/h at the start.
     pub start: f64,
@@ -25,11 +25,11 @@ pub(super) struct Inversion {
     pub last: f64,
     /// Speed of each end, m/s.
     pub pull_speed: f64,
-    /// Contact model, as scenario files call it.
+    /// Contact modelas named in scenario files.
     pub model: &'static str,
     /// Gap at which contact forces begin, in radii of the rod.
     pub tolerance: f64,
-    /// Decrease of l̄_k from one output to the next.
+    /// Decrease of l̄_k between two outputs.
     pub resolution: f64,
     /// Time for which the knot settles, s.
     pub settling: f64,
@@ -37,28 +37,30 @@ pub(super) struct Inversion {
 
 /// Radii of figure 3.5, m.
 const RADII: [f64; 5] = [1.6e-3, 2.0e-3, 2.4e-3, 2.8e-3, 3.2e-3];
-/// Unknotting numbers of figure 3.6, and the tightness from which each is pulled.
+/// Unknotting numbers of figure 3.6, and the initial tightness of each.
 const NUMBERS: [(usize, f64); 5] = [(1, 125.0), (2, 125.0), (3, 210.0), (4, 320.0), (5, 425.0)];
-/// Friction coefficients of figure 3.7, and the tightness from which these knots are pulled: with
-/// strong friction, the effect of the start lasts long. The thesis has the radius 3.4 mm, at which
-/// such a loose knot does not fit into the rod.
+/// Friction coefficients of figure 3.7.
 const FRICTIONS: [f64; 4] = [0.1, 0.3, 0.5, 0.7];
+/// Initial tightness of the knots of figure 3.7. With strong friction the effect of the start
+/// lasts long, so that these knots start loose. The radius of the thesis is 3.4 mm, for which such
+/// a loose knot would be longer than the rod.
 const START_OF_FRICTION: f64 = 312.5;
 /// Length of the rods, m.
 const LENGTH: f64 = 1.0;
-/// Length of an edge in radii where radii and numbers are compared. The corners of the polyline slip over each other
-/// and shake the knot; with edges of two radii the inversion point of n = 2 is uncertain by 4 %.
+/// Length of an edge, in radii, for the comparison of radii and numbers. The corners of the
+/// polyline slip over each other and shake the knot. With edges of two radii, the inversion point
+/// of n = 2 is uncertain by 4 %.
 const EDGE: f64 = 1.04;
 /// Time step of the scenario, s.
 const STEP: f64 = 2.5e-3;
-/// Share of the initial tightness at which a run without inversion ends.
+/// Fraction of the initial tightness at which a run without inversion ends.
 const LAST: f64 = 0.3;
-/// The same for a quick version, which has no inversion.
+/// Fraction of the initial tightness at which a quick version ends, which has no inversion.
 const QUICK_LAST: f64 = 0.95;
 
 impl Inversion {
-    /// The inversion of figure 3.4, the same with one choice at a time changed, and a short one
-    /// with IMC and with IPC.
+    /// The inversion of figure 3.4; the same with one changed choice at a time; and a short
+    /// version with IMC and with IPC.
     pub fn of_figure_3_4(quick: bool) -> Vec<Self> {
         let base = Self {
             nodes: 301,
@@ -151,7 +153,7 @@ impl Inversion {
 }
 
 impl Run for Inversion {
-    /// Its name, such as `inversion_n3_mu0.1_h1.6mm_imc_301nodes_from225_1mms_gap0.025h`.
+    /// Name of the run, such as `inversion_n3_mu0.1_h1.6mm_imc_301nodes_from225_1mms_gap0.025h`.
     fn id(&self) -> String {
         let millimetres = |metres: f64| (1e7 * metres).round() / 1e4;
         format!(
@@ -188,7 +190,7 @@ impl Run for Inversion {
             format!("output.interval={interval:?}"),
         ];
         if self.model == "imc" {
-            // That of the thesis for any radius.
+            // The stiffness of the thesis, for any radius.
             overrides.push("contact.stiffness_factor=1e5".to_owned());
         }
         prepared(&self.id(), BASE, &overrides)

@@ -53,9 +53,9 @@ struct Factor {
     runs: fn(quick: bool) -> Vec<Inversion>,
     /// Name of the figure.
     name: &'static str,
-    /// Its name and unit.
+    /// Name of the parameter, with its unit.
     head: &'static str,
-    /// Its value in a run.
+    /// Value of the parameter in a run.
     value: fn(&Inversion) -> String,
     /// Statement of the thesis.
     statement: &'static str,
@@ -92,14 +92,14 @@ impl Recipe for Factor {
         Ok(page.figure(&figure)?)
     }
 
-    /// The curves; pictures of the knots are unchanged.
+    /// Draws the curves; the pictures of the knots stay unchanged.
     fn figures_of_table(&self, table: &Path) -> Option<Result<Vec<PageFigure>>> {
         let rows = rows_of::<Row>(table);
         Some(rows.map(|rows| vec![figure(self.name, &runs_of(&rows))]))
     }
 }
 
-/// The range of the inversion points over their mean, as text.
+/// The range of the inversion points relative to their mean, as text.
 fn spread(cases: &[Case<Inversion>]) -> String {
     let points: Vec<f64> = cases
         .iter()

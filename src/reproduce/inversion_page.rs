@@ -6,7 +6,7 @@ use super::prelude::*;
 use rodlab_files::figure::Figure;
 use rodlab_lab::experiment::KnotRow;
 
-/// Name of the axis of l̄_k.
+/// Label of the axis of l̄_k.
 pub(super) const TIGHTNESS: &str = "l̄_{k} = (L − l_{c})/h";
 
 /// A row of the CSV file.
@@ -27,7 +27,7 @@ pub(super) struct Row {
     time_s: f64,
 }
 
-/// The series of runs as rows of the page, with the name of each.
+/// The series of the runs as rows of the page, each with the name of its run.
 pub(super) fn rows(
     cases: &[Case<Inversion>],
     name: impl Fn(usize, &Inversion) -> String,
@@ -62,7 +62,7 @@ pub(super) fn runs_of(rows: &[Row]) -> Vec<&[Row]> {
     rows.chunk_by(|a, b| a.case == b.case).collect()
 }
 
-/// Traction and height of the loop over l̄_k, a curve for each run.
+/// Traction and height of the loop over l̄_k, with one curve for each run.
 pub(super) fn figure(name: &str, runs: &[&[Row]]) -> PageFigure {
     PageFigure::new(
         name,
@@ -71,7 +71,7 @@ pub(super) fn figure(name: &str, runs: &[&[Row]]) -> PageFigure {
     )
 }
 
-/// F̄ and H̄ over l̄_k, a curve for each run.
+/// F̄ and H̄ over l̄_k, with one curve for each run.
 pub(super) fn plots(runs: &[&[Row]]) -> Figure {
     let over_tightness = |label: &str, value: fn(&Row) -> Option<f64>| {
         let curve = |rows: &&[Row]| {
@@ -89,8 +89,8 @@ pub(super) fn plots(runs: &[&[Row]]) -> Figure {
     line_plots(plots, TIGHTNESS)
 }
 
-/// The table of inversion points; `head` is the name of the first column, with the names of the
-/// runs.
+/// The table of inversion points; `head` is the heading of the first column, which contains the
+/// names of the runs.
 pub(super) fn table(
     page: &mut Page,
     head: &str,

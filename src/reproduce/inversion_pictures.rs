@@ -8,7 +8,7 @@ use rodlab_files::figure::{Figure, RodCurve, Snapshot, View, snapshots};
 use rodlab_files::results::{NodePositions, ResultsError, read_nodes};
 use rodlab_lab::experiment::KnotRow;
 
-/// A moment of an inversion.
+/// A stage of an inversion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Moment {
     /// The loop is upright, shortly before it falls.
@@ -19,28 +19,29 @@ pub(super) enum Moment {
     After,
 }
 
-/// l̄_k of a knot before its inversion over that of the inversion: the traction is near its peak,
-/// and the loop is upright.
+/// Ratio of l̄_k shortly before the inversion to that of the inversion. There the traction is near
+/// its peak, and the loop is upright.
 const SHORTLY_BEFORE: f64 = 1.03;
-/// l̄_k over that of the inversion at the start of the search for the fall, and the share of the
-/// initial height below which the loop has fallen: it loses most of its height between two outputs,
-/// of which the first is shown.
+/// Ratio of l̄_k at the start of the search for the fall to that of the inversion.
 const FALL_BEGINS: f64 = 1.01;
+/// Fraction of the initial height below which the loop has fallen. It loses most of its height
+/// between two outputs, of which the first is shown.
 const FALLEN: f64 = 0.5;
 
-/// Width of the picture over that of the braid.
+/// Width of the picture relative to that of the braid.
 const WIDTH: f64 = 1.6;
 
-/// Least distance of the points that are drawn, in radii: finer curves look the same and make large files.
+/// Least distance of drawn points, in radii. Finer curves look the same but give large files.
 const SPACING: f64 = 1.5;
 
-/// View along z: the knot is around the x axis and its loop above it.
+/// View along z: the knot is around the x axis, and its loop is above it.
 pub(super) fn side_view(pictures: Vec<Snapshot>) -> Figure {
     snapshots(pictures, View::from(Vector3::z()))
 }
 
-/// The knot of a run at the given moments, rotated about its axis so that the loop is upright
-/// before it inverts, with its tails cut off beside the braid; empty if it did not invert.
+/// The knot of a run at the given stages. It is rotated about its axis so that the loop is upright
+/// before the inversion, and its tails are cut off next to the braid. Empty if the knot did not
+/// invert.
 pub(super) fn pictures(
     case: &Case<Inversion>,
     moments: &[Moment],
@@ -66,7 +67,7 @@ pub(super) fn pictures(
     Ok(moments.iter().filter_map(picture_at).collect())
 }
 
-/// The row of a moment of an inversion at an l̄_k.
+/// The row of a stage of an inversion at an l̄_k.
 fn row_at(rows: &[(f64, KnotRow)], moment: Moment, inversion: f64) -> Option<&(f64, KnotRow)> {
     let at = |length: f64| {
         let passed = move |(_, row): &&(f64, KnotRow)| row.length_normalized <= length;
@@ -87,7 +88,7 @@ fn row_at(rows: &[(f64, KnotRow)], moment: Moment, inversion: f64) -> Option<&(f
     }
 }
 
-/// The rotation about x that turns the part away from the axis of the knot upright, along y.
+/// The rotation about x that turns the part of the knot away from its axis upright, along y.
 fn turn_to_upright(positions: &[Vector3], radius: f64) -> Rotation3<f64> {
     let away = |point: &&Vector3| libm::hypot(point.y, point.z) > 4.0 * radius;
     let loop_: Vector3 = positions.iter().filter(away).sum();
@@ -109,7 +110,7 @@ fn picture(
     let last = positions.iter().rposition(near).unwrap_or(0);
     let edge = (positions[1] - positions[0]).norm();
     let stride = (SPACING * case.run.radius / edge).ceil() as usize;
-    // Each in the middle of its picture, regardless of its position along the rod.
+    // The knot is in the middle of its picture, regardless of its position along the rod.
     let shown = |point: &Vector3| turn * (point - Vector3::x() * middle);
     Snapshot {
         title: format!("l̄_{{k}} = {:.1}", row.length_normalized),
@@ -130,7 +131,7 @@ fn picture(
 mod tests {
     use super::*;
 
-    /// The knot of figure 3.4: its loop stands at H = 19 mm and falls within two outputs.
+    /// The knot of figure 3.4. Its loop stands at H = 19 mm and falls within two outputs.
     fn rows() -> Vec<(f64, KnotRow)> {
         let heights = [
             (161.0, 21.9),

@@ -1,4 +1,4 @@
-//! Effect of mesh, pull speed and contact tolerance on the traction of overhand knots pulled tight.
+//! Effect of mesh, pull speed and contact tolerance on the traction of tightened overhand knots.
 
 use super::inversion_page::TIGHTNESS;
 use super::overhand_law::force_by_law;
@@ -27,7 +27,7 @@ struct Row {
     force_normalized: f64,
 }
 
-/// Writes tractions over tightness, a plot for each unknotting number, and their means over the
+/// Writes tractions over tightnessin one plot for each unknotting number, and their means over the
 /// whole range.
 fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<()> {
     let mut rows = Vec::new();
@@ -84,7 +84,7 @@ fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<()> {
     ))?)
 }
 
-/// The range of l̄_k that all knots pass through before any inverts; an empty one if there is none.
+/// The range of l̄_k through which all knots pass before any of them inverts; may be empty.
 fn common_range(knots: &[Case<Tightening>]) -> Result<[f64; 2]> {
     let mut range: Option<[f64; 2]> = None;
     for knot in knots {
@@ -97,7 +97,7 @@ fn common_range(knots: &[Case<Tightening>]) -> Result<[f64; 2]> {
     Ok(range.unwrap_or_default())
 }
 
-/// A line of the table: the first force, and the differences of the others from it.
+/// A line of the table: the force of the first knot, and the differences of the others from it.
 fn differences(
     unknotting_number: usize,
     [tight, loose]: [f64; 2],

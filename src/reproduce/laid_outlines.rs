@@ -1,4 +1,4 @@
-//! Laid rods from above, beside their patterns.
+//! Laid rods from above, compared with their patterns.
 
 use super::laying::{FRICTIONS, Laying, PATTERNS, RODS};
 use super::prelude::*;
@@ -7,13 +7,13 @@ use rodlab_files::results::{SCENARIO, read_nodes};
 use rodlab_lab::experiment::{DeploymentTables, from_text};
 use std::path::Path;
 
-/// Panels in a row.
+/// Number of panels in a row.
 const COLUMNS: usize = 4;
-/// Points of a drawn pattern.
+/// Number of points of a drawn pattern.
 const POINTS: usize = 300;
 
-/// A rod from above beside its patterns, by both schemes, at a friction (an index into [`FRICTIONS`]); its name begins with that of
-/// the page.
+/// A figure of a rod from above with its patterns, for both schemes and one friction (an index
+/// into [`FRICTIONS`]). Its name begins with that of the page.
 pub(super) fn outlines_figure(
     page: &str,
     rod: usize,
@@ -58,7 +58,8 @@ pub(super) fn outlines_figure(
 /// Outlines from above, m, each with the index of its curve.
 pub(super) type NumberedOutlines = Vec<(usize, Vec<[f64; 2]>)>;
 
-/// Panels of the patterns, in which the last of the curves is the pattern itself. `None` where there is nothing.
+/// Panels of the patterns, in which the last curve is the pattern itself. `None` if there are no
+/// outlines.
 pub(super) fn in_panels(names: &[&str], patterns: &[NumberedOutlines]) -> Option<Figure> {
     let shown = patterns.iter().zip(&PATTERNS);
     let shown = shown.filter(|(outlines, _)| !outlines.is_empty());

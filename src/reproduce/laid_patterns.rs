@@ -1,4 +1,4 @@
-//! Figures 5.10 and 5.11: rods laid along all patterns, by both schemes.
+//! Figures 5.10 and 5.11: rods laid along all patterns, with both schemes.
 
 use super::laid_outlines::outlines_figure;
 use super::laying::{FRICTIONS, Laying, RODS, Substrate};
@@ -32,7 +32,7 @@ fn write_rods(page: &mut Page, cases: &[Case<Laying>]) -> Result<()> {
     write(page, cases, &shown)
 }
 
-/// Index of the friction of fabric for a rod.
+/// Index of the friction of a rod on fabric.
 fn on_fabric(rod: usize) -> usize {
     let mut substrates = RODS[rod].substrates.iter();
     let found = substrates.position(|substrate| *substrate == Substrate::Fabric);

@@ -9,14 +9,14 @@ use toml::{Table, toml};
 /// A pattern.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LaidPattern {
-    /// Its name, for display and files.
+    /// Name, for display and files.
     pub name: &'static str,
     source: Source,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Source {
-    /// The keys of a formula, one a line.
+    /// The keys of a formula, one per line.
     Formula(&'static str),
     /// A drawing as SVG.
     Drawing(&'static str),
@@ -29,7 +29,7 @@ pub(super) struct LaidRod {
     pub number: usize,
     /// Its name.
     pub name: &'static str,
-    /// The substrates of friction 0.2, 0.4 and 0.8.
+    /// The substrates with a friction of 0.2, 0.4 and 0.8.
     pub substrates: [Substrate; 3],
     scenario: &'static str,
 }
@@ -42,8 +42,8 @@ pub(super) enum Substrate {
     Foam,
 }
 
-/// The seven patterns of Tab. 5.2. Line, circle and sine are as long and as wide as those of the
-/// thesis' released data; letters were redrawn.
+/// The seven patterns of Tab. 5.2. Line, circle and sine have the sizes of those in the released
+/// data of the thesis; letters were redrawn.
 pub(super) const PATTERNS: [LaidPattern; 7] = [
     formula("line", "kind = 'line'\nlength = 0.5"),
     formula("circle", "kind = 'circle'\nradius = 0.09"),
@@ -99,11 +99,13 @@ pub(super) const RODS: [LaidRod; 3] = {
 /// Coefficients of friction that the thesis calls low, medium and high.
 pub(super) const FRICTIONS: [f64; 3] = [0.2, 0.4, 0.8];
 
-/// Duration of laying a pattern, s. The green rod along A at the medium friction, which slides,
-/// lies 0.652 cm from it; in 80 s it is 0.640 cm.
+/// Duration of laying a pattern, s. The mean distance of the green rod, which slides, from the
+/// pattern A at the medium friction is 0.652 cm; with a duration of 80 s it is 0.640 cm.
 const END: f64 = 40.0;
-/// Time step, s: the same rod lies 0.647 cm from its pattern with this, 0.652 cm with 5 ms and 0.672 cm with 2 ms; with twice
-/// the 111 edges 0.652 cm, with δ = 20 µm instead of 50 µm 0.654 cm, with a slip tolerance of 3 µm/s instead of 10 µm/s 0.651 cm.
+/// Time step, s. The mean distance of the same rod from its pattern is 0.647 cm with this step,
+/// 0.652 cm with 5 ms and 0.672 cm with 2 ms. It is 0.652 cm with twice the 111 edges, 0.654 cm
+/// with δ = 20 µm instead of 50 µm, and 0.651 cm with a slip tolerance of 3 µm/s instead of 10
+/// µm/s.
 const STEP: f64 = 1e-2;
 /// A few steps.
 #[cfg(test)]
@@ -116,7 +118,7 @@ pub(super) struct Laying {
     pub rod: usize,
     /// Index into [`FRICTIONS`].
     pub friction: usize,
-    /// Whether it is laid by the optimal grasps; else by the intuitive scheme.
+    /// Whether the rod is laid with the optimal grasps instead of the intuitive scheme.
     pub is_optimal: bool,
     /// Whether the optimal grasps are computed by a network.
     pub is_neural: bool,
@@ -124,7 +126,7 @@ pub(super) struct Laying {
     pub pattern: usize,
     /// Time, s.
     pub end: f64,
-    /// Its disturbances.
+    /// Disturbances of the laying.
     pub disturbance: Disturbance,
 }
 
@@ -135,23 +137,26 @@ pub(super) struct Disturbance {
     pub jitter: f64,
     /// Its seed.
     pub seed: u64,
-    /// Relative error of the gravito-bending length that is planned for.
+    /// Relative error of the gravito-bending length assumed in the plan.
     pub length_error: f64,
     /// Root mean square of the noise of the camera, m, if the path is corrected during laying.
     pub correction: Option<f64>,
 }
 
-/// Jitters (m) and their seeds, and errors of the gravito-bending length.
+/// Jitters, m.
 const JITTERS: [f64; 4] = [0.5e-3, 1e-3, 2e-3, 5e-3];
+/// Seeds of the jitter.
 const SEEDS: [u64; 3] = [1, 2, 3];
+/// Relative errors of the gravito-bending length.
 const LENGTH_ERRORS: [f64; 4] = [-0.1, -0.05, 0.05, 0.1];
-/// Jitter of runs that are corrected online, and noise of their camera, m.
+/// Jitter of runs with online correction, m.
 const CORRECTED_JITTER: f64 = 2e-3;
+/// Noise of the camera in these runs, m.
 const CAMERA_NOISE: f64 = 0.5e-3;
 /// The patterns that are laid with errors: circle, U and L.
 const DISTURBED: [usize; 3] = [1, 3, 5];
 
-/// None, then jitters of all seeds, then errors of the gravito-bending length.
+/// Disturbances in sequence: none, jitters with all seeds, errors of the gravito-bending length.
 fn disturbances(jitters: &[f64], length_errors: &[f64]) -> Vec<Disturbance> {
     let none = Disturbance::default();
     let mut disturbances = vec![none];
@@ -183,7 +188,7 @@ impl LaidRod {
 }
 
 impl Laying {
-    /// The optimal scheme by exact grasps, undisturbed.
+    /// An undisturbed run of the optimal scheme with exact grasps.
     fn optimal(rod: usize, friction: usize, pattern: usize) -> Self {
         Self {
             rod,
@@ -224,7 +229,8 @@ impl Laying {
         runs
     }
 
-    /// The green rod on fabric by the optimal scheme, all patterns; a quick version has two.
+    /// The green rod on fabric with the optimal scheme and all patterns; a quick version has two
+    /// patterns.
     pub fn of_cell(quick: bool) -> Vec<Self> {
         let mut runs = Self::of_table_5_2(false);
         runs.retain(|run| {
@@ -243,8 +249,8 @@ impl Laying {
         runs
     }
 
-    /// All rods and patterns at the medium friction, by exact grasps and by the network; a quick
-    /// version has the green rod.
+    /// All rods and patterns at the medium friction, with exact grasps and with the network; a
+    /// quick version has the green rod.
     pub fn of_table_5_3(quick: bool) -> Vec<Self> {
         let mut runs = Self::of_table_5_2(false);
         runs.retain(|run| run.is_optimal && run.friction == 1 && (run.rod == 1 || !quick));
@@ -268,12 +274,12 @@ impl Laying {
         patterns_of_errors(quick).iter().flat_map(of).collect()
     }
 
-    /// The green rod at the medium friction with errors, as planned before and corrected online; a
+    /// The green rod at the medium friction with errors, without and with online correction; a
     /// quick version has one pattern.
     pub fn of_correction(quick: bool) -> Vec<Self> {
         let mut runs = Vec::new();
         for &pattern in patterns_of_errors(quick) {
-            // Noise of the camera on the first pattern only.
+            // Camera noise is added only for the first pattern.
             let noise = (pattern == DISTURBED[0]).then_some(Some(CAMERA_NOISE));
             for correction in [None, Some(0.0)].into_iter().chain(noise) {
                 for disturbance in disturbances(&[CORRECTED_JITTER], &[-0.1, 0.1]) {
@@ -290,7 +296,8 @@ impl Laying {
         runs
     }
 
-    /// The same without noise of the camera; a quick version has one pattern with one jitter.
+    /// The runs of the correction without camera noise; a quick version has one pattern with one
+    /// jitter.
     pub fn of_cell_correction(quick: bool) -> Vec<Self> {
         let mut runs = Self::of_correction(quick);
         runs.retain(|run| {
@@ -306,8 +313,8 @@ impl Laying {
         self.disturbance.correction.is_some()
     }
 
-    /// Whether this run equals another one except for its correction, with a given noise of the
-    /// camera.
+    /// Whether this run equals another one except for its correction; `is_seen` accepts the noise
+    /// of the camera.
     pub fn corrects(&self, other: &Self, is_seen: fn(f64) -> bool) -> bool {
         let without = Disturbance {
             correction: None,
@@ -318,7 +325,7 @@ impl Laying {
             && without == other.disturbance
     }
 
-    /// The scheme by its name.
+    /// Name of the scheme.
     pub fn scheme(&self) -> &'static str {
         if self.is_optimal {
             "optimal"
@@ -355,7 +362,7 @@ impl Case<Laying> {
         self.laid().filter(|_| has_ended)
     }
 
-    /// Mean distance of such a rod from its pattern, cm (thesis Eq. 5.11).
+    /// Mean distance of a completely laid rod from its pattern, cm (thesis Eq. 5.11).
     pub fn mean_error_cm(&self) -> Option<f64> {
         let mean = self.laid_to_the_end()?.mean_error_m?;
         Some(1e2 * mean)

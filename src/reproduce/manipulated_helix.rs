@@ -1,4 +1,4 @@
-//! A helical rod manipulated in time, with the parameters of the thesis, section 6.3.4.
+//! A helical rod that is manipulated in time, with the parameters of the thesis, section 6.3.4.
 
 use super::cases::{Case, Run, prepared_table, value};
 use rodlab_engine::mechanics::kirchhoff::Helix;
@@ -16,24 +16,27 @@ pub(super) const DIRECTION: Helix = Helix {
     torsion: 1.0,
     twisting_moment: 1.0,
 };
-/// Length and radius of the rod, m, and its density, kg/m³.
+/// Length of the rod, m.
 const LENGTH: f64 = 1.0;
+/// Radius of the rod, m.
 const RADIUS: f64 = 0.781e-3;
+/// Density of the rod, kg/m³.
 const DENSITY: f64 = 1180.0;
-/// Largest distance ‖(κ, τ, ω)‖ of the rod; by theory it is unstable from 10.75.
+/// Largest distance ‖(κ, τ, ω)‖ of the rod; in theory it is unstable from 10.75.
 const FARTHEST: f64 = 13.0;
-/// Edges of the rod, and of a quick look.
+/// Number of edges of the rod.
 const EDGES: usize = 100;
+/// Number of edges of the rod in a quick version.
 const QUICK_EDGES: usize = 40;
-/// Largest time step over the time in which the end moves by the length of the rod.
+/// Largest time step, relative to the time in which the end moves by the length of the rod.
 const STEP: f64 = 1e-4;
-/// Largest time step, s: the first vibration of the straight rod takes 0.7 s.
+/// Largest time step, s; the period of the first vibration of the straight rod is 0.7 s.
 const LONGEST_STEP: f64 = 0.02;
-/// Output times of a run, all of them ends of whole steps.
+/// Number of output times of a run; all are ends of whole steps.
 const OUTPUTS: f64 = 600.0;
-/// Processor time of a step for each edge, s: measured, right to a factor of two.
+/// Processor time of a step for each edge, s(measured; correct within a factor of two).
 const SECONDS_PER_STEP_AND_EDGE: f64 = 8e-7;
-/// Part of the time in which gravity grows to its full strength.
+/// Fraction of the time during which gravity grows to its full strength.
 const GRAVITY_GROWS: f64 = 0.1;
 
 /// A manipulated rod.
@@ -43,19 +46,19 @@ pub(super) struct ManipulatedHelix {
     pub poissons_ratio: f64,
     /// Young's modulus E, Pa.
     pub youngs_modulus: f64,
-    /// Gravito-bending length over the length, L_gb/L; infinite without gravity.
+    /// Gravito-bending length relative to the length, L_gb/L; infinite without gravity.
     pub gravito_bending_length: f64,
     /// Speed v of the end, m/s.
     pub speed: f64,
-    /// Amplitude d of the jitter over the length.
+    /// Amplitude d of the jitter relative to the length.
     pub jitter: f64,
     /// Largest distance ‖(κ, τ, ω)‖ of the rod.
     pub farthest: f64,
-    /// Edges of the rod.
+    /// Number of edges of the rod.
     pub edges: usize,
 }
 
-/// The rod of the thesis, undisturbed: no gravity, because with that of the earth its L_gb would be
+/// The rod of the thesis, undisturbed, without gravity: with that of the earth, its L_gb would be
 /// 0.19 L.
 pub(super) const UNDISTURBED: ManipulatedHelix = ManipulatedHelix {
     poissons_ratio: 0.33,
@@ -68,7 +71,7 @@ pub(super) const UNDISTURBED: ManipulatedHelix = ManipulatedHelix {
 };
 
 impl ManipulatedHelix {
-    /// The undisturbed rod, then each parameter varied by itself.
+    /// The undisturbed rod, then each parameter varied separately.
     pub fn of_figure_6_5(quick: bool) -> Vec<Self> {
         let usual = UNDISTURBED;
         let mut runs = vec![usual];
@@ -119,13 +122,13 @@ impl ManipulatedHelix {
         interval / (interval / largest).ceil()
     }
 
-    /// Acceleration of free fall that makes the gravito-bending length (E h²/(8ρg))^(1/3), m/s².
+    /// Acceleration of free fall that gives the gravito-bending length (E h²/(8ρg))^(1/3), m/s².
     fn gravity(&self) -> f64 {
         let length = self.gravito_bending_length * LENGTH;
         self.youngs_modulus * RADIUS.powi(2) / (8.0 * DENSITY * length.powi(3))
     }
 
-    /// Its scenario.
+    /// The scenario of the run.
     fn scenario(&self) -> Table {
         let path = self.path();
         let end = path.duration();
@@ -170,7 +173,7 @@ impl ManipulatedHelix {
 }
 
 impl Run for ManipulatedHelix {
-    /// Its name, such as `helix_nu0.33_E1.12e9_Lgb0.6_v0.01_d0.02`.
+    /// Name of the run, such as `helix_nu0.33_E1.12e9_Lgb0.6_v0.01_d0.02`.
     fn id(&self) -> String {
         let Self {
             poissons_ratio,

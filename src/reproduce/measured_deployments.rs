@@ -2,7 +2,7 @@
 
 use super::laying::{Laying, Substrate};
 
-/// e_mean and σ in cm of a run on a substrate.
+/// Measured e_mean and σ, cm, for a run on a substrate.
 pub(super) fn measured(run: &Laying, substrate: Substrate) -> (f64, f64) {
     let column = match substrate {
         Substrate::Fabric => 0,
@@ -13,8 +13,8 @@ pub(super) fn measured(run: &Laying, substrate: Substrate) -> (f64, f64) {
     (line[2 * run.pattern], line[2 * run.pattern + 1])
 }
 
-/// e_mean and σ in cm as the thesis prints them, pattern by pattern, by rod, substrate (fabric, steel, foam) and scheme
-/// (intuitive, optimal).
+/// e_mean and σ in cm as printed in the thesis, pattern by pattern, indexed by rod, substrate
+/// (fabric, steel, foam) and scheme (intuitive, optimal).
 const THESIS: [[[[f64; 14]; 2]; 3]; 3] = [
     [
         [

@@ -1,8 +1,8 @@
-//! Tables and figures of the thesis, made again with this engine.
+//! Tables and figures of the thesis, reproduced with this engine.
 //!
 //! An [`Artifact`] is a set of runs and their page; all are in [`ARTIFACTS`]. Each run is an
-//! ordinary one, with its own results directory: an interrupted [`reproduce`] resumes, and
-//! artefacts share their runs.
+//! ordinary run with its own results directory, so that an interrupted [`reproduce`] resumes, and
+//! artefacts share runs.
 
 mod applications;
 mod artifact;
@@ -84,9 +84,9 @@ use std::path::PathBuf;
 /// Options of a reproduction.
 #[derive(Clone, Debug)]
 pub struct ReproduceOptions {
-    /// The output folder, with a directory for each artefact, and `cases` for the runs.
+    /// The output folder. It has a directory for each artefact, and `cases` for the runs.
     pub directory: PathBuf,
-    /// Simulate a short time only.
+    /// Whether only a short time is simulated.
     pub quick: bool,
     /// Number of simultaneous runs, at least 1; they share the threads of the program.
     pub jobs: usize,
@@ -96,10 +96,10 @@ pub struct ReproduceOptions {
     pub figures: FigureOptions,
 }
 
-/// Result of making an artefact.
+/// Result of reproducing an artefact.
 type Result<T, E = ReproduceError> = std::result::Result<T, E>;
 
-/// Why making an artefact failed.
+/// Reason why reproducing an artefact failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReproduceError {
     /// A run did not start, or was stopped. A run that the mechanics ended is a result, not an
@@ -118,7 +118,7 @@ pub enum ReproduceError {
         /// The folder of the page.
         page: PathBuf,
     },
-    /// The system could not start the threads of a run.
+    /// The operating system could not start the threads of a run.
     #[error("cannot start the threads of a run: {0}")]
     Threads(String),
     /// The table for the figures is missing.
@@ -129,7 +129,7 @@ pub enum ReproduceError {
         /// Its table.
         table: PathBuf,
     },
-    /// The figures show more than the table.
+    /// The figures need more data than the table contains.
     #[error(
         "the figures of {artifact} show more than its table holds; `rodlab reproduce {artifact}` draws them from its runs"
     )]
@@ -139,7 +139,7 @@ pub enum ReproduceError {
     },
 }
 
-/// Makes an artefact, after those in its folder, and returns the files written; `report` is called for each run that
+/// Reproduces an artefact and returns the written files; `report` is called for each run that
 /// ended.
 ///
 /// # Errors
@@ -208,8 +208,8 @@ mod tests {
         }
     }
 
-    /// Runs of an artefact that make its page: some are slow to prepare, and a page needs only a
-    /// few of them.
+    /// Number of runs of an artefact for the test of its page. Some are slow to prepare, and a
+    /// page needs only a few of them.
     fn runs_of_page(name: &str) -> usize {
         match name {
             _ if tests_are_full() => usize::MAX,
@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn every_artefact_has_its_page_its_table_and_its_figures() {
         let directory = tempfile::tempdir().unwrap();
-        // Each by itself, so that none waits for the longest case of another.
+        // Artefacts are tested separately, so that none waits for the longest case of another.
         ARTIFACTS.par_iter().for_each(|artifact| {
             let options = options(directory.path(), 1);
             let written = artifact

@@ -1,8 +1,8 @@
-//! Knots pulled tight against the law of Jawed et al. 2015 (thesis Eq. 2.30).
+//! Tightened knots compared with the law of Jawed et al. 2015 (thesis Eq. 2.30).
 //!
-//! The law includes friction only, and a braid that is a uniform double helix of n turns. Its
-//! errors are visible when the traction is split into the part of friction and the rest, by which
-//! the ends change the energy of the rod.
+//! The law includes only friction, and assumes a braid that is a uniform double helix of n turns.
+//! Its errors become visible if the traction is split into the part of friction and the rest,
+//! which changes the energy of the rod.
 
 use super::prelude::*;
 use super::tightening::{Stretch, Tightening, range_before_inversion, stretches};
@@ -11,7 +11,7 @@ use rodlab_planning::knot::{jawed_shortening, jawed_traction};
 /// Number of intervals before the inversion that are compared.
 const PARTS: usize = 10;
 
-/// F̄ by the law at an l̄_k.
+/// F̄ from the law at an l̄_k.
 pub(super) fn force_by_law(run: &Tightening, length: f64) -> f64 {
     let squared = (run.unknotting_number * run.unknotting_number) as f64;
     jawed_traction(squared / length, run.friction) / squared
@@ -21,8 +21,9 @@ pub(super) fn force_by_law(run: &Tightening, length: f64) -> f64 {
 struct OverLaw {
     /// n² h/e at the same traction.
     shortening: f64,
-    /// Friction, and the rest of the traction, over the traction of the law at the same shortening.
+    /// Friction part of the traction, relative to the traction of the law at the same shortening.
     friction: f64,
+    /// Rest of the traction, relative to the same traction of the law.
     rest: f64,
 }
 
@@ -39,7 +40,7 @@ impl OverLaw {
     }
 }
 
-/// Head of [`line`].
+/// Header of the table whose rows are made by [`line`].
 pub(super) const HEADER: [&str; 6] = [
     "mean of n² h/e over Eq. 2.30",
     "least",
@@ -88,7 +89,7 @@ mod tests {
         let over = OverLaw::of(&run, &on_the_law);
         assert!((over.shortening - 1.0).abs() < 1e-6);
         assert_eq!((over.friction, over.rest), (1.0, 0.0));
-        // With less traction than the law, the knot is tighter than by the law.
+        // A knot with less traction than the law predicts is tighter than predicted.
         let weaker = Stretch {
             force: 0.9 * force,
             ..on_the_law

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct Heading {
     /// Name of the artefact, for commands, directories and files.
     pub name: &'static str,
-    /// Its title, with its number.
+    /// Title with its number.
     pub title: &'static str,
 }
 
@@ -30,16 +30,16 @@ pub(super) fn stem(name: &str) -> &str {
 /// A figure of a page.
 #[derive(Clone, Debug)]
 pub(super) struct PageFigure {
-    /// Name of its files, without an ending.
+    /// Name of its files, without extension.
     pub name: String,
-    /// What it shows.
+    /// Caption.
     pub caption: String,
     /// The figure.
     pub figure: Figure,
 }
 
 impl PageFigure {
-    /// A figure with its name and caption.
+    /// Creates a figure with its name and caption.
     pub fn new(name: &str, caption: &str, figure: Figure) -> Self {
         Self {
             name: name.into(),
@@ -48,7 +48,7 @@ impl PageFigure {
         }
     }
 
-    /// The figure and its caption as a page shows them, from the file of an ending.
+    /// The figure and its caption as Markdown for a page, from the file with an extension.
     pub fn in_markdown(&self, ending: &str) -> String {
         let Self { name, caption, .. } = self;
         format!(
@@ -64,12 +64,12 @@ pub(super) fn write_figures(
     figure: &PageFigure,
     options: &FigureOptions,
 ) -> Result<Vec<PathBuf>, ResultsError> {
-    // No path with an ending: names such as `fig2.7` have a point of their own.
+    // Do not use `with_extension`, since names such as `fig2.7` contain a dot.
     let path = directory.join(format!("{}.svg", figure.name));
     write_figure(&path, &figure.figure, options)
 }
 
-/// The directory of an artefact during writing.
+/// The page of an artefact while it is written to its directory.
 pub(super) struct Page {
     heading: Heading,
     directory: PathBuf,
@@ -77,11 +77,11 @@ pub(super) struct Page {
     markdown: String,
     written: Vec<PathBuf>,
     figures: FigureOptions,
-    /// Figures that have not been placed yet.
+    /// Figures that are not placed yet.
     held: VecDeque<PageFigure>,
 }
 
-/// A table with a line for each row: the head of each column, and its cells.
+/// Creates a table with a line for each row: the heading and the cells of each column.
 macro_rules! columns {
     ($row:pat in $rows:expr; $($head:expr => $cell:expr,)+) => {
         $crate::reproduce::page::MarkdownTable {
@@ -94,7 +94,7 @@ pub(super) use columns;
 
 /// A table of a page.
 pub(super) struct MarkdownTable<'a> {
-    /// Heads of the columns.
+    /// Headings of the columns.
     pub header: Vec<&'a str>,
     /// Cells of the lines.
     pub lines: Vec<Vec<String>>,
@@ -111,7 +111,7 @@ struct PageManifest {
     written: jiff::Timestamp,
     /// Whether only a short time was simulated.
     quick: bool,
-    /// Runs at a time in this call.
+    /// Number of simultaneous runs in this call.
     jobs: usize,
     cases: Vec<CaseNote>,
 }
@@ -127,7 +127,7 @@ struct CaseNote {
     cpu_time_s: Option<f64>,
     threads: usize,
     version: String,
-    /// Whether an earlier call had finished it.
+    /// Whether an earlier call has finished the run.
     was_finished: bool,
 }
 
@@ -159,7 +159,7 @@ pub(super) fn check_place(folder: &Path, heading: &Heading) -> Result<(), Result
 }
 
 impl Page {
-    /// Makes the directory and the head of the page.
+    /// Creates the directory and the head of the page.
     pub fn begin<R: Run>(
         heading: Heading,
         options: &ReproduceOptions,
@@ -246,7 +246,7 @@ impl Page {
         Ok(())
     }
 
-    /// Copies a file of a run beside the page, if there is one.
+    /// Copies a file of a run into the directory of the page, if it exists.
     pub fn copy(&mut self, from: &Path, name: &str) -> Result<(), ResultsError> {
         if !from.exists() {
             return Ok(());
@@ -270,7 +270,7 @@ impl Page {
         self.lines(&table.header, &table.lines);
     }
 
-    /// Adds a table of a header and lines to the page.
+    /// Adds a table with a header and lines to the page.
     pub fn lines(&mut self, header: &[&str], rows: &[Vec<String>]) {
         let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
         let header: Vec<String> = header.iter().map(|&cell| cell.to_owned()).collect();

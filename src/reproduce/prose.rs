@@ -1,9 +1,10 @@
-//! Lines of the prose of a page.
+//! Wrapping of the prose of a page.
 
-/// Columns of a line of prose.
+/// Largest width of a line of prose, columns.
 const WIDTH: usize = 100;
 
-/// A paragraph in lines of at most 100 columns; tables, pictures and headings keep their lines.
+/// Wraps a paragraph to lines of at most 100 columns. Tables, pictures and headings keep their
+/// lines.
 pub(super) fn wrapped(paragraph: &str) -> String {
     let lines: Vec<String> = paragraph.lines().map(wrapped_line).collect();
     lines.join("\n")
@@ -13,7 +14,7 @@ fn wrapped_line(line: &str) -> String {
     if line.starts_with(['|', '#']) || line.starts_with("![") {
         return line.to_owned();
     }
-    // What continues an item of a list is below its text.
+    // Continuation lines of a list item are indented to its text.
     let indent = if line.starts_with("- ") { "  " } else { "" };
     let mut text = String::with_capacity(line.len());
     let mut columns = 0;
@@ -33,7 +34,7 @@ fn wrapped_line(line: &str) -> String {
     text
 }
 
-/// The words of a line, each with the marks that follow it.
+/// The words of a line, each with following words that would be markup at the start of a line.
 fn unbroken(line: &str) -> Vec<&str> {
     let mut parts = Vec::new();
     let mut begin = 0;

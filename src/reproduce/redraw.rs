@@ -1,4 +1,4 @@
-//! Redraws the figures of a page from the table beside it, without runs.
+//! Redraws the figures of a page from the table in its directory, without runs.
 
 use super::page::{PageFigure, stem, write_figures};
 use super::{Artifact, ReproduceError, ReproduceOptions};
@@ -7,10 +7,10 @@ use rodlab_files::results::{ResultsError, write_whole};
 use std::fs;
 use std::path::PathBuf;
 
-/// Draws the figures of an artefact again, and sets their captions; returns the files written.
+/// Draws the figures of an artefact again, and sets their captions; returns the written files.
 ///
 /// # Errors
-/// [`ReproduceError::NotRedrawn`] if its figures show more than its table,
+/// [`ReproduceError::NotRedrawn`] if its figures need more data than its table contains,
 /// [`ReproduceError::NoTable`] if the table is missing, or an error if results cannot be read or
 /// written.
 pub fn redraw(
@@ -60,7 +60,7 @@ fn with_caption(page: String, figure: &PageFigure) -> String {
         if is_picture {
             text += &figure.in_markdown("svg");
         } else if is_below && paragraph.starts_with('*') && paragraph.ends_with('*') {
-            // The caption is written with its picture.
+            // The caption was already written with its picture.
             text.truncate(text.len() - 2);
         } else {
             text += paragraph;

@@ -7,19 +7,21 @@ use toml::toml;
 
 /// l̄_s of thesis Figs. 5.4 and 5.5.
 pub(super) const SUSPENDED: f64 = 17.68;
-/// L_gb and radius of the rod, m: the green one of thesis Tab. 5.1.
+/// L_gb of the rod, m: the green one of thesis Tab. 5.1.
 pub(super) const UNIT: f64 = 0.032;
+/// Radius of the rod, m.
 pub(super) const RADIUS: f64 = 0.0016;
-/// Edges of the suspended part.
+/// Number of edges of the suspended part.
 const EDGES: usize = 120;
-/// Density, kg/m³, and acceleration of free fall, m/s².
+/// Density, kg/m³.
 const DENSITY: f64 = 1000.0;
+/// Acceleration of free fall, m/s².
 const GRAVITY: f64 = 9.81;
 /// Largest push Δȳ.
 pub(super) const LARGEST: f64 = 0.5;
 /// Duration of the push, s: far longer than the oscillations of the rod.
 const END: f64 = 20.0;
-/// Drag per length that takes their energy out, N s/m².
+/// Drag per length that damps these oscillations, N s/m².
 const DRAG: f64 = 0.05;
 
 /// A push of the gripper.
@@ -49,7 +51,7 @@ impl SidewaysPush {
         [1, 2].map(|minimum| Self { minimum, end }).into()
     }
 
-    /// Both minima, up to a push Δȳ.
+    /// Runs for both minima, up to a push Δȳ.
     #[cfg(test)]
     pub fn up_to(push: f64) -> Vec<Self> {
         let end = END * push / LARGEST;
@@ -62,7 +64,7 @@ impl SidewaysPush {
         let problem = problem.expect("a length, a curvature and a stiffness in range");
         let found = GraspSolver::new().all_centrelines(&problem, EDGES);
         let mut found = found.expect("there are planar grasps of this length");
-        // The second minimum is, of the others, the one that has the fewest unstable modes.
+        // The second minimum is the one of the other grasps with the fewest unstable modes.
         let chosen = if self.minimum == 1 {
             0
         } else {

@@ -1,4 +1,4 @@
-//! Figures 3.10 and 3.11: inversion points of the simplified knot and of the full simulation.
+//! Figures 3.10 and 3.11: inversion points of the simplified knot and in the full simulation.
 
 use super::figure_3_9::SPINS;
 use super::inversion::Inversion;
@@ -37,16 +37,17 @@ struct Row {
     free_to_spin: Option<f64>,
 }
 
-/// Abscissa of the inversion points.
+/// Quantity on the horizontal axis.
 struct Factor {
     /// Name of the figure.
     name: &'static str,
-    /// Its head in the table and label in the figure.
+    /// Heading in the table.
     head: &'static str,
+    /// Label in the figure.
     axis: &'static str,
-    /// The position of a row along the axis.
+    /// Position of a row on the horizontal axis.
     place: fn(&Row) -> f64,
-    /// Style of the model: it exists for every radius, but only for integer n.
+    /// Style of the model's points: it has a result for every radius, but only for integer n.
     look: Look,
 }
 

@@ -1,4 +1,4 @@
-//! Pages whose figures are drawn from their table alone, and functions on rows.
+//! Pages whose figures are drawn from their table alone, and functions for rows.
 
 use super::Result;
 use super::artifact::Recipe;
@@ -14,7 +14,8 @@ use std::path::Path;
 pub(super) struct Tabled<R, Row> {
     runs: fn(quick: bool) -> Vec<R>,
     rows: Rows<R, Row>,
-    /// Writes the text above the figures; figures in the text are placed by [`Page::next_figure`].
+    /// Writes the text above the figures; figures within the text are placed by
+    /// [`Page::next_figure`].
     write: Write<R, Row>,
     figures: fn(&[Row]) -> Vec<PageFigure>,
 }
@@ -33,7 +34,7 @@ pub(super) enum Rows<R, Row> {
 }
 
 impl<R, Row> Tabled<R, Row> {
-    /// Runs, the rows that are made of them, the text of the page, and its figures.
+    /// Combines runs, their conversion to rows, the text of the page, and its figures.
     pub const fn new(
         runs: fn(quick: bool) -> Vec<R>,
         rows: Rows<R, Row>,
@@ -76,18 +77,18 @@ impl<R: Run, Row: Serialize + DeserializeOwned> Recipe for Tabled<R, Row> {
     }
 }
 
-/// The rows of a table.
+/// Reads the rows of a table.
 pub(super) fn rows_of<Row: DeserializeOwned>(table: &Path) -> Result<Vec<Row>> {
     Ok(read_whole_rows(table)?.rows)
 }
 
-/// The mean of values; `None` where there are none.
+/// The mean of values; `None` if there are none.
 pub(super) fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let values: Vec<f64> = values.into_iter().collect();
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// The largest of values that are not negative; 0 where there are none.
+/// The largest of non-negative values; 0 if there are none.
 pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, f64::max)
 }

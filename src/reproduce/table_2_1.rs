@@ -1,4 +1,4 @@
-//! Table 2.1: IMC against IPC.
+//! Table 2.1: comparison of IMC and IPC.
 
 use super::bundling::{Bundling, ContactModel, FLAGELLA};
 use super::page::count;
@@ -10,8 +10,8 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Tabled::new(Bundling::of_table_2_1, Rows::All(rows), write, figures),
 };
 
-/// Values of the thesis for a run over the steps with contact: iterations and time (ms) of a step,
-/// all iterations, and their time (h).
+/// Values of the thesis for the steps with contact of a run: iterations and time (ms) per step,
+/// total iterations, and their time (h).
 struct Printed(f64, f64, f64, f64);
 
 /// Rows of the thesis for the numbers of [`FLAGELLA`].
@@ -42,7 +42,7 @@ struct Row {
     time_per_step_s: Option<f64>,
     total_iterations: u64,
     total_run_time_s: f64,
-    /// Run time of IPC over that of IMC.
+    /// Ratio of the run time of IPC to that of IMC.
     run_time_ratio: Option<f64>,
     wall_time_s: f64,
     cpu_time_s: Option<f64>,

@@ -10,8 +10,8 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Tabled::new(Bundling::of_table_2_2, Rows::All(rows), write, figures),
 };
 
-/// Iterations per step with contact, their total and the simulated end in s for μ = 0.1, 0.2, ..., 1.0, as
-/// the thesis prints them.
+/// Iterations per step with contact, their total and the simulated end in s for μ = 0.1, 0.2, ...,
+/// 1.0, as printed in the thesis.
 const THESIS: [(f64, f64, f64); 10] = [
     (3.01, 6.02e5, 250.0),
     (3.01, 6.04e5, 250.0),

@@ -17,8 +17,8 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     ),
 };
 
-/// Times of the thesis, s: of its own method, two of which are missing in the printed table, and of
-/// the method of comparison.
+/// Times of the thesis, s: of its own method (two are missing in the printed table), and of the
+/// other method that it compares.
 const THESIS: [(Option<f64>, f64); 7] = [
     (Some(3.28), 59.46),
     (None, 51.15),

@@ -1,4 +1,4 @@
-//! Table 5.2: accuracy of rods laid along patterns, simulated and measured.
+//! Table 5.2: accuracy of rods laid along patterns: simulation and measurement.
 
 use super::laid_outlines::outlines_figure;
 use super::laying::{FRICTIONS, Laying, PATTERNS, RODS, Substrate};
@@ -43,12 +43,12 @@ impl Row {
         self.scheme == "optimal"
     }
 
-    /// Whether the pattern needs more friction than the table has.
+    /// Whether the pattern needs more friction than the table provides.
     fn is_marked(&self) -> bool {
         self.share_above_friction.is_some_and(|share| share > 0.0)
     }
 
-    /// Distances simulated and measured.
+    /// Simulated and measured distances, as text.
     fn cell(&self) -> String {
         let mark = if self.is_marked() && self.is_optimal() {
             "*"
@@ -91,7 +91,7 @@ fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<()> {
     Ok(())
 }
 
-/// Result of a run, beside the measurement.
+/// Result of a run, with the measurement.
 pub(super) fn row(case: &Case<Laying>) -> Row {
     let run = &case.run;
     let rod = &RODS[run.rod];
@@ -129,7 +129,7 @@ fn in_words(substrate: Substrate) -> &'static str {
     }
 }
 
-/// A line for each rod, table and scheme, a column for each pattern.
+/// A table with a line for each rod, substrate and scheme, and a column for each pattern.
 pub(super) fn patterns(rows: &[Row]) -> MarkdownTable<'static> {
     let names = PATTERNS.iter().map(|pattern| pattern.name);
     let heads_of = |row: &Row| (row.rod, row.friction, row.is_optimal());

@@ -1,5 +1,5 @@
 //! Table 5.2 in the virtual cell: accuracy of a rod laid by an arm, through drivers and camera,
-//! beside the plain simulation.
+//! compared with the plain simulation.
 
 use super::laid_outlines::in_panels;
 use super::laying::{FRICTIONS, Laying, PATTERNS, RODS, Substrate};
@@ -19,13 +19,13 @@ pub(super) const ARTIFACT: Artifact = Artifact {
 #[derive(Serialize)]
 struct Row {
     pattern: &'static str,
-    /// Status: laid and seen, or the reason of the failure.
+    /// Status: laid and measured, or the reason for the failure.
     status: String,
-    /// By the camera.
+    /// Mean distance according to the camera.
     mean_cm: Option<f64>,
     deviation_cm: Option<f64>,
     nearest_mean_cm: Option<f64>,
-    /// The plain simulation.
+    /// Mean distance in the plain simulation.
     simulated_mean_cm: Option<f64>,
     thesis_mean_cm: f64,
     thesis_deviation_cm: f64,
@@ -92,7 +92,7 @@ fn row(case: &Case<Laying>, laid: &Result<LaidInCell, LayingError>) -> Row {
 }
 
 impl Row {
-    /// Distance by the camera, or the reason for its absence.
+    /// Distance according to the camera, or the reason why there is none, as text.
     fn cell(&self) -> String {
         match self.mean_cm {
             Some(mean) => format!("{mean:.2} ± {}", number(self.deviation_cm, 2)),
@@ -101,7 +101,7 @@ impl Row {
     }
 }
 
-/// The rods beside their patterns, from above.
+/// Draws the rods with their patterns, from above.
 fn figure(laid: &[Result<LaidInCell, LayingError>]) -> Option<Figure> {
     let places = |points: &[Point]| points.iter().map(|point| [point.x, point.y]).collect();
     let outlines = |laid: &Result<LaidInCell, LayingError>| match laid {

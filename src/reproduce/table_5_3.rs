@@ -1,4 +1,4 @@
-//! Table 5.3: trajectories by exact grasps and by the network, times and errors.
+//! Table 5.3: trajectories with exact grasps and with the network; times and errors.
 
 use super::laying::{Laying, PATTERNS, RODS};
 use super::prelude::*;
@@ -18,9 +18,9 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Tabled::new(Laying::of_table_5_3, Rows::All(rows), write, figures),
 };
 
-/// Poses along a letter, as in the thesis.
+/// Number of poses along a letter, as in the thesis.
 const POSES: usize = 190;
-/// Number of timed trajectories, of which the fastest is used.
+/// Number of timings of a trajectory, of which the fastest is used.
 const REPEATS: usize = 10;
 /// Times of the solvers of the thesis in the same table, s.
 const THESIS_EXACT_S: [f64; 2] = [666.0, 4777.0];
@@ -91,7 +91,7 @@ fn row(case: &Case<Laying>, laid_neural_cm: Option<f64>) -> Result<Row> {
     let (points, rod) = planned(case);
     let (exact, exact_ms) =
         timed(|| trajectory(&points, &rod, Scheme::Optimal, OptimalGrasps::Exact));
-    // Unchecked outputs of the network; `plan deployment` checks them.
+    // These outputs of the network are not checked; `plan deployment` would check them.
     let (neural, neural_ms) = timed(|| network_trajectory(&points, &rod, NeuralGrasps::built_in()));
     let unit = rod.gravito_bending_length;
     let pairs = || {
@@ -126,7 +126,7 @@ fn row(case: &Case<Laying>, laid_neural_cm: Option<f64>) -> Result<Row> {
     })
 }
 
-/// The pattern's points and the rod of a run.
+/// The points of the pattern and the rod of a run.
 fn planned(case: &Case<Laying>) -> (Vec<PatternPoint>, DeployedRod) {
     let text = std::fs::read_to_string(case.directory.join(SCENARIO));
     let text = text.expect("a run leaves its scenario");
@@ -148,7 +148,7 @@ fn planned(case: &Case<Laying>) -> (Vec<PatternPoint>, DeployedRod) {
     )
 }
 
-/// A trajectory, and its shortest time, ms.
+/// A trajectory, and the shortest time of its computation, ms.
 fn timed(
     trajectory: impl Fn() -> Result<Vec<GripperPose>, DeploymentError>,
 ) -> (Vec<GripperPose>, f64) {

@@ -1,4 +1,4 @@
-//! Table 5.4: success rates of cables placed in clips and of knots, simulated and measured.
+//! Table 5.4: success rates of cables placed in clips and of knots: simulation and measurement.
 
 use super::applications::{Application, TASKS, TRIALS, Task};
 use super::prelude::*;
@@ -130,7 +130,7 @@ fn row(case: &Case<Application>) -> Row {
     }
 }
 
-/// The trials of a task by a scheme.
+/// The trials of a task with a scheme.
 fn trials(
     task: usize,
     is_optimal: bool,
@@ -181,8 +181,8 @@ pub(super) fn knots(found: impl Iterator<Item = Option<(u64, i64)>>) -> String {
     words.collect::<Vec<_>>().join("; ")
 }
 
-/// A task from above: pegs, pattern and the rods after all trials, or for knots after the first
-/// one.
+/// Draws a task from above: pegs, pattern, and the rods after all trials; for knots, after the
+/// first trial.
 fn figures(task: usize, cases: &[Case<Application>]) -> Result<Vec<PageFigure>> {
     let mut laid = Vec::new();
     for (is_optimal, name) in [(true, "optimal"), (false, "intuitive")] {
@@ -223,7 +223,7 @@ fn figures(task: usize, cases: &[Case<Application>]) -> Result<Vec<PageFigure>> 
         .collect())
 }
 
-/// The outlines of the rod of a number by a scheme, with gaps between them.
+/// The outlines of a rod, given by its number, with a scheme. There are gaps between trials.
 fn of_scheme(scheme: &str, rod: usize, laid: &[(&str, LaidOutlines)]) -> Outline {
     let mut lying = Outline::new();
     for (name, outlines) in laid {

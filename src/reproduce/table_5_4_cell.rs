@@ -1,5 +1,5 @@
 //! Table 5.4 in the virtual cell: success rates of cables placed in clips and of tied knots,
-//! through drivers and camera, beside the plain simulation.
+//! through drivers and camera, compared with the plain simulation.
 
 use super::applications::{Application, TASKS, TRIALS};
 use super::prelude::*;
@@ -15,7 +15,7 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Free::new(Application::of_table_5_4_in_cell, write),
 };
 
-/// Status of a finished trial that was seen.
+/// Status of a finished trial that the camera has measured.
 const DONE: &str = "done and seen";
 
 /// A row of the CSV file; lengths in cm.
@@ -24,22 +24,22 @@ struct Row {
     task: &'static str,
     scheme: &'static str,
     seed: u64,
-    /// Status: laid and seen, or the reason of the failure.
+    /// Status: laid and measured, or the reason for the failure.
     status: String,
-    /// By the camera.
+    /// Whether the trial succeeded according to the camera.
     succeeded: bool,
     pegs: Option<usize>,
     pegs_passed: Option<usize>,
     rod_determinant: Option<u64>,
     rod_signature: Option<i64>,
     mean_cm: Option<f64>,
-    /// The plain simulation.
+    /// Whether the trial succeeded in the plain simulation.
     simulated_success: bool,
     simulated_pegs_passed: Option<usize>,
     simulated_mean_cm: Option<f64>,
 }
 
-/// Outcome of a trial in the cell, or the reason of its failure.
+/// Outcome of a trial in the cell, or the reason for its failure.
 enum Trial {
     Placed(LaidInCell),
     Tied(TieScore),
@@ -145,7 +145,7 @@ fn row(case: &Case<Application>, trial: &Trial) -> Row {
     }
 }
 
-/// The trials of a task by a scheme; `None` where there are none.
+/// A line of the table for the trials of a task with a scheme; `None` if there are none.
 fn line(task: usize, is_optimal: bool, rows: &[&Row]) -> Option<Vec<String>> {
     let first = rows.first()?;
     let of = |succeeded: fn(&Row) -> bool| {
@@ -179,7 +179,7 @@ fn line(task: usize, is_optimal: bool, rows: &[&Row]) -> Option<Vec<String>> {
     ])
 }
 
-/// Outlines by the camera of all trials of a task, from above.
+/// Draws the outlines of all trials of a task as measured by the camera, from above.
 fn figure(task: usize, trials: &[(&Case<Application>, &Trial)]) -> Result<Option<PageFigure>> {
     let mut curves = ["optimal", "intuitive"].map(|name| (name, Vec::new()));
     for (case, trial) in trials {

@@ -1,4 +1,4 @@
-//! A knot pulled tight, with the parameters of the thesis, section 2.5, and quasi-static.
+//! A knot that is tightened quasi-statically, with the parameters of the thesis, section 2.5.
 
 use super::cases::{Case, Run, prepared};
 use rodlab_files::results::{ResultsError, SeriesRow};
@@ -8,7 +8,7 @@ use rodlab_lab::run::PreparedRun;
 /// The trefoil of the thesis.
 const BASE: &str = include_str!("../../scenarios/trefoil.toml");
 
-/// A knot pulled tight.
+/// A knot that is tightened.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tightening {
     /// Unknotting number n.
@@ -17,7 +17,7 @@ pub(super) struct Tightening {
     pub friction: f64,
     /// Radius of the rod, m.
     pub radius: f64,
-    /// Nodes of the rod.
+    /// Number of nodes of the rod.
     pub nodes: usize,
     /// Distance of the ends at the start, m.
     pub end_to_end: f64,
@@ -31,39 +31,43 @@ pub(super) struct Tightening {
     pub end: f64,
 }
 
-/// Radius of the thesis' rods, m.
+/// Radius of the rods in the thesis, m.
 pub(super) const RADIUS: f64 = 1.6e-3;
 /// Friction coefficients of figure 2.7.
 pub(super) const FRICTIONS: [f64; 4] = [0.0, 0.05, 0.1, 0.2];
 /// Friction coefficient of figure 2.8.
 pub(super) const FRICTION_OF_FIGURE_2_8: f64 = 0.07;
-/// Friction coefficient of the limit ε → 0: without friction, a loose knot turns about its axis,
-/// and the forces never settle; this adds at most 3 % to the traction, which is subtracted again.
+/// Friction coefficient for the limit ε → 0. Without friction, a loose knot turns about its axis,
+/// and the forces never settle. This friction adds at most 3 % to the traction; its part is
+/// subtracted.
 pub(super) const SLIGHT_FRICTION: f64 = 1e-3;
-/// Radius (m) and nodes of the rods of the limit ε → 0.
+/// Radius (m) and number of nodes of the rods for the limit ε → 0.
 const THIN_RODS: [(f64, usize); 4] = [(1.6e-3, 301), (8e-4, 451), (4e-4, 601), (2e-4, 901)];
 /// Time for which the knots settle, s.
 const SETTLING: f64 = 4.0;
-/// Gap at which contact forces begin, in radii: the gap at which surfaces rest is about half of it.
+/// Gap at which contact forces begin, in radii. The gap at which surfaces rest is about half of
+/// it.
 const TOLERANCE: f64 = 0.0125;
-/// Density at the radius of the thesis, kg/m³. The thesis has 1180, with which the loose loop takes seconds to swing
-/// and 6 mm/s is no longer slow; force balance does not depend on the density.
+/// Density at the radius of the thesis, kg/m³. The thesis uses 1180, with which the loose loop
+/// takes seconds to swing, so that 6 mm/s is not slow. The balance of forces does not depend on
+/// the density.
 const DENSITY: f64 = 10.0;
-/// Remark for readers of the pages.
+/// Remark on the density for readers of the pages.
 pub(super) fn density_in_words() -> String {
     format!(
         "Rods of the thesis' radius have a density of {DENSITY} kg/m³ here instead of 1180 kg/m³, so that the pull is \
          quasi-static; force balance does not depend on the density."
     )
 }
-/// Time between outputs, s, and its largest share of the time of pulling.
+/// Time between outputs, s.
 const INTERVAL: f64 = 0.25;
+/// Largest time between outputs, as a fraction of the time of pulling.
 const LARGEST_PART: f64 = 0.25;
 /// Simulated time of a quick version, s.
 const QUICK_END: f64 = 14.0;
 
 impl Tightening {
-    /// A trefoil at each friction coefficient, then trefoils of ever thinner rods.
+    /// A trefoil at each friction coefficient, then trefoils of increasingly thin rods.
     pub fn of_figure_2_7(quick: bool) -> Vec<Self> {
         let thick = |friction: f64| Self {
             unknotting_number: 1,
@@ -106,7 +110,7 @@ impl Tightening {
             .collect()
     }
 
-    /// Each knot of figure 2.8, followed by the same with one choice at a time changed:
+    /// Each knot of figure 2.8, followed by its versions with one changed choice each:
     /// [`VARIANTS`].
     pub fn of_convergence(quick: bool) -> Vec<Self> {
         let vary = |run: Self| VARIANTS.map(|(_, change)| change(run));
@@ -116,7 +120,7 @@ impl Tightening {
             .collect()
     }
 
-    /// h²/EI, by which tractions are made dimensionless, 1/N.
+    /// h²/EI, which makes tractions dimensionless, 1/N.
     pub fn traction_unit(&self) -> f64 {
         let prepared = self.prepare();
         let monitor = prepared.observer::<KnotMonitor>();
@@ -145,7 +149,7 @@ pub(super) const VARIANTS: [(&str, Change); 5] = [
 ];
 
 impl Run for Tightening {
-    /// Its name, such as `knot_n1_mu0.1_h1.6mm_301nodes_6mms_gap0.0125h_54s`.
+    /// Name of the run, such as `knot_n1_mu0.1_h1.6mm_301nodes_6mms_gap0.0125h_54s`.
     fn id(&self) -> String {
         let Self {
             unknotting_number,
@@ -175,7 +179,7 @@ impl Run for Tightening {
             format!("knot.pull_speed={:?}", self.pull_speed),
             format!("knot.end_to_end={:?}", self.end_to_end),
             format!("knot.settling_time={:?}", self.settling),
-            // The frequency of the loop is proportional to √(E/ρ) h.
+            // Keep the frequency of the loop, which is proportional to √(E/ρ) h.
             format!("material.density={:?}", DENSITY * thinness * thinness),
             format!("contact.friction={:?}", self.friction),
             format!(
@@ -207,11 +211,11 @@ impl Run for Tightening {
     }
 }
 
-/// Share of the time of pulling that is ignored, until friction acts in the direction of slip
-/// everywhere.
+/// Fraction of the time of pulling that is ignored, since friction does not yet act in the
+/// direction of slip everywhere.
 const LEFT_OUT: f64 = 0.1;
 
-/// Measurements of the knot while its ends moved, without the beginning.
+/// Measurements of the knot while its ends moved, without the ignored first part.
 pub(super) fn pulled_rows(case: &Case<Tightening>) -> Result<Vec<KnotRow>, ResultsError> {
     let rows = pulled_series(case)?.into_iter();
     Ok(rows.map(|(_, knot)| knot).collect())
@@ -224,11 +228,11 @@ fn pulled_series(case: &Case<Tightening>) -> Result<Vec<(SeriesRow, KnotRow)>, R
     Ok(rows.filter(|(series, _)| series.time_s > start).collect())
 }
 
-/// Means over an interval of the motion of the ends in which the corners of the polyline slip over
-/// each other many times.
+/// Means over an interval of the motion of the ends . During the interval, the corners of the
+/// polyline slip over each other many times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stretch {
-    /// l̄_k in its middle.
+    /// l̄_k in the middle of the interval.
     pub length: f64,
     /// Traction F̄: work of the ends per distance.
     pub force: f64,
@@ -236,8 +240,8 @@ pub(super) struct Stretch {
     pub friction: f64,
 }
 
-/// Range of l̄_k while the ends move, without the beginning, before any inversion: from tight to
-/// loose.
+/// Range of l̄_k while the ends move, without the ignored first part and before any inversion: the
+/// tight end first.
 pub(super) fn range_before_inversion(
     case: &Case<Tightening>,
 ) -> Result<Option<[f64; 2]>, ResultsError> {
@@ -280,8 +284,8 @@ pub(super) fn stretches(
     Ok((0..whole).filter_map(mean).collect())
 }
 
-/// Root mean square of F̄ about its means over `count` equal parts of a range of l̄_k, relative to them; `None` where
-/// there are fewer than two.
+/// Root mean square deviation of F̄ from its means over `count` equal parts of a range of l̄_k,
+/// relative to these means; `None` if there are fewer than two.
 pub(super) fn fluctuation(
     case: &Case<Tightening>,
     range: [f64; 2],

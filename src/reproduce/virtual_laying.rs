@@ -1,4 +1,5 @@
-//! A rod laid along a pattern in the virtual cell, through drivers and camera, by the task of `rodlab deploy`.
+//! A rod laid along a pattern in the virtual cell, with drivers and camera, by the task of `rodlab
+//! deploy`.
 
 use super::Result;
 use super::applications::Application;
@@ -25,33 +26,33 @@ use std::path::{Path, PathBuf};
 
 /// The cell.
 const CELL: &str = include_str!("../../scenarios/cells/gantry.toml");
-/// Its speed relative to real time.
+/// Speed of the cell relative to real time.
 pub(super) const RATE: f64 = 10.0;
-/// Period of the fastest jitter, s: that of the plain simulation.
+/// Period of the fastest jitter, s, as in the plain simulation.
 const JITTER_PERIOD: f64 = 1.0;
-/// Distance of poses along the pattern, m.
+/// Distance between poses along the pattern, m.
 pub(super) const STEP: f64 = 3e-3;
-/// Speeds of the hand during laying and otherwise, m/s, and smallest distance of the arm to
-/// obstacles, m: those of `rodlab deploy`.
+/// Speed of the hand during laying and otherwise, m/s, as in `rodlab deploy`.
 pub(super) const SPEEDS: [f64; 2] = [0.03, 0.1];
+/// Smallest distance of the arm to obstacles, m, as in `rodlab deploy`.
 pub(super) const MARGIN: f64 = 0.01;
 
-/// Why laying a rod failed.
+/// Reason why laying a rod failed.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum LayingError {
     /// The cell cannot be served, or stopped early.
     #[error(transparent)]
     Served(#[from] ServeError),
-    /// It has no rod.
+    /// The cell has no rod.
     #[error(transparent)]
     Rod(#[from] RodError),
     /// The pattern is invalid.
     #[error(transparent)]
     Pattern(#[from] PatternError),
-    /// It cannot be laid.
+    /// The pattern cannot be laid.
     #[error(transparent)]
     Path(#[from] DeploymentError),
-    /// The arm cannot follow.
+    /// The arm cannot follow the path.
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// The motion failed.
@@ -64,16 +65,16 @@ pub(super) enum LayingError {
 
 /// A laid rod.
 pub(super) struct LaidInCell {
-    /// Its distance from its pattern, by the camera.
+    /// Distance of the rod from its pattern, according to the camera.
     pub score: Score,
-    /// The pegs that it passes, by the camera.
+    /// The pegs that the rod passes, according to the camera.
     pub pegs: Option<PassedPegs>,
     /// Duration of laying, s.
     pub duration: f64,
 }
 
 /// Lays the rod of a simulated run, along the same pattern and with the same disturbances, in the
-/// virtual cell. Pictures and logs go into a folder beside the run.
+/// virtual cell. Pictures and logs are written to a folder next to the run.
 pub(super) fn lay_in_cell(case: &Case<Laying>) -> Result<Result<LaidInCell, LayingError>> {
     let disturbance = case.run.disturbance;
     let (deployment, _) = deployment_of(&case.directory)?;
@@ -83,7 +84,7 @@ pub(super) fn lay_in_cell(case: &Case<Laying>) -> Result<Result<LaidInCell, Layi
     let laying = LayingInCell {
         source: &deployment.pattern.source(),
         lead_in: deployment.lead_in,
-        // The assumed rod.
+        // The rod as assumed in the plan.
         rod: &DeployedRod {
             gravito_bending_length: rod.gravito_bending_length * (1.0 + disturbance.length_error),
             ..rod
@@ -135,7 +136,7 @@ pub(super) fn deployment_of(run: &Path) -> Result<(Deployment, f64)> {
     Ok((deployment, loaded.scenario.contact.friction()))
 }
 
-/// A cell, from its file in a folder beside a run, which also holds other files.
+/// Reads a cell whose file, with other files, is written to a folder next to a run.
 pub(super) fn cell_beside(
     run: &Path,
     file: &str,
@@ -156,7 +157,7 @@ pub(super) fn cell_beside(
 struct LayingInCell<'a> {
     source: &'a PatternSource,
     lead_in: f64,
-    /// The assumed rod.
+    /// The rod as assumed in the plan.
     rod: &'a DeployedRod,
     /// Scheme of the gripper, and solver for the grasps.
     way: (Scheme, OptimalGrasps<'a>),
@@ -166,8 +167,8 @@ struct LayingInCell<'a> {
 }
 
 impl LayingInCell<'_> {
-    /// Lays it in a served cell with jitter of the hands; its rods are defined in the frame of the
-    /// pattern.
+    /// Lays the rod in a served cell with jitter of the hands. The rods of the cell are defined in
+    /// the frame of the pattern.
     fn in_cell(
         &self,
         cell: &Cell,

@@ -1,4 +1,4 @@
-//! A knot tied in the virtual cell, through drivers and camera, by the task of `rodlab tie`.
+//! A knot tied in the virtual cell, with drivers and camera, by the task of `rodlab tie`.
 
 use super::Result;
 use super::applications::Application;
@@ -19,8 +19,8 @@ use std::path::Path;
 /// The cell.
 const CELL: &str = include_str!("../../scenarios/cells/two_gantries.toml");
 
-/// Ties the knot of a run that was simulated, with the jitter of its seed, in the virtual cell;
-/// errors are messages.
+/// Ties the knot of a simulated run, with the jitter of its seed, in the virtual cell. Errors are
+/// messages.
 pub(super) fn tie_in_cell(case: &Case<Application>) -> Result<Result<TieScore, String>> {
     let (deployment, friction) = deployment_of(&case.directory)?;
     let (cell, directory) = cell_beside(&case.directory, CELL, &[])?;
