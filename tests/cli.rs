@@ -1,4 +1,4 @@
-//! The program from outside: exit codes, standard output and what is left on the disk.
+//! The program from outside: exit codes, standard output, and the files that it leaves.
 
 use assert_cmd::Command;
 use std::fs;
@@ -27,7 +27,7 @@ kind = "gravity"
 acceleration = [0, 0, -9.81]
 "#;
 
-/// Another rod, across the first: it starts inside it.
+/// Another rod across the first one, which it initially overlaps.
 const ACROSS: &str = r#"
 [[rods]]
 name = "across"
@@ -143,7 +143,7 @@ fn a_title_and_fewer_files_ask_for_no_force() {
         assert_eq!(code, 0, "{stderr}");
         assert!(stdout.starts_with("already finished"), "{stdout}");
     }
-    // What is missing cannot be made up.
+    // Missing outputs cannot be added to a finished run.
     let (code, _, stderr) = run("output.forces=true");
     assert_eq!(code, 2);
     assert!(
@@ -195,7 +195,7 @@ fn a_run_starts_from_the_end_of_another() {
     }
     let height = |row: &[String]| row[5].parse::<f64>().unwrap();
     assert!(height(&released[released.len() - 1]) < height(&hung[12]) - 5e-3);
-    // The rod clamped at both ends as before is at rest.
+    // The rod, clamped again at both ends, is at rest.
     let (code, _, stderr) = outcome(
         &directory,
         &[
@@ -214,7 +214,7 @@ fn a_run_starts_from_the_end_of_another() {
             assert!((before - after).abs() < 1e-9, "{before} {after}");
         }
     }
-    // The results run as they stand, wherever the first run is now.
+    // The scenario in the results can be run again, even if the first run was moved or removed.
     fs::remove_dir_all(directory.path().join("results/hang")).unwrap();
     let again = ["run", "results/release/scenario.toml", "--out", "copy"];
     assert_eq!(outcome(&directory, &again).0, 0);
@@ -225,7 +225,7 @@ fn a_run_starts_from_the_end_of_another() {
     let (code, _, stderr) = outcome(&directory, &again);
     assert_eq!(code, 2);
     assert!(stderr.contains("its hash is"), "{stderr}");
-    // Other rods are told.
+    // A start from results with different rods is rejected.
     let (code, _, stderr) = outcome(
         &directory,
         &[
@@ -302,7 +302,7 @@ fn bad_scenarios_exit_with_2_and_leave_nothing_behind() {
         for arguments in [["run", "swing.toml"], ["check", "swing.toml"]] {
             let (code, stdout, stderr) = outcome(&directory, &arguments);
             assert_eq!((code, stdout.as_str()), (2, ""), "{to}: {stderr}");
-            // The renderer may break lines.
+            // The renderer of messages may insert line breaks.
             let stderr = stderr.split_whitespace().collect::<Vec<_>>().join(" ");
             assert!(stderr.contains(place), "{place} in {stderr}");
             assert!(stderr.contains(words), "{words} in {stderr}");
@@ -395,7 +395,7 @@ fn check_goes_through_all_files_and_speaks_json() {
     assert_eq!(code, 0);
     let numbers: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!(numbers["rods"][0]["nodes"], 9);
-    // A short run is tried to its end.
+    // A short run is tried completely.
     assert_eq!(numbers["cost"]["part"], 1.0);
     assert!(numbers["cost"]["processor_time"].is_number());
 }
@@ -637,9 +637,9 @@ fn presets_stand_for_files_in_an_empty_folder() {
         (output.status.code().unwrap(), stdout, stderr)
     };
     let short = ["--set", "time.end=0.01"];
-    // Results beside it, perhaps.
+    // A folder with the name of a preset may contain results.
     std::fs::create_dir(folder.path().join("flagella_quick")).unwrap();
-    // It extends another preset.
+    // This preset extends another preset.
     let (code, _, stderr) = outcome(&[&["run", "flagella_quick"], &short[..]].concat());
     assert_eq!((code, stderr.contains("preset")), (0, false), "{stderr}");
     assert!(
@@ -683,7 +683,7 @@ fn presets_stand_for_files_in_an_empty_folder() {
     let (_, shown, _) = outcome(&["presets", "show", "rope"]);
     let (_, begun, _) = outcome(&["init", "rod", "--like", "rope"]);
     assert!(shown.contains("title = \"Rope\"") && shown == begun);
-    // One that extends another stands alone.
+    // A preset that extends another one is written in full.
     let (code, whole, stderr) = outcome(&["init", "flagella", "--like", "flagella_m2"]);
     assert_eq!((code, whole.contains("extends =")), (0, false), "{stderr}");
     std::fs::write(folder.path().join("whole.toml"), whole).unwrap();

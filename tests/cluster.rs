@@ -1,5 +1,5 @@
-//! A sweep on a real Slurm, started for the purpose on this machine: Debian, as root. Elsewhere the tests say
-//! that they are skipped.
+//! A sweep on a real Slurm, which the test starts on this machine: Debian, as root. Elsewhere the
+//! tests report that they are skipped.
 
 use crate::parts::{have, skipped, succeeds};
 use std::fs;
@@ -9,7 +9,7 @@ use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// Swings of a rope that take a few tenths of a second each.
+/// Swings of a rope, which take a few tenths of a second each.
 const SWINGS: &str = r#"
 experiment = "scene"
 material = { youngs_modulus = "1 MPa", poissons_ratio = 0.5, density = 1000.0 }
@@ -35,7 +35,7 @@ rods.rope.radius = ["4 mm", "5 mm"]
 material.density = [800.0, 900.0, 1000.0, 1100.0]
 "#;
 
-/// Number of its cases.
+/// Number of cases.
 const CASES: usize = 8;
 
 fn program(name: &str) -> Option<PathBuf> {
@@ -50,10 +50,10 @@ fn said(output: &Output) -> String {
     format!("{stdout}{stderr}")
 }
 
-/// A Slurm of our own; stopped when dropped.
+/// A separate Slurm; stopped when dropped.
 struct Slurm {
     folder: TempDir,
-    /// Its ports are found free one after the other: only one may start at a time.
+    /// Free ports are searched one after another, so that only one instance may start at a time.
     _alone: MutexGuard<'static, ()>,
 }
 
@@ -120,7 +120,7 @@ impl Slurm {
         self.succeed(env!("CARGO_BIN_EXE_rodlab"), arguments)
     }
 
-    /// How the sweep stands.
+    /// Status of the sweep.
     fn status(&self) -> serde_json::Value {
         serde_json::from_str(&self.rodlab(&["status", "results/swings", "--json"])).unwrap()
     }
@@ -147,7 +147,7 @@ fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     }
 }
 
-/// The job number that `rodlab submit` has printed.
+/// The job number printed by `rodlab submit`.
 fn job(printed: &str) -> String {
     let line = printed
         .lines()
@@ -160,7 +160,7 @@ fn task(status: &serde_json::Value, number: usize) -> serde_json::Value {
     status["tasks"][number - 1]["slurm"].clone()
 }
 
-/// Waits until a task has begun to run a case.
+/// Waits until a task has started a case.
 fn wait_for_work(slurm: &Slurm, number: usize) {
     wait_until("a task at work", || {
         let leases = fs::read_dir(slurm.path("results/swings/leases"))
@@ -187,7 +187,7 @@ fn killed_and_warned_tasks_go_on_and_the_summary_is_that_of_a_local_run() {
     ];
     let first = job(&slurm.rodlab(&submit));
 
-    // Killed in the middle of its share, script and all.
+    // Kill the task in the middle of its share, including its script.
     wait_for_work(&slurm, 1);
     slurm.succeed(
         "scancel",
@@ -198,7 +198,7 @@ fn killed_and_warned_tasks_go_on_and_the_summary_is_that_of_a_local_run() {
     });
     assert_ne!(slurm.status()["counts"]["finished"], CASES);
 
-    // Told that its time is nearly up, the other one writes checkpoints and queues again.
+    // Warn the other task that its time limit is near: it writes checkpoints and is queued again.
     wait_for_work(&slurm, 2);
     slurm.succeed(
         "scancel",
@@ -212,7 +212,7 @@ fn killed_and_warned_tasks_go_on_and_the_summary_is_that_of_a_local_run() {
     // The same command submits what is neither finished nor in the queue.
     let printed = slurm.rodlab(&submit);
     assert!(printed.contains("1 of 2"), "{printed}");
-    // Slurm lets a task that queues again wait for two minutes; we do not.
+    // Slurm delays a task that is queued again by two minutes; release it earlier.
     std::thread::sleep(Duration::from_millis(2500));
     slurm.succeed(
         "scontrol",

@@ -1,4 +1,4 @@
-//! The program itself: the same bytes for any number of threads, and through any interruption.
+//! The program writes identical bytes for any number of threads and after any interruption.
 
 use assert_cmd::Command;
 use std::fs;
@@ -6,7 +6,8 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::Duration;
 
-/// A weighted rod falls across another one in a viscous fluid, with friction: every force at once.
+/// A weighted rod falls across another one in a viscous fluid, with friction. All kinds of forces
+/// act at once.
 const SCENARIO: &str = r#"
 experiment = "scene"
 title = "A rod falls across another"
@@ -138,18 +139,18 @@ fn a_run_stopped_by_its_time_limit_again_and_again_gives_the_same_bytes() {
 #[cfg(unix)]
 fn signals_leave_a_checkpoint_from_which_the_run_continues_to_the_same_bytes() {
     let directory = tempfile::tempdir().unwrap();
-    // Long enough for the signal to come in time on a busy machine.
+    // The run is long enough for the signal to arrive in time on a busy machine.
     let longer = ["--set", "time.end=1 s", "--out"];
     let run = |out| rodlab(directory.path(), &[&longer[..], &[out]].concat());
     run("whole").assert().success();
     for (signal, out, code) in [
         ("-INT", "interrupted", 130),
         ("-TERM", "terminated", 130),
-        // A terminal that is closed.
+        // Signal of a closed terminal.
         ("-HUP", "hung_up", 130),
-        // Shells and wrappers often pass the same request on twice.
+        // Shells and wrappers often forward the same signal twice.
         ("-TERM -TERM", "terminated_twice", 130),
-        // How batch systems tell that the time is nearly up.
+        // Signal of batch systems that warn about the time limit.
         ("-USR1", "warned", 5),
     ] {
         let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_rodlab"))
@@ -160,7 +161,7 @@ fn signals_leave_a_checkpoint_from_which_the_run_continues_to_the_same_bytes() {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        // There is something to save once there is an output after that of the start.
+        // A checkpoint exists once there is an output after the initial one.
         let series = directory.path().join(out).join("series.csv");
         while fs::read_to_string(&series).map_or(0, |text| text.lines().count()) < 3 {
             std::thread::sleep(Duration::from_millis(1));

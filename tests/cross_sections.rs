@@ -1,4 +1,5 @@
-//! Which way a rectangular section lies, and about which axes natural curvatures bend: scenario files against beam theory.
+//! Orientation of a rectangular section, and axes about which natural curvatures bend: scenario
+//! files against beam theory.
 
 use rodlab::experiment;
 use rodlab::mechanics::Vector3;
@@ -11,7 +12,7 @@ const WIDTH: f64 = 12e-3;
 const THICKNESS: f64 = 4e-3;
 const DENSITY: f64 = 1000.0;
 
-/// Tip at rest of a strip of 1 m, clamped at the origin, that leaves it along x, m.
+/// Position at rest, m, of the tip of a strip of 1 m that is clamped at the origin along x.
 fn tip(youngs_modulus: f64, director: [f64; 3], gravity: [f64; 3], natural: [f64; 2]) -> Vector3 {
     let text = format!(
         r#"experiment = "scene"
@@ -44,14 +45,15 @@ mode = "static"
     simulation.positions()[EDGES]
 }
 
-/// EI of a rectangle that bends about the axis along its side `along`, N m².
+/// EI, N m², of a rectangle that bends about the axis along its side `along`.
 fn stiffness(youngs_modulus: f64, along: f64, across: f64) -> f64 {
     youngs_modulus * along * across.powi(3) / 12.0
 }
 
 #[test]
 fn a_strip_sags_as_its_width_lies() {
-    // On edge it stays in its plane: its weight is 7.2 √(EI₁ GJ)/L³, and it would tip over at 12.9.
+    // A strip on edge stays in its plane: its weight is 7.2 √(EI₁ GJ)/L³, and it would tip over at
+    // 12.9.
     let young = 1e9;
     let weight = DENSITY * 9.81 * WIDTH * THICKNESS;
     for (director, bending) in [
@@ -71,7 +73,7 @@ fn a_strip_sags_as_its_width_lies() {
 
 #[test]
 fn a_tilted_strip_bends_about_both_axes() {
-    // A thousandth of the weight that would bend it far: deflections add up.
+    // The load is a thousandth of one with large deflections, so that deflections are additive.
     let (young, gravity, tilt) = (100e6, 9.81e-3, 0.4_f64);
     let load = DENSITY * gravity * WIDTH * THICKNESS;
     let (first, second) = (
@@ -93,7 +95,7 @@ fn a_tilted_strip_bends_about_both_axes() {
 
 #[test]
 fn natural_curvatures_turn_about_the_directors() {
-    // m₁ = y and m₂ = x × y = z, so that dt/ds = (a y + b z) × t.
+    // The directors are m₁ = y and m₂ = x × y = z, so that dt/ds = (a y + b z) × t.
     for [a, b] in [[0.8, 0.0], [0.0, 0.8], [0.5, -1.1]] {
         let curvature = f64::hypot(a, b);
         let towards = Vector3::new(0.0, b, -a) / curvature;

@@ -1,4 +1,4 @@
-//! `rodlab plan deployment` from outside: files, numbers and what is refused.
+//! `rodlab plan deployment` from outside: files, numbers, and rejected input.
 
 use serde_json::Value;
 use std::fs;
@@ -19,7 +19,7 @@ fn plan(arguments: &[&str]) -> (i32, String, String) {
 
 const GREEN: &str = "scenarios/rods/green_vps.toml";
 
-/// Rows of a table of numbers.
+/// Header and rows of a table of numbers.
 fn rows(path: &Path) -> (String, Vec<Vec<f64>>) {
     let text = fs::read_to_string(path).unwrap();
     let (header, rest) = text.split_once('\n').unwrap();
@@ -101,10 +101,10 @@ fn the_landing_is_a_scenario_that_runs() {
         "{}",
         String::from_utf8_lossy(&run.stderr)
     );
-    // It says how far the rod lies from the pattern.
+    // The output states the distance of the rod from the pattern.
     let said = String::from_utf8(run.stdout).unwrap() + &String::from_utf8(run.stderr).unwrap();
     assert!(said.contains("off the pattern"), "{said}");
-    // The rod lies where the pattern is, on the table, as far as it has been laid.
+    // The laid part of the rod is on the table along the pattern.
     let text = fs::read_to_string(results.join("nodes.csv")).unwrap();
     let nodes: Vec<Vec<&str>> = text
         .lines()
@@ -119,7 +119,7 @@ fn the_landing_is_a_scenario_that_runs() {
     let mut count = 0;
     for row in lying {
         let s = number(row, 2) * 0.87 / 80.0;
-        // The stiff cable slides a little, laid this fast.
+        // At this speed, the stiff cable slides a little.
         assert!((number(row, 3) - s).abs() < 2e-3, "{row:?}");
         assert!(
             number(row, 4).abs() < 1e-6 && number(row, 5) < 2.5e-3,
@@ -164,7 +164,7 @@ fn points_and_formulas_are_patterns_too() {
         serde_json::from_str(&stdout).unwrap()
     };
     let drawn = of(&["--pattern", csv, "--size", "0.2", "--lead-in", "none"]);
-    // The arc is 1 − cos(2.475) high.
+    // The height of the arc is 1 − cos(2.475).
     let scale = 0.2 / (1.0 - 2.475f64.cos());
     assert!((drawn["length_m"].as_f64().unwrap() / (2.475 * scale) - 1.0).abs() < 5e-3);
     let circle = of(&["--pattern", "circle:-0.1", "--friction", "steel"]);
@@ -177,7 +177,8 @@ fn points_and_formulas_are_patterns_too() {
     let demand = |name: &str| circle[name].as_f64().unwrap();
     let lying = demand("largest_lying_friction_demand");
     assert!((lying - 0.1).abs() < 2e-3, "{lying}");
-    // κ̄ = 0.32 over x_M = 2.57 and n_z = 0.72, and more where little of the rod is left.
+    // κ̄ = 0.32 with x_M = 2.57 and n_z = 0.72; the demand is greater near the end, where little
+    // of the rod is left.
     assert!(demand("largest_friction_demand") > 0.17, "{circle}");
     of(&["--pattern", "line:0.5", "--scheme", "intuitive"]);
     of(&["--pattern", "sine:3cm,25 cm,2"]);

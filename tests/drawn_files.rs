@@ -1,10 +1,10 @@
-//! Drawings and robots as people bring them: what is found in them, and the options that are proposed.
+//! Drawings and robots as users provide them: the detected content, and the proposed options.
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Exit code, standard output and standard error of a plan, made in a folder.
+/// Exit code, standard output and standard error of a planthat runs in a folder.
 fn plan(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_rodlab"))
         .args(["plan", "deployment", "--rod", "green_vps", "--out", "out"])
@@ -106,7 +106,7 @@ fn outlines_are_reported_and_have_a_middle_line() {
     assert_eq!(code, 0, "{stderr}");
     let record: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     let found = record["length_m"].as_f64().unwrap();
-    // The middle line is that of the upper edge, 10 mm lower; its ends are rounded away.
+    // The middle line has the shape of the upper edge, 10 mm lower, with rounded ends.
     assert!((0.16..0.20).contains(&found), "{found}");
 }
 

@@ -1,4 +1,4 @@
-//! `rodlab solve` and `rodlab measure` from outside: JSON on standard output, and what they refuse.
+//! `rodlab solve` and `rodlab measure` from outside: JSON on standard output, and rejected input.
 
 use serde_json::Value;
 use std::process::Command;
@@ -108,7 +108,8 @@ fn what_is_solved_is_measured_back() {
     };
     let (length, uncertainty) = measure(drop);
     assert!((length - 0.1).abs() < 1e-9);
-    // The uncertainty is half of what a millimetre up and down does.
+    // The uncertainty is half of the difference between results for a drop one millimetre smaller
+    // and larger.
     let spread = 0.5 * (measure(drop - 1e-3).0 - measure(drop + 1e-3).0);
     assert!((uncertainty / spread - 1.0).abs() < 1e-3);
 }

@@ -1,4 +1,4 @@
-//! Every file and every column that the program writes is explained by `rodlab explain`.
+//! `rodlab explain` describes every file and every column that the program writes.
 
 use assert_cmd::Command;
 use rodlab::experiment::{Described, describe};
@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// Short runs that together write whatever a results directory may hold.
+/// Short runs that together write everything that a results directory may contain.
 const COMMANDS: [&str; 13] = [
     "run scenarios/heavy_cantilever.toml --set output.forces=true --set output.vtk=true",
     "run scenarios/flagella_quick.toml --set time.end=0.01 --set output.forces=true --set output.vtk=true",
@@ -23,7 +23,7 @@ const COMMANDS: [&str; 13] = [
     "gather results/cantilever_sweep",
 ];
 
-/// What `rodlab explain` has no words for, below a results directory.
+/// Files and columns below a results directory that `rodlab explain` does not describe.
 fn unexplained(directory: &Path, found: &mut BTreeSet<String>, seen: &mut usize) {
     for entry in fs::read_dir(directory).unwrap() {
         let path = entry.unwrap().path();
@@ -33,7 +33,7 @@ fn unexplained(directory: &Path, found: &mut BTreeSet<String>, seen: &mut usize)
             found.insert(name.clone());
         }
         match name.as_str() {
-            // A folder of the same files for each case.
+            // Each case has a folder with the same files.
             "cases" => fs::read_dir(&path).unwrap().for_each(|case| {
                 unexplained(&case.unwrap().path(), found, seen);
             }),
@@ -44,7 +44,7 @@ fn unexplained(directory: &Path, found: &mut BTreeSet<String>, seen: &mut usize)
                 columns(&name, keys, found);
             }
             "summary.csv" | "search.csv" => {
-                // Varied keys are columns, too; they have a dot, or are keys at the top.
+                // Varied keys are columns, too; they contain a dot, or are top-level keys.
                 let header = header(&path);
                 columns(&name, header.filter(|column| !column.contains('.')), found);
             }
@@ -94,7 +94,7 @@ fn every_file_and_column_is_explained() {
             .output()
             .unwrap();
         let code = output.status.code();
-        // 5: stopped by --timeout, so that there are checkpoints.
+        // Exit code 5: stopped by --timeout, so that there are checkpoints.
         let errors = String::from_utf8_lossy(&output.stderr);
         assert!(matches!(code, Some(0 | 5)), "{arguments}: {errors}");
     };

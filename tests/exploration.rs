@@ -1,4 +1,5 @@
-//! Helical rods explored by an arm and a chuck: the commands that do it in a real cell, against the virtual one.
+//! Helical rods explored by an arm and a chuck: the commands for a real cell, run against the
+//! virtual one.
 
 use serde_json::Value;
 use std::fs;
@@ -7,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// A server that ends with the test; `client.toml` in its folder is the cell file of its clients.
+/// A server that ends with the test. `client.toml` in its folder is the cell file for clients.
 struct Served {
     child: Child,
     folder: tempfile::TempDir,
@@ -15,7 +16,7 @@ struct Served {
 
 impl Drop for Served {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The server may already have ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -48,7 +49,7 @@ fn serve(arguments: &[&str]) -> Served {
         .trim()
         .strip_prefix("listening on ")
         .expect("an address");
-    // A machine that is busy with other tests may be silent for longer than an arm.
+    // On a busy machine the server may be silent for longer than an arm.
     let client = cell
         .replace("127.0.0.1:9090", address)
         .replace("[streaming]", "[streaming]\nwatchdog = \"2 s\"");
@@ -124,7 +125,7 @@ fn a_killed_exploration_goes_on_at_its_direction_and_finds_what_theory_says() {
         assert!(first.try_wait().unwrap().is_none(), "it ended early");
         std::thread::sleep(Duration::from_millis(20));
     }
-    // On its way along the second ray, as kill -9 does.
+    // Kill the process during the second ray, as kill -9 does.
     std::thread::sleep(Duration::from_millis(700));
     first.kill().unwrap();
     first.wait().unwrap();
@@ -163,7 +164,7 @@ fn a_killed_exploration_goes_on_at_its_direction_and_finds_what_theory_says() {
             .join("out/directions/0002/lost.png")
             .is_file()
     );
-    // What is finished is not done again, and another exploration wants another directory.
+    // A finished exploration is not repeated, and another exploration needs another directory.
     let again = served.explore(&arguments).output().unwrap();
     assert!(again.status.success(), "{}", said(&again));
     assert_eq!(served.read("out/exploration.csv"), after);
@@ -251,13 +252,13 @@ fn what_an_exploration_cannot_do_is_told_before_anything_moves() {
         "{}",
         said(&output)
     );
-    // What can be reached is planned, and nothing is there that could move.
+    // Rays are planned up to the reach of the arm; nothing moves, since no arm exists.
     write("kappa,tau,omega\n1,0,0\n0.2,0.3,-1\n");
     let output = run(&["--directions", "list.csv", "--dry-run"]);
     assert!(output.status.success(), "{}", said(&output));
     let plan = fs::read_to_string(folder.path().join("out/plan.csv")).unwrap();
     let (reach, theory) = (column(&plan, "reach"), column(&plan, "theory"));
-    // The ends of a ring come to each other before it closes, and with them chuck and hand.
+    // Before a ring closes, its ends approach each other, and with them chuck and hand.
     assert!(reach[0] < theory[0] && plan.contains("too near"), "{plan}");
     assert!(reach[1] > theory[1], "{plan}");
 }

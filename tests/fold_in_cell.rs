@@ -1,4 +1,5 @@
-//! `rodlab fold` in the virtual cell: through drivers and camera, against the real server in a process of its own.
+//! `rodlab fold` in the virtual cell: with drivers and camera, against the real server in its own
+//! process.
 
 use crate::virtual_cell::{Served, gantry, said, serve_cell};
 use serde_json::Value;
@@ -6,7 +7,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// A sheet of few edges.
+/// A sheet with few edges.
 const PAPER: &str = "[folding.paper]\nlength = \"297 mm\"\nwidth = \"210 mm\"\ngravito_bending_length = \"4.8 cm\"\nfriction = 0.12\nedges = 80\n";
 
 fn serve(arguments: &[&str]) -> Served {
@@ -19,7 +20,7 @@ fn serve(arguments: &[&str]) -> Served {
     served
 }
 
-/// Folds the sheet, with further arguments; everything goes to `folded`.
+/// Folds the sheet, with further arguments; results are in `folded`.
 fn fold(served: &Served, arguments: &[&str]) -> Output {
     let usual = ["fold", "--paper", "paper.toml", "--cell", "client.toml"];
     served.run(&[&usual, arguments, &["--out", "folded"]].concat())
@@ -43,9 +44,9 @@ fn a_sheet_is_folded_in_half_seen_and_scored() {
     );
     assert!((place(2) - 10.0).abs() < 0.2, "{record}");
     let score = |name: &str| record["score"][name].as_f64().unwrap();
-    // Plain simulation slides by 0.07 mm; the camera tells 0.3 mm.
+    // The sheet slides by 0.07 mm in plain simulation; the camera resolves 0.3 mm.
     assert!(score("largest_sliding_m") < 1e-3, "{record}");
-    // At the end the edge lies over the free end: the fold is as long as the camera saw, and it did not.
+    // At the end the edge covers the free end, so that the camera cannot measure the fold length.
     assert!(score("last_seen_sliding_m").abs() < 1e-3, "{record}");
     assert!(record["score"]["fold_length_error_m"].is_null(), "{record}");
     let report = served.read("folded/report.md");
@@ -92,7 +93,7 @@ fn a_sheet_that_slides_is_seen_to_and_its_fold_is_corrected() {
         let record: Value = serde_json::from_slice(&output.stdout).unwrap();
         let score = |name: &str| record["score"][name].as_f64().unwrap();
         assert!(score("largest_sliding_m") > 5e-3, "{record}");
-        // Where the edge lies over the free end the last sight of it counts.
+        // If the edge covers the free end, the last measurement is used.
         (score("edge_m") - record["target_m"].as_f64().unwrap() - score("last_seen_sliding_m"))
             .abs()
     };
@@ -101,9 +102,10 @@ fn a_sheet_that_slides_is_seen_to_and_its_fold_is_corrected() {
     assert!(open > 5e-3 && closed < 1.5e-3, "{open} {closed}");
 }
 
-/// A fold in a cell with a fault ends with exit code 1, a whole log and an arm that stands; the next task asks for a look.
+/// A fold in a cell with a fault must end with exit code 1, a complete log and an arm at rest. The
+/// next task must require an inspection.
 fn ends_early(fault: &str, words: &str) {
-    // The arm moves for 4 s to the sheet and then folds for 24 s.
+    // The arm moves to the sheet for 4 s, and then folds for 24 s.
     let served = serve(&["--rate", "50", "--fault", &format!("{fault}@12s")]);
     let speeds = ["--approach-speed", "1", "--hand-speed", "0.03"];
     let output = fold(&served, &[&speeds[..], &["--feedback", "4"]].concat());
@@ -139,7 +141,8 @@ fn a_link_that_drops_ends_a_fold() {
 
 #[test]
 fn a_joint_that_freezes_ends_a_fold() {
-    // Its controller reports the joint at the end of the motion, or its distance from the path shows it before.
+    // The frozen joint is detected by the controller at the end of the motion, or earlier by the
+    // distance from its path.
     ends_early("freeze-joint", "pitch is");
 }
 

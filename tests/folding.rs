@@ -1,4 +1,5 @@
-//! `rodlab fold`, `rodlab plan fold` and `rodlab solve fold` from outside: files, numbers and what is refused.
+//! `rodlab fold`, `rodlab plan fold` and `rodlab solve fold` from outside: files, numbers, and
+//! rejected input.
 
 use serde_json::Value;
 use std::fs;
@@ -21,7 +22,7 @@ fn plan(paper: &str, more: &[&str], out: &Path) -> (i32, String, String) {
     rodlab(&[&["plan", "fold", "--paper", paper, "--out", out], more].concat())
 }
 
-/// A paper's file with these lines in its table.
+/// A sheet file with the given lines in its table.
 fn paper(folder: &Path, lines: &str) -> String {
     let path = folder.join("paper.toml");
     fs::write(&path, format!("[folding.paper]\n{lines}\n")).unwrap();
@@ -106,13 +107,14 @@ fn a_sheet_is_folded_by_one_command() {
         .find(|(name, _)| *name == "largest_sliding_m");
     let slid: f64 = slid.unwrap().1.parse().unwrap();
     assert!(slid < 2e-4, "{slid}");
-    // The same again finds it finished.
+    // Running the same command again reports that the fold is finished.
     let (code, stdout, _) = rodlab(&arguments);
     assert_eq!(code, 0);
     assert!(stdout.contains("already finished"), "{stdout}");
 }
 
-/// With a moment at the gripper the table holds a sheet that it does not hold without one.
+/// With a moment at the gripper, the friction of the table holds a sheet that it would not hold
+/// without the moment.
 #[test]
 fn a_moment_makes_do_with_the_friction_there_is() {
     let folder = tempfile::tempdir().unwrap();
@@ -135,7 +137,7 @@ fn a_moment_makes_do_with_the_friction_there_is() {
     assert!((0.5..1.2).contains(&moment), "{moment}");
 }
 
-/// Folded in half, and what is left in half again.
+/// A sheet is folded in half, and then folded in half again.
 #[test]
 fn a_sheet_is_folded_twice() {
     let folder = tempfile::tempdir().unwrap();
@@ -164,7 +166,8 @@ fn a_sheet_is_folded_twice() {
     assert!(stderr.contains("--crease half"), "{stderr}");
 }
 
-/// Sheets of the same L_gb and length fold alike, whatever their stiffness and weight.
+/// Sheets with the same L_gb and length have the same fold, whatever their stiffness and weight
+/// are.
 #[test]
 fn only_the_gravito_bending_length_matters() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,6 +1,7 @@
-//! The guide and the front page do as they say: scenarios load, commands run, links and pictures are there.
+//! The guide and the front page are correct: scenarios load, commands run, and links and pictures
+//! exist.
 //!
-//! Code blocks say what they are in the words after their language:
+//! Words after the language of a code block determine its test:
 //!
 //! | block | what happens |
 //! |---|---|
@@ -14,7 +15,7 @@
 //! | `sh dry-run` | `rodlab run` with `--dry-run`, other commands not at all: they take too long |
 //! | `sh not-run` | not run: they install something, need a cluster, or measure |
 //!
-//! That every command line parses, run or not, is tested in `cli`.
+//! A test in `cli` checks that every command line parses, whether it is run or not.
 
 use rodlab::experiment::{case_set, prepare};
 use rodlab::guide::PAGES;
@@ -25,7 +26,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const README: &str = include_str!("../README.md");
-/// GitHub shows more, people do not read it.
+/// Longest front page, characters; users do not read longer ones.
 const LONGEST_README: usize = 10_000;
 
 /// A fenced block of code.
@@ -44,7 +45,7 @@ impl Block {
         self.words.iter().any(|known| known == word)
     }
 
-    /// The values of words such as `file:beam.toml`.
+    /// The values of words with a key, such as `file:beam.toml`.
     fn values<'a>(&'a self, key: &'a str) -> impl Iterator<Item = &'a str> {
         self.words
             .iter()
@@ -75,7 +76,8 @@ fn blocks(markdown: &str) -> Vec<Block> {
     blocks
 }
 
-/// A folder as a reader has it: the scenarios of the repository, and the files that the page names.
+/// A folder as the user has it: the scenarios of the repository, and the files that the page
+/// defines.
 fn folder(blocks: &[Block]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let scenarios = folder.path().join("scenarios");
@@ -112,7 +114,7 @@ fn pages() -> Vec<(String, &'static str)> {
     guide.chain([("README".to_owned(), README)]).collect()
 }
 
-/// Loads a scenario file, every case of it, and builds its scene.
+/// Loads a scenario filewith all its cases, and builds their scenes.
 fn load(path: &Path) -> Result<(), String> {
     let case_set = case_set(path, &[], &[]).map_err(|error| error.to_string())?;
     if case_set.is_sweep() {
@@ -152,7 +154,7 @@ fn scenarios_load() {
     assert!(count > 12, "{count}");
 }
 
-/// Lines of `rodlab` in a block, with what shortens them.
+/// Command lines of `rodlab` in a block, with options that shorten them.
 fn command_lines(block: &Block) -> Vec<String> {
     let through_cargo = "cargo run --release -- ";
     let mut lines: Vec<String> = block
@@ -160,7 +162,7 @@ fn command_lines(block: &Block) -> Vec<String> {
         .lines()
         .map(|line| line.replacen(through_cargo, "rodlab ", 1))
         .collect();
-    // These tests themselves.
+    // Exclude commands that run these tests themselves.
     lines.retain(|line| !line.is_empty() && !line.starts_with("cargo test"));
     let sets: String = block
         .values("set")
@@ -187,7 +189,7 @@ fn command_lines(block: &Block) -> Vec<String> {
     lines
 }
 
-/// Runs a line of shell in which `rodlab` is the program under test.
+/// Runs a shell command in which `rodlab` is the program under test.
 fn shell(line: &str, folder: &Path) {
     let program = PathBuf::from(env!("CARGO_BIN_EXE_rodlab"));
     let mut path = program.parent().unwrap().as_os_str().to_owned();

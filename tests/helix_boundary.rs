@@ -1,4 +1,5 @@
-//! The boundary of the stable helices from outside: what a run leaves, and that interruptions do not show in it.
+//! The boundary of the stable helices from outside: the files of a run, which interruptions must
+//! not change.
 
 use std::fs;
 use std::path::Path;
@@ -75,13 +76,13 @@ fn one_command_leaves_boundary_comparison_sections_and_surface() {
     for row in rows.records() {
         let row = row.unwrap();
         outcomes.push(row[outcome].to_owned());
-        // Distances are empty where there is none, never a number without meaning.
+        // Distances are empty if there are none, never a meaningless number.
         assert_eq!(row[critical].is_empty(), &row[outcome] == "stable");
         if !row[difference].is_empty() {
             let difference: f64 = row[difference].parse().unwrap();
             assert!(difference.abs() < 0.05, "{row:?}");
         }
-        // A rod bent to a ring touches itself at its ends before it buckles.
+        // A rod that is bent to a ring touches itself at its ends before it buckles.
         if row[kappa].parse::<f64>() == Ok(1.0) && row[tau].parse::<f64>() == Ok(0.0) {
             assert_eq!(&row[outcome], "touches_itself");
         }
@@ -105,7 +106,7 @@ fn interruptions_do_not_show_in_the_table() {
             break;
         }
         assert_eq!(code, 5, "{stderr}");
-        // What a crash may leave behind: half a row, and a manifest that knows of no end.
+        // A crash may leave half a row, and a manifest without an end.
         let place = directory.path().join("pieces");
         let mut bytes = fs::read(place.join("boundary.csv")).unwrap();
         bytes.extend(b"surface,0.1,");

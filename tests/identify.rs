@@ -17,7 +17,8 @@ fn rodlab(directory: &Path, arguments: &[&str]) -> (i32, String, String) {
     )
 }
 
-/// A folder with the scenario, and the nodes 5, 10, 15, 20 of its equilibrium as data.
+/// A folder with the scenario, and the positions of the nodes 5, 10, 15 and 20 in equilibrium as
+/// data.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();

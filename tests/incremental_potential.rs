@@ -1,4 +1,4 @@
-//! Two bundling flagella of the thesis with both contact models, side by side.
+//! Two bundling flagella of the thesis with both contact models, compared with each other.
 
 use rodlab::experiment;
 use rodlab::mechanics::dynamics::Simulation;
@@ -67,7 +67,8 @@ fn flagella_bundle_alike_with_a_barrier_and_with_a_penalty() {
         });
         let difference = normalised_difference(&barrier.simulation, &penalty.simulation);
         println!("{time:.1} s: ē = {difference:.2e} radii");
-        // The two hold the flagella apart by a few tenths of δ = 0.01 radii more or less.
+        // The gaps between the flagella in the two models differ by a few tenths of δ = 0.01
+        // radii.
         assert!(difference < 0.02, "{difference} radii at {time} s");
     }
     barrier.report("IPC");

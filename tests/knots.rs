@@ -1,4 +1,4 @@
-//! Knots from outside: curves in files, what is measured of them, and what is refused.
+//! Knots from outside: curves in files, their measured invariants, and rejected input.
 
 use serde_json::Value;
 use std::fmt::Write;
@@ -35,11 +35,11 @@ end = 0.2
 interval = 0.1
 "#;
 
-/// A trefoil, closed where the gap is zero.
+/// A trefoil; closed if the gap is zero.
 fn trefoil(gap: f64) -> String {
     let mut text = "x,y,z\n".to_owned();
     for k in 0..=200 {
-        // From the outermost point of a loop around to it.
+        // The curve starts and ends at the outermost point of a loop.
         let part = gap + (1.0 - 2.0 * gap) * f64::from(k) / 200.0;
         let angle = std::f64::consts::PI + std::f64::consts::TAU * part;
         let x = 0.04 * (angle.sin() + 2.0 * (2.0 * angle).sin());

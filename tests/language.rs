@@ -1,30 +1,30 @@
-//! Texts are plain technical English: words that read like a literal translation are in none of them.
+//! Texts are in plain technical English: none contains words that read like a literal translation.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Words that software and its documentation do without. `CONTRIBUTING.md` refers to this list.
+/// Words that texts about software do not need. `CONTRIBUTING.md` refers to this list.
 const BANNED: [&str; 9] = [
     "anew", "somebody", "nobody", "goes on", "it is no", "is told", "are told", "whoever", "lest",
 ];
 
-/// Columns of a line of help.
+/// Largest width of a line of help, columns.
 const WIDEST_HELP: usize = 100;
 
-/// Lines of the short help of a command, which fits on a screen.
+/// Largest number of lines of the short help of a command, which fits on a screen.
 const LONGEST_SHORT_HELP: usize = 40;
 
-/// Lines of the overview, which has a line for each of 37 commands.
+/// Largest number of lines of the overview, which has a line for each of 37 commands.
 const LONGEST_OVERVIEW: usize = 48;
 
-/// A text and where it stands.
+/// A text with its place.
 struct Text {
     place: String,
     words: String,
 }
 
-/// What is wrong with texts, a line each.
+/// Faults of texts, one per line.
 fn faults(texts: impl IntoIterator<Item = Text>) -> Vec<String> {
     let mut faults = Vec::new();
     for text in texts {
@@ -42,7 +42,7 @@ fn faults(texts: impl IntoIterator<Item = Text>) -> Vec<String> {
     faults
 }
 
-/// Whether a text has words that are no part of longer ones or of identifiers.
+/// Whether a text contains words that are not parts of longer words or of identifiers.
 fn has_words(text: &str, words: &str) -> bool {
     let is_of_word = |character: char| character.is_alphanumeric() || character == '_';
     let adjoins = |character: Option<char>| character.is_some_and(is_of_word);
@@ -52,7 +52,7 @@ fn has_words(text: &str, words: &str) -> bool {
     })
 }
 
-/// All files below a directory with this ending.
+/// All files below a directory with the given extension.
 fn files_below(directory: &Path, ending: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(directory).unwrap() {
@@ -86,7 +86,7 @@ fn lines(path: &Path, is_wanted: impl Fn(&str) -> bool) -> Vec<Text> {
     numbered.collect()
 }
 
-/// The source of a file up to its tests.
+/// The lines of a source file before its tests.
 fn without_tests(path: &Path) -> Vec<Text> {
     let mut is_test = false;
     let text = lines(path, |_| true);
@@ -143,7 +143,7 @@ fn help(command: &[String], option: &str) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// All commands with their subcommands, the program itself first.
+/// All commands with their subcommands; the program itself is first.
 fn commands() -> Vec<Vec<String>> {
     let mut commands = vec![vec![]];
     let mut index = 0;
@@ -191,8 +191,8 @@ fn short_help_fits_on_a_screen() {
     }
 }
 
-/// The subcommands that a page of help lists with what each does, a line each from a column: in the overview behind the
-/// titles of groups, elsewhere after `Commands:`.
+/// The subcommands that a help page lists, with their descriptions. Each is on one line that
+/// starts at a column: in the overview after the titles of groups, elsewhere after `Commands:`.
 fn subcommands(help: &str, column: usize) -> Vec<String> {
     let list = help.split_once("\nUsage:").map_or("", |(_, list)| list);
     let list = list.split("\nOptions:").next().unwrap_or("");

@@ -1,4 +1,4 @@
-//! `rodlab dataset`, `train`, `evaluate` and plans by a network, from outside.
+//! `rodlab dataset`, `train`, `evaluate` and plans with a network, from outside.
 
 use serde_json::Value;
 use std::fs;
@@ -20,7 +20,7 @@ fn done(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).unwrap_or(Value::Null)
 }
 
-/// What it says where the arguments are refused.
+/// Error message of a command that rejects its arguments.
 fn refused(folder: &Path, arguments: &[&str]) -> String {
     let output = rodlab(folder, arguments);
     let fault = String::from_utf8(output.stderr).unwrap();
@@ -35,7 +35,7 @@ suspended_length = { from = 1, to = 30 }
 curvature = { from = 0, to = 1 }
 ";
 
-/// Samples in a folder of their own.
+/// A separate folder with samples.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("grasps.toml"), SAMPLES).unwrap();
@@ -55,7 +55,7 @@ const SMALL: [&str; 9] = [
     "--json",
 ];
 
-/// A model of version 1, which has no checksum, whose answers overflow.
+/// A model of version 1, which has no checksum, with weights so large that its answers overflow.
 fn with_huge_weights(model: &[u8]) -> Vec<u8> {
     let length = u64::from_le_bytes(model[..8].try_into().unwrap()) as usize;
     let mut header: Value = serde_json::from_slice(&model[8..8 + length]).unwrap();
@@ -93,7 +93,7 @@ fn samples_are_learned_judged_and_used() {
     ] {
         assert!(folder.join("network").join(file).exists(), "{file}");
     }
-    // Once more: nothing is left to do, and the same comes out.
+    // Running the command again does nothing, and gives the same result.
     let bytes = fs::read(folder.join("network/model.safetensors")).unwrap();
     assert_eq!(done(folder, &SMALL), trained);
     assert_eq!(
@@ -120,7 +120,8 @@ fn samples_are_learned_judged_and_used() {
     assert!(folder.join("errors.svg").exists());
     assert!(judged["out_of_range"].as_u64().unwrap() > 50);
     let mean = |index: usize| judged["errors"][index]["mean"].as_f64().unwrap();
-    // A small network from few samples: a tenth of the spread of places and a quarter of that of rotations.
+    // A small network trained with few samples has errors of a tenth of the spread of positions
+    // and a quarter of that of rotations.
     assert!(mean(0) < 0.3 && mean(1) < 0.2, "{judged}");
 
     fs::write(
@@ -220,7 +221,8 @@ fn a_training_replaces_only_its_own_files() {
     done(folder, &forced);
 }
 
-/// Killed while its first files were written, it left a folder that was refused.
+/// A training that was killed while its first files were written used to leave a folder that later
+/// runs rejected.
 #[test]
 fn a_training_that_was_killed_at_its_start_begins_anew() {
     let folder = folder();
@@ -241,7 +243,8 @@ fn a_training_that_was_killed_at_its_start_begins_anew() {
     assert_eq!(done(folder, &SMALL)["status"], "finished");
 }
 
-/// Folds are learned by Adam along a cosine; the way of the gripper over the learned manifold is nearly the exact one.
+/// A network learns folds with Adam and a cosine schedule. The path of the gripper over the
+/// learned manifold is nearly the exact one.
 #[test]
 fn folds_are_learned_and_planned_with() {
     let folder = tempfile::tempdir().unwrap();
@@ -332,7 +335,7 @@ suspended_length = { from = 0.9, to = 4.7 }
     assert!(integral(&learned) < 1.2 * integral(&exact), "{learned}");
     assert!(integral(&learned) > 0.95 * integral(&exact), "{learned}");
 
-    // Sheets that it has not learned, networks of other things, and what does not go together.
+    // Sheets outside the training range, networks for other purposes, and incompatible options.
     fs::remove_dir_all(folder.join("plan")).unwrap();
     let a4 = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/papers/a4.toml");
     let mut other = neural.clone();

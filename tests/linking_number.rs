@@ -1,9 +1,11 @@
-//! Linking number for tests of contact, worked out in another way than the program does.
+//! Linking number for tests of contact, computed by a method that differs from that of the
+//! program.
 
 use rodlab::mechanics::Vector3;
 use std::f64::consts::PI;
 
-/// Gauss's linking number of two closed polylines, by the solid angle of every pair of edges (Klenin and Langowski 2000).
+/// Gauss's linking number of two closed polylines, from the solid angle of every pair of edges
+/// (Klenin and Langowski 2000).
 pub fn linking_number(first: &[Vector3], second: &[Vector3]) -> f64 {
     let mut sum = 0.0;
     for i in 0..first.len() {

@@ -1,14 +1,16 @@
-//! Work in which nobody asks whether to stop: steps of enormous systems, and what is done between two runs.
+//! Stop requests during long work without checks: steps of enormous systems, and work between two
+//! runs.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Nodes so much closer to each other than the regularisation length that the fluid is ill-conditioned: its preconditioner
-/// takes minutes, in which neither a time limit nor a signal was heard.
+/// The distance of nodes is much smaller than the regularisation length, so that the fluid is
+/// ill-conditioned. Its preconditioner takes minutes, during which time limits and signals used to
+/// be ignored.
 const NODES: &str = "rod.nodes=4000";
-/// Time in which the program must end, however busy the machine: far less than the step takes.
+/// Time within which the program must end, however busy the machine is; far shorter than the step.
 const SOON: Duration = Duration::from_secs(40);
 
 fn rodlab(directory: &Path, arguments: &[&str]) -> Child {
@@ -24,7 +26,7 @@ fn rodlab(directory: &Path, arguments: &[&str]) -> Child {
         .unwrap()
 }
 
-/// Waits for the end, which must come soon: exit code and what was printed.
+/// Waits for the end of the program, which must come soon; returns the exit code and the output.
 fn end_of(mut program: Child) -> (Option<i32>, String) {
     let start = Instant::now();
     while program.try_wait().unwrap().is_none() {
@@ -59,7 +61,7 @@ fn time_limits_and_signals_are_heard_within_a_step_that_takes_minutes() {
     while !manifest.exists() {
         std::thread::sleep(Duration::from_millis(20));
     }
-    // The first step begins.
+    // Wait until the first step has started.
     std::thread::sleep(Duration::from_secs(1));
     terminate(&program);
     let (code, text) = end_of(program);
@@ -74,7 +76,8 @@ fn check_gives_a_trial_up_whose_first_step_takes_minutes() {
     assert!(text.contains("of a trial"), "{text}");
 }
 
-/// The first run over, a signal before the next one was swallowed, and minutes of work went on.
+/// A signal between the end of the first run and the next run used to be ignored, so that the work
+/// continued for minutes.
 #[test]
 fn a_signal_between_two_runs_of_an_artefact_ends_it() {
     let directory = tempfile::tempdir().unwrap();

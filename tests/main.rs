@@ -1,7 +1,8 @@
-//! The program and the library from outside, and what holds for the whole house. All of them are one binary, so that the
-//! library is linked once: a new file here needs its line below.
+//! The program and the library from outside, and rules for the whole repository. All tests are in
+//! one binary, so that the library is linked only once. A new file in this folder needs a line
+//! below.
 
-#![allow(clippy::disallowed_methods)] // tests may ask any mathematical library
+#![allow(clippy::disallowed_methods)] // tests may call any mathematical library
 
 mod architecture;
 mod browser;

@@ -1,12 +1,13 @@
-//! The same bytes on every machine: what a run writes does not depend on how the C library computes sines, exponentials
-//! and logarithms. The runs are done twice, the second time with a C library each of whose functions is off by its last bit.
+//! The results of a run do not depend on how the C library computes sines, exponentials and
+//! logarithms. Runs are done twice; in the second one the last bit of every function of the C
+//! library is wrong.
 
 use crate::parts;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Functions that take the place of those of the C library, and a program that shows one of them.
+/// Functions that replace those of the C library, and a program that checks one of them.
 const SOURCE: &str = r#"
 use std::ffi::{c_char, c_void};
 
@@ -14,7 +15,7 @@ unsafe extern "C" {
     fn dlsym(handle: *mut c_void, name: *const c_char) -> *mut c_void;
 }
 
-/// RTLD_NEXT: the function of the library that is loaded next.
+/// RTLD_NEXT: the function of the next loaded library.
 fn next(name: &std::ffi::CStr) -> *mut c_void {
     unsafe { dlsym(usize::MAX as *mut c_void, name.as_ptr()) }
 }
@@ -47,7 +48,7 @@ of_one! { sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp exp2 e
 of_two! { atan2 pow hypot }
 
 /// # Safety
-/// `sine` and `cosine` can be written to.
+/// Writes to `sine` and `cosine`.
 #[cfg(library)]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sincos(x: f64, sine: *mut f64, cosine: *mut f64) {
@@ -64,7 +65,7 @@ fn main() {
 }
 "#;
 
-/// The library, which has been seen at work.
+/// The inexact library, after a check that it has an effect.
 fn inexact_library() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("inexact");
     fs::create_dir_all(&folder).unwrap();
@@ -92,7 +93,7 @@ fn inexact_library() -> Option<PathBuf> {
     (shown(false) != shown(true)).then_some(library)
 }
 
-/// The tables of results, all that does not depend on the machine.
+/// The tables of results without columns that depend on the machine.
 fn tables(directory: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut found = Vec::new();
     for entry in fs::read_dir(directory).unwrap() {
@@ -109,8 +110,8 @@ fn tables(directory: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     found
 }
 
-/// Knots, fluid, contact, closed rods, swept parameters, turned clamps, boundaries: short runs of everything that writes a
-/// summary.
+/// Short runs of everything that writes a summary: knots, fluid, contact, closed rods, swept
+/// parameters, rotated clamps, and boundaries.
 const RUNS: &[(&str, &[&str])] = &[
     ("twisted_ring.toml", &[]),
     (
@@ -131,7 +132,8 @@ const RUNS: &[(&str, &[&str])] = &[
     ("boundary.toml", &[]),
 ];
 
-/// A helix whose end follows the poses of a gripper, pressed on a post by incremental potentials.
+/// A helix whose end follows the poses of a gripperand which is pressed on a post, with
+/// incremental potentials.
 const TURNED: &str = r#"
 experiment = "scene"
 material = { youngs_modulus = "1 MPa", poissons_ratio = 0.3, density = 1200.0 }

@@ -1,10 +1,11 @@
-//! Films of results: they have the pictures that were asked for, and appear whole or not at all.
+//! Films of results: they contain the requested pictures, and are written completely or not at
+//! all.
 
 use assert_cmd::Command;
 use std::fs;
 use std::path::Path;
 
-/// A rod that falls for a tenth of a second, eleven outputs.
+/// A rod that falls for a tenth of a second, with eleven outputs.
 const SCENARIO: &str = r#"
 experiment = "scene"
 title = "A rod falls"
@@ -52,7 +53,7 @@ fn movie(directory: &Path, out: &str, arguments: &[&str]) -> Command {
     rodlab(directory, &arguments)
 }
 
-/// Names of what lies in a directory.
+/// Names of the entries of a directory.
 fn names(directory: &Path) -> Vec<String> {
     let entries = fs::read_dir(directory).unwrap();
     let mut names: Vec<String> = entries
@@ -96,7 +97,7 @@ fn a_film_has_the_pictures_that_were_asked_for() {
     );
     assert!(pictures.windows(2).all(|pair| pair[0] != pair[1]));
 
-    // A shorter film takes the place of a longer one.
+    // A shorter film replaces a longer one.
     let shorter = [
         "--size", "160x96", "--fps", "10", "--speed", "0.5", "--turn", "90deg",
     ];
@@ -196,7 +197,7 @@ fn an_interrupted_film_leaves_nothing() {
 #[test]
 fn a_watched_run_ends_with_the_same_results_and_a_page_at_rest() {
     let directory = results();
-    // No browser is found, which is a warning.
+    // No browser is found, which only causes a warning.
     rodlab(
         directory.path(),
         &["run", "fall.toml", "--out", "watched", "--watch"],

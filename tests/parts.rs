@@ -1,5 +1,6 @@
-//! Parts beside Rust that some tests need: a browser, Slurm, ROS 1, Fast DDS and Cyclone DDS, simavr, pinocchio, MuJoCo,
-//! VTK. One place says what is installed and why, installs one after the other, and says what was skipped.
+//! Programs outside Rust that some tests need: a browser, Slurm, ROS 1, Fast DDS and Cyclone DDS,
+//! simavr, pinocchio, MuJoCo, VTK. This file alone reports what is installed and why, installs one
+//! program at a time, and reports skipped tests.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -7,10 +8,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Mutex, Once};
 
-/// Set to `0`, nothing is installed: tests whose parts are missing are skipped.
+/// If this variable is `0`, nothing is installed, and tests with missing programs are skipped.
 const VARIABLE: &str = "RODLAB_TESTS_INSTALL";
 
-/// Whether a part is there, installed where it is missing and that is not declined. `purpose` says what for.
+/// Whether a program is available. Installs it if it is missing and installation is allowed;
+/// `purpose` is for the message.
 pub fn have(
     part: &str,
     purpose: &str,
@@ -27,7 +29,8 @@ pub fn have(
         ));
         return false;
     }
-    // Package managers wait for nobody: one installation at a time, here and in other processes.
+    // Package managers do not wait for each other: allow only one installation at a time, in this
+    // process and in others.
     static ALONE: Mutex<()> = Mutex::new(());
     let _alone = ALONE
         .lock()
@@ -47,7 +50,7 @@ pub fn have(
     done
 }
 
-/// Prints what may be installed, once, before anything is.
+/// Prints once what may be installed, before anything is installed.
 fn announce() {
     static ANNOUNCED: Once = Once::new();
     ANNOUNCED.call_once(|| {
@@ -69,7 +72,7 @@ fn announce() {
     });
 }
 
-/// What installs packages.
+/// Programs that install packages.
 const INSTALLERS: [&str; 6] = [
     include_str!("../scripts/install-chromium"),
     include_str!("../scripts/install-fast-dds"),
@@ -118,7 +121,7 @@ fn every_installer_names_its_packages() {
     assert_eq!(packages_of(two_lines), ["a", "b"]);
 }
 
-/// Says that a test is skipped, now and in the list that `scripts/ci` shows at its end.
+/// Reports that a test is skipped, now and in the list at the end of `scripts/ci`.
 pub fn skipped(reason: &str) {
     say(&format!("SKIPPED: {reason}"));
     let list = OpenOptions::new()
@@ -133,7 +136,8 @@ pub fn succeeds(command: &mut Command) -> bool {
     command.output().is_ok_and(|output| output.status.success())
 }
 
-/// A Python environment beside the build in which `module` can be imported, with `package` installed by pip.
+/// A Python environment in the build directory, in which `package` is installed by pip and
+/// `module` can be imported.
 pub fn python_with(module: &str, package: &str, purpose: &str) -> Option<PathBuf> {
     let folder = in_build(module);
     let python = folder.join("bin/python");
@@ -151,12 +155,12 @@ pub fn python_with(module: &str, package: &str, purpose: &str) -> Option<PathBuf
     .then_some(python)
 }
 
-/// A file or folder beside the build.
+/// A file or folder in the build directory.
 pub fn in_build(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
 }
 
-/// Not by `eprintln!`, which the test harness swallows.
+/// The test harness would capture the output of `eprintln!`.
 fn say(what: &str) {
     let _ = writeln!(std::io::stderr(), "{what}");
 }

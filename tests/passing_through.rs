@@ -1,4 +1,5 @@
-//! Nothing passes through anything: scenes in which rods used to, with exit code 0, and invariants that show it.
+//! Rods do not pass through each other: scenes in which they once did, with exit code 0, and
+//! invariants that detect it.
 
 use crate::linking_number::linking_number;
 use rodlab::experiment;
@@ -26,7 +27,7 @@ impl Running {
             range
         });
         let rods = rods.collect();
-        // The last key of every scene here.
+        // `end` is the last key of every scene here.
         let end = text.rsplit("end = ").next().unwrap();
         Self {
             end: end.trim().parse().unwrap(),
@@ -38,7 +39,7 @@ impl Running {
         }
     }
 
-    /// Goes on to the end; `check` looks at every step.
+    /// Runs to the end; `check` is called after every step.
     fn run(&mut self, check: impl Fn(&Self)) -> Result<(), SimulationError> {
         while self.simulation.time() < self.end {
             let report = self.simulation.advance(self.end)?;
@@ -308,7 +309,7 @@ end = 0.02
 
 #[test]
 fn a_barrier_costs_steps_and_never_the_run() {
-    // Stood still at 0.0419 s, where the rods come to lie along each other.
+    // These runs used to stall at 0.0419 s, when the rods come to lie along each other.
     for (speed, end) in [(5.0, 0.05), (20.0, 0.05)] {
         let text = format!(
             r#"experiment = "scene"
@@ -350,7 +351,8 @@ end = {end:?}
 
 #[test]
 fn friction_on_a_floor_takes_the_steps_asked_for() {
-    // The penalty used to take 1,340 steps for the first of these, and more the faster the rod was driven.
+    // The penalty used to take 1,340 steps for the first of these scenes, and more for a faster
+    // rod.
     for model in ["imc", "ipc"] {
         let text = format!(
             r#"experiment = "scene"
@@ -393,7 +395,7 @@ end = 0.12
     }
 }
 
-/// Two rings that tumble at several metres per second.
+/// Two rings that tumble with several metres per second.
 fn tumbling_rings(
     model: &str,
     friction: f64,
@@ -450,7 +452,8 @@ fn a_barrier_with_the_midpoint_rule_does_not_panic() {
 
 #[test]
 fn complementarity_without_pressed_contacts_does_not_panic() {
-    // A rod that is twisted 100 turns and pushed together: it tangles beyond what its edges resolve.
+    // The rod is twisted by 100 turns and pushed together. It tangles more than its edges can
+    // resolve.
     let text = r#"experiment = "scene"
 title = "A rod is twisted until it tangles"
 [material]

@@ -1,6 +1,7 @@
-//! Rods that fall on a floor and come to rest in a heap, with friction: finding 15 of the trial of the engine. Ten such rods
-//! used to take 7,936 steps where 300 were asked for, and fifty to end without convergence, then 13 iterations a step as they
-//! fell in on each other.
+//! Rods that fall on a floor and come to rest in a heap, with friction (finding 15 of the trial of
+//! the engine). Ten such rods used to take 7,936 steps instead of the requested 300. Fifty rods
+//! used to end without convergence, and later took 13 iterations per step while the heap
+//! collapsed.
 
 use rodlab::experiment;
 use rodlab::mechanics::dynamics::Simulation;
@@ -8,7 +9,8 @@ use std::path::Path;
 
 const STEPS: usize = 300;
 
-/// Rods of 20 edges in turns of the golden angle, 2.25 mm above each other, over a square of 10 cm.
+/// Rods of 20 edges in turns of the golden angle, with a vertical spacing of 2.25 mm, over a
+/// square of 10 cm.
 fn pile(rods: usize, model: &str) -> String {
     format!(
         "experiment = \"scene\"\n\
@@ -43,7 +45,7 @@ fn fifty_rods_settle_in_the_steps_asked_for_with_every_model() {
     });
 }
 
-/// Lets a pile fall to rest, and holds the run against what was asked for.
+/// Simulates a pile until it is at rest, and compares the run with the requested steps.
 fn settle(rods: usize, model: &str) {
     let loaded = experiment::from_text("scene", &pile(rods, model), Path::new(""), &[]).unwrap();
     let prepared = experiment::prepare(&loaded.scenario).unwrap();

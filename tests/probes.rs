@@ -232,7 +232,7 @@ fn sensitivities_are_printed_checked_and_written() {
     ] {
         assert!(text.contains(word), "{word}: {text}");
     }
-    // The shape depends on the ratio of density and modulus alone.
+    // The shape depends only on the ratio of density and modulus.
     let table = path.join("out/sensitivity.csv");
     let by_modulus = column(&table, "d_tip_z_m_d_material.youngs_modulus");
     let by_density = column(&table, "d_tip_z_m_d_material.density");
@@ -262,7 +262,7 @@ fn sensitivities_are_printed_checked_and_written() {
         let own = column(&along, &format!("d_tip_z_m_d_bending_stiffness_{axis}"));
         own.iter().sum()
     };
-    // Bending alone carries the weight.
+    // The weight is carried by bending alone.
     let share = (stiffness(1) + stiffness(2)) / (1e7 * by_modulus[0]);
     assert!((share - 1.0).abs() < 1e-3, "{share}");
     let mut wrong = Command::cargo_bin("rodlab").unwrap();
@@ -290,7 +290,7 @@ fn motions_may_begin_in_the_equilibrium() {
     for height in &rests {
         assert!((height - still).abs() < 1e-7, "{height} {still}");
     }
-    // Derivatives take the equilibrium along; so does what resumes.
+    // Derivatives include the initial equilibrium; so does a resumed run.
     let to = "material.youngs_modulus,material.density";
     let derivatives = |name: &str| {
         let file = format!("{name}.toml");

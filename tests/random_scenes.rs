@@ -1,12 +1,13 @@
-//! Random valid scenes, judged by what must hold in any of them.
+//! Random valid scenes, checked by conditions that hold for any scene.
 //!
-//! Every scene runs a few dozen steps with a contact model, a time scheme, speeds over four decades and stiffnesses over four.
-//! It may end with a clear refusal (exit code 3 or 4), but never with a panic or in silence: all numbers are finite, surfaces
-//! overlap by no more than the bound, linked rings stay linked, momentum is conserved where nothing holds it, and implicit
-//! Euler gains no energy.
+//! Every scene runs a few dozen steps with some contact model and time scheme, with speeds and
+//! stiffnesses over four decades. It may end with a clear error (exit code 3 or 4), but never with
+//! a panic or with a silent fault: all numbers are finite, surfaces do not overlap by more than
+//! the bound, linked rings stay linked, momentum is conserved if nothing holds the scene, and
+//! implicit Euler does not gain energy.
 //!
-//! That is the family "impacts". Scenes of the others are judged by a second scheme at a tenth of the step (`judged`), or by
-//! themselves in other units:
+//! This is the family "impacts". Scenes of the other families are judged by a second scheme with a
+//! tenth of the step (`judged`), or by the same scene in other units:
 //!
 //! | family | scenes |
 //! |---|---|
@@ -15,9 +16,11 @@
 //! | `prescribed` | rods that are held where they touch: in a floor, a tube, a chuck, a root |
 //! | `units` | scenes of these three in other units of length, time and mass |
 //!
-//! 200 impacts and a dozen of each other family by default; `RODLAB_RANDOM_SCENES=10000 cargo test --release random_scenes::`
-//! runs as many of each as you like, `RODLAB_RANDOM_FAMILIES=filaments,joined` these alone, and
-//! `RODLAB_RANDOM_SCENE=17` the one of that number, printed. Wrong scenes are written as scenario files.
+//! By default there are 200 impacts and a dozen scenes of each other family.
+//! `RODLAB_RANDOM_SCENES=10000 cargo test --release random_scenes::` runs that number of each
+//! family, `RODLAB_RANDOM_FAMILIES=filaments,joined` selects families, and
+//! `RODLAB_RANDOM_SCENE=17` runs and prints the scene with that number. Scenes with wrong results
+//! are written as scenario files.
 
 mod fluids;
 mod judged;
@@ -38,25 +41,26 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Steps of each scene.
+/// Number of steps of each scene.
 const STEPS: usize = 40;
-/// Scenes that were found broken among twenty thousand: in the first two the contact stiffness rose amid an impact and threw
-/// rods apart with up to 46 times their energy, in the next three rods gained energy as they slid around each other, in 17295
-/// and 19830 as they turned by radians within a step, and in 18836 by what was left of a residual.
+/// Scenes with faults that were found among twenty thousand. In the first two, the contact
+/// stiffness rose during an impact, and rods were thrown apart with up to 46 times their energy.
+/// In the next three, rods gained energy as they slid around each other; in 17295 and 19830, as
+/// they rotated by radians within a step; and in 18836, from a remaining residual.
 const FOUND_BROKEN: [u64; 8] = [260, 6673, 8864, 9355, 12743, 17295, 18836, 19830];
-/// Part of scenes that may end with a refusal.
+/// Fraction of scenes that may end with a clear error.
 const REFUSALS: f64 = 0.05;
-/// Penetration allowed, of the sum of the radii, and what rounding adds.
+/// Allowed penetration, as a fraction of the sum of the radii, plus rounding errors.
 const BOUND: f64 = 0.05 + 1e-9;
 
-/// A scene as a scenario file, and what is known of it.
+/// A scene as a scenario file, and its known properties.
 struct Case {
     text: String,
-    /// Rods 0 and 1 are rings, once through each other.
+    /// Whether rods 0 and 1 are rings linked once.
     linked: bool,
-    /// No clamp, plane, obstacle or load: momentum stays.
+    /// Whether there are no clamps, planes, obstacles or loads, so that momentum is conserved.
     free: bool,
-    /// Nothing does work from outside.
+    /// Whether no external work is done.
     undriven: bool,
     euler: bool,
     barrier: bool,
@@ -131,7 +135,7 @@ impl Case {
                 rod("b", ring(size, [0, 1, 0]), moving(&mut random));
             }
             2 => {
-                // Rods across each other, the lowest perhaps held.
+                // Rods across each other, of which the lowest may be held.
                 let held = random.chance(0.5);
                 case.free &= !held;
                 let first = if held {
@@ -150,7 +154,7 @@ impl Case {
                 }
             }
             3 => {
-                // A clamped rod that may be driven at another one.
+                // A clamped rod that may be driven against another one.
                 rod("a", line(0.0, 0, 0.1 * size), moving(&mut random));
                 rod("b", line(4.0 * radius, 1, 0.2 * size), String::new());
                 case.free = false;
@@ -189,12 +193,12 @@ impl Case {
     }
 }
 
-/// What ended a case.
+/// End of a case.
 enum End {
     Finished,
-    /// A clear refusal.
+    /// A clear error.
     Refused(String),
-    /// Something that must hold does not.
+    /// A condition that must hold is violated.
     Broken(String),
 }
 
@@ -223,17 +227,18 @@ fn run(case: &Case) -> End {
     End::Finished
 }
 
-/// What must hold.
+/// Conditions that must hold.
 struct Invariants {
     finite: bool,
-    /// Least distance of centrelines over that at which surfaces touch, by brute force over all pairs.
+    /// Least distance of centrelines relative to that at which surfaces touch, by brute force over
+    /// all pairs.
     least_ratio: f64,
-    /// The same over planes.
+    /// Least distance from planes relative to that at which surfaces touch.
     least_plane_ratio: f64,
     linking_number: f64,
     energy: f64,
     momentum: Vector3,
-    /// Largest momentum that there is, N s.
+    /// Largest momentum of the scene, N s.
     momentum_scale: f64,
 }
 
@@ -378,7 +383,7 @@ fn number(variable: &str) -> Option<u64> {
         .map(|text| text.parse().expect("a number"))
 }
 
-/// Whether a family is asked for: all are where none is named.
+/// Whether a family is requested; all families are if none is named.
 fn is_chosen(family: &str) -> bool {
     std::env::var("RODLAB_RANDOM_FAMILIES").map_or(true, |chosen| {
         chosen.split(',').any(|name| name.trim() == family)
@@ -432,12 +437,12 @@ fn random_scenes_end_well_or_with_a_refusal() {
     );
 }
 
-/// Scenes of each judged family by default.
+/// Number of scenes of each judged family by default.
 const JUDGED: u64 = 12;
-/// Part of judged scenes that may end with a refusal.
+/// Fraction of judged scenes that may end with a clear error.
 const JUDGED_REFUSALS: f64 = 0.2;
 
-/// The scene of a seed, and what became of it.
+/// Returns the scene of a seed and its verdict.
 type Judge = fn(u64) -> (judged::Case, Verdict);
 
 fn by_a_second_scheme(case: judged::Case) -> (judged::Case, Verdict) {
@@ -466,7 +471,7 @@ const FAMILIES: [(&str, Judge); 4] = [
     ("units", in_other_units),
 ];
 
-/// Writes a scene that came out wrong as a scenario file that reproduces it.
+/// Writes a scene with a wrong result as a scenario file that reproduces it.
 fn written(family: &str, seed: u64, text: &str, what: &str) -> PathBuf {
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("random_scenes");
     std::fs::create_dir_all(&directory).unwrap();
@@ -475,7 +480,7 @@ fn written(family: &str, seed: u64, text: &str, what: &str) -> PathBuf {
     path
 }
 
-/// Judges so many scenes of a family; returns how many came out wrong.
+/// Judges `count` scenes of a family; returns the number of wrong results.
 fn judge_family(family: &str, judge: Judge, count: u64) -> usize {
     let verdicts: Vec<(u64, Verdict)> = (0..count)
         .into_par_iter()

@@ -1,22 +1,26 @@
 //! Two flagella against the trajectory of the released C++ simulation of the thesis (section 2.4).
 //!
-//! That code differs from this one in five points, and its trajectory is only met with all of them:
+//! That code differs from this one in five points. Its trajectory is reproduced only with all of
+//! them:
 //!
-//! 1. It holds the whole first edge of a flagellum: `flagella.head = "edge"`.
-//! 2. It takes the drag at the start of each step, explicitly.
-//! 3. It leaves out the lengths of the edges in Eq. 2.26 and the Voronoi lengths in Eq. 2.27. For equal edges
-//!    the two cancel, but for the ends of a flagellum, whose last half edge counts twice.
-//! 4. Its collocation matrix is not symmetric, but goes through a Cholesky factorisation, which reads the
-//!    lower triangle only: the upper one is taken for its mirror image.
-//! 5. Its bending energy averages the curvature over the frames of both edges before it squares (Eq. 1.4);
-//!    ours squares first. They differ where a bent vertex is twisted, as in the hook, where a flagellum
-//!    twists by half a radian per edge: by EI |κb|² sin²(φ/2) / 2l̄.
+//! 1. It clamps the whole first edge of a flagellum: `flagella.head = "edge"`.
+//! 2. It evaluates the drag explicitly at the start of each step.
+//! 3. It omits the lengths of the edges in Eq. 2.26 and the Voronoi lengths in Eq. 2.27. For equal
+//!    edges the two cancel except at the ends of a flagellum, where the last half edge counts
+//!    twice.
+//! 4. Its collocation matrix is not symmetric, but is factorised by Cholesky's method, which reads
+//!    only the lower triangle. The upper triangle is thus replaced by its mirror image.
+//! 5. Its bending energy averages the curvature over the frames of both edges before it squares
+//!    (Eq. 1.4), while this code squares first. They differ by the following term if a bent vertex
+//!    is twisted, as in the hook, where a flagellum twists by half a radian per edge: EI |κb|²
+//!    sin²(φ/2) / 2l̄.
 //!
-//! Points 3 and 4 are mistakes; they make the tips drag too much, and nodal forces differ by some 10 %.
-//! Point 5 alone moves the nodes by 1 radius after half a second, most of it a shift along the axis that
-//! begins in the hook, and by 2.5 radii before the first contact. The test imitates 2 to 5 outside the engine,
-//! by [`Simulation::set_external_forces`], and prints what the engine gives of its own: nodes 3 radii away
-//! before the first contact, which comes 0.02 s later.
+//! Points 3 and 4 are mistakes. They give the tips too much drag, and nodal forces differ by about
+//! 10 %. Point 5 alone moves the nodes by 1 radius after half a second, most of it a shift along
+//! the axis that begins in the hook, and by 2.5 radii before the first contact. The test imitates
+//! points 2 to 5 outside the engine, by [`Simulation::set_external_forces`]. It also prints the
+//! result of the engine without them: its nodes are 3 radii away before the first contact, which
+//! occurs 0.02 s later.
 
 use crate::parts::skipped;
 use flate2::read::GzDecoder;
@@ -41,8 +45,9 @@ const REFERENCE: &str = concat!(
 
 /// First step with contact in the released simulation, s.
 const REFERENCE_CONTACT: f64 = 2.859;
-/// Nodes of a flagellum, and of both.
+/// Nodes of a flagellum.
 const NODES: usize = 68;
+/// Nodes of both flagella.
 const ALL_NODES: usize = 2 * NODES;
 const RADIUS: f64 = 1e-3;
 const VISCOSITY: f64 = 0.1;
@@ -54,7 +59,8 @@ type Vector = Vector3<f64>;
 /// Positions of all nodes by time in milliseconds, in our coordinates.
 type Trajectory = BTreeMap<u64, Vec<Vector>>;
 
-/// Reads the trajectory. Its axes are along x and stand at y = 0 and 0.03 m, ours along z at x = ∓0.015 m.
+/// Reads the trajectory. Its flagella are along x at y = 0 and 0.03 m; those of this code are
+/// along z at x = ∓0.015 m.
 fn reference(path: &Path) -> Trajectory {
     let mut reader = csv::Reader::from_reader(GzDecoder::new(File::open(path).unwrap()));
     let mut trajectory = Trajectory::new();
@@ -68,7 +74,8 @@ fn reference(path: &Path) -> Trajectory {
     trajectory
 }
 
-/// Two flagella of the thesis, numbered as in the released code, which matters to a triangle.
+/// Two flagella of the thesis, numbered as in the released code. The numbering matters, since only
+/// one triangle of the matrix is used.
 fn flagella(head: &str) -> PreparedRun {
     let overrides = [
         format!("flagella.head = \"{head}\""),
@@ -81,12 +88,12 @@ fn flagella(head: &str) -> PreparedRun {
 
 /// The drag of the released code: points 2 to 4.
 struct ReleasedDrag {
-    /// A Cholesky factor of some steps ago, which preconditions conjugate gradients.
+    /// A Cholesky factor from an earlier step, used as preconditioner of conjugate gradients.
     factor: Option<Cholesky<f64, nalgebra::Dyn>>,
     forces: DVector<f64>,
 }
 
-/// Iterations of conjugate gradients above which the factor is made anew.
+/// Number of iterations of conjugate gradients above which the factor is recomputed.
 const STALE: usize = 6;
 
 impl ReleasedDrag {
@@ -97,7 +104,7 @@ impl ReleasedDrag {
         }
     }
 
-    /// The matrix that takes nodal forces over 8πη to velocities.
+    /// The matrix that maps nodal forces divided by 8πη to velocities.
     fn matrix(positions: &[Vector]) -> DMatrix<f64> {
         let mut matrix = DMatrix::zeros(3 * ALL_NODES, 3 * ALL_NODES);
         for row in 0..ALL_NODES {
@@ -131,7 +138,8 @@ impl ReleasedDrag {
     }
 }
 
-/// Solves A x = b from the present x to a relative residual of 10⁻⁹; returns the iterations.
+/// Solves A x = b from the current x to a relative residual of 10⁻⁹; returns the number of
+/// iterations.
 fn conjugate_gradients(
     matrix: &DMatrix<f64>,
     factor: &Cholesky<f64, nalgebra::Dyn>,
@@ -157,14 +165,14 @@ fn conjugate_gradients(
     iterations
 }
 
-/// The bending forces of the released code beyond ours: point 5.
+/// The difference of the bending forces of the released code from those of the engine: point 5.
 struct AveragedCurvature {
     natural: Vec<VertexStrains>,
     stiffness: Vec<VertexStiffness>,
 }
 
 impl AveragedCurvature {
-    /// For rods without stress now, of bending stiffness EI in N m².
+    /// Starts with rods that are now without stress; their bending stiffness is EI in N m².
     fn new(simulation: &Simulation, bending: f64) -> Self {
         let stiffness = |[before, after]: [EdgeFrame; 2]| VertexStiffness {
             bending: [bending / (before.length + after.length); 2],
@@ -181,7 +189,7 @@ impl AveragedCurvature {
         let laws = self.natural.iter().zip(&self.stiffness);
         for ((node, edges), (natural, stiffness)) in vertices(simulation).zip(laws) {
             let strains = strains(&edges);
-            // The natural curvature at which each frame alone has the moment of the average.
+            // The natural curvature with which each frame alone has the moment of the average.
             let mut averaged = *natural;
             for (k, other) in [2, 3, 0, 1].into_iter().enumerate() {
                 let excess =
@@ -214,7 +222,7 @@ fn vertices(simulation: &Simulation) -> impl Iterator<Item = (usize, [EdgeFrame;
             inverse_length: 1.0 / vector.norm(),
             director_1: directors[edge],
             director_2: tangent.cross(&directors[edge]),
-            // At the start of a step frames have not been transported yet.
+            // At the start of a step the frames have not been transported yet.
             holonomy: Vector::zeros(),
         }
     };
@@ -230,7 +238,7 @@ fn strains([before, after]: &[EdgeFrame; 2]) -> VertexStrains {
     }
 }
 
-/// How much of the released code is imitated.
+/// Imitated differences of the released code.
 #[derive(Clone, Copy, PartialEq)]
 enum Imitation {
     /// Points 1 to 5.
@@ -242,14 +250,14 @@ enum Imitation {
     Nothing,
 }
 
-/// How far a run is from the reference, and when its rods first touch.
+/// Distance of a run from the reference, and time of the first contact of its rods.
 struct Comparison {
     /// Mean distance of the nodes in radii, by time in milliseconds.
     distances: BTreeMap<u64, f64>,
     first_contact: f64,
 }
 
-/// Runs until the first contact.
+/// Runs until the first contact, and compares.
 fn compare(imitation: Imitation, reference: &Trajectory) -> Comparison {
     let head = if imitation == Imitation::Nothing {
         "node"

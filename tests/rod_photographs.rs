@@ -1,4 +1,4 @@
-//! `rodlab measure rod` on rendered photographs of rods of which everything is known.
+//! `rodlab measure rod` on rendered photographs of rods with known properties.
 
 use assert_cmd::Command;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -12,8 +12,8 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-/// A rod in a photograph: gravito-bending length, length, radius (m), natural curvature (1/m), direction at the clamp and turns of
-/// the camera about its axes (rad).
+/// A rod in a photograph: gravito-bending length, length, radius (m), natural curvature (1/m),
+/// direction at the clamp and rotation of the camera about its axes (rad).
 struct Photograph {
     gravito_bending_length: f64,
     length: f64,
@@ -56,7 +56,8 @@ fn hanging(photograph: &Photograph) -> Vec<Vector3<f64>> {
     turned(photograph, 1.0 / 1.5, 0.0)
 }
 
-/// Nodes of the rod with a twisting stiffness over the bending stiffness, turned about its axis at the clamp, rad.
+/// Nodes of a rod with a ratio of twisting to bending stiffness, which is rotated about its axis
+/// at the clamp, rad.
 fn turned(photograph: &Photograph, twisting: f64, roll: f64) -> Vec<Vector3<f64>> {
     const EDGES: usize = 200;
     let (sine, cosine) = photograph.angle.sin_cos();
@@ -119,7 +120,8 @@ fn camera(at: Vector3<f64>, [x, y, z]: [f64; 3]) -> Camera {
     }
 }
 
-/// Writes a photograph of a rod, `name`.png, with its camera, `name`.toml; returns the pixel of the held end.
+/// Writes a photograph of a rod, `name`.png, with its camera, `name`.toml. Returns the pixel of
+/// the held end.
 fn shoot(
     place: &Path,
     name: &str,
@@ -139,7 +141,7 @@ fn shoot(
         table_height: -3.0 * photograph.radius,
         ..camera
     };
-    // Points finer than the radius.
+    // The points are closer together than the radius.
     let points = nodes.windows(2).flat_map(|pair| {
         (0..4).map(|part| pair[0] + (pair[1] - pair[0]) * (f64::from(part) / 4.0))
     });
@@ -177,7 +179,8 @@ fn answer(place: &Path, arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// Measures one photograph; returns the length less the truth over the truth, and over its standard error.
+/// Measures one photograph; returns the relative error of the length, and the error divided by the
+/// standard error.
 fn measure(number: usize, photograph: &Photograph) -> [f64; 2] {
     let folder = tempfile::tempdir().unwrap();
     let nodes = hanging(photograph);
@@ -231,7 +234,8 @@ fn the_twisting_stiffness_of_a_rod_is_found_from_two_photographs() {
     let place = folder.path();
     let front = shoot(place, "front", &turned(&one, truth, 0.0), &one, 1);
     let side = shoot(place, "side", &turned(&one, truth, 0.5 * PI), &one, 2);
-    // The free end of the one in its plane is the higher one.
+    // In the photograph of the planar rod, the free end is the higher one, so that the held end
+    // must be given.
     let pictures = ["front.png", "side.png", "--camera", "front.toml,side.toml"];
     let held = ["--held", front.as_str(), "--held", side.as_str()];
     let found = answer(place, &[&pictures[..], &held, &["--roll", "0,90"]].concat());
@@ -241,14 +245,15 @@ fn the_twisting_stiffness_of_a_rod_is_found_from_two_photographs() {
         of("twisting_over_bending"),
         of("twisting_over_bending_uncertainty"),
     );
-    // The ends of the rod are seen to half its radius, and a thousandth of the length counts as several per cent.
+    // The ends of the rod are located to half its radius; an error of the length of a thousandth
+    // gives several per cent here.
     assert!((twisting / truth - 1.0).abs() < 0.1, "{twisting}");
     assert!(
         (twisting - truth).abs() < 3.0 * error && error < 0.25,
         "{twisting} ± {error}"
     );
     assert!((of("gravito_bending_length_m") / 0.12 - 1.0).abs() < 0.01);
-    // The same photograph twice shows a plane.
+    // Two copies of one photograph determine only a planar shape.
     let pictures = ["front.png", "front.png", "--camera", "front.toml"];
     let held = ["--held", front.as_str(), "--held", front.as_str()];
     let found = answer(place, &[&pictures[..], &held].concat());

@@ -1,14 +1,14 @@
-//! The JSON Schema that editors check scenarios by accepts what the program accepts.
+//! The JSON Schema with which editors check scenarios accepts the same files as the program.
 
 use rodlab::experiment::json_schema;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-/// Faults of a value, of the part of JSON Schema that the program prints.
+/// Faults of a value according to the part of JSON Schema that the program prints.
 ///
 /// # Panics
-/// The schema has a keyword that is not known here.
+/// The schema has a keyword that this function does not support.
 fn faults(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> {
     let Value::Object(keywords) = schema else {
         return match schema {

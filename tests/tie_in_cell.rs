@@ -1,4 +1,5 @@
-//! `rodlab tie` in the virtual cell: two arms through their drivers and a camera, against the real server in a process of its own.
+//! `rodlab tie` in the virtual cell: two arms with their drivers and a camera, against the real
+//! server in its own process.
 
 use crate::virtual_cell::{Served, gantry, said, serve_file};
 use serde_json::Value;
@@ -24,7 +25,7 @@ fn serve(arguments: &[&str]) -> Served {
     serve_file(&two_gantries(), &[&rod, arguments].concat(), "")
 }
 
-/// What ties a knot along the trefoil, everything in a folder.
+/// Arguments to tie a trefoil, with all results in a folder.
 fn task(passes: &str, folder: &str) -> Vec<String> {
     let pattern = scenarios("patterns/trefoil.svg");
     let rod = scenarios("rods/thick_pink_vps.toml");
@@ -52,7 +53,7 @@ fn tie(served: &Served, passes: &str) -> Output {
     served.run(&task.iter().map(String::as_str).collect::<Vec<_>>())
 }
 
-/// The record of a task that came to its end.
+/// The record of a finished task.
 fn record(output: &Output) -> Value {
     assert!(output.status.success(), "{}", said(output));
     let record: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -98,13 +99,13 @@ fn a_trefoil_is_tied_by_two_arms_and_seen() {
         header.contains("left.x_m") && header.contains("right.x_m"),
         "{header}"
     );
-    // Both moved in one motion.
+    // Both arms moved in one motion.
     let state = read("tied/tying/01_leading/state.csv");
     assert!(state.contains(",left,") && state.contains(",right,"));
     assert!(read("tied/report.md").contains("tied as drawn"));
 }
 
-/// What ties a reef knot in two rods, everything in a folder.
+/// Arguments to tie a reef knot in two rods, with all results in a folder.
 fn reef(folder: &str) -> Vec<String> {
     let mut arguments = task("over,over,under,over,over,under", folder);
     arguments[2] = scenarios("patterns/reef.svg").to_str().unwrap().to_owned();
@@ -153,7 +154,7 @@ fn a_rod_that_is_led_over_everything_is_not_tied() {
 
 #[test]
 fn a_rod_that_slips_out_of_the_gripper_is_not_tied() {
-    // While its end is led.
+    // The rod slips while its end is led.
     let served = serve(&["--rate", "50", "--fault", "slip-grasp@65s"]);
     let record = record(&tie(&served, "over,under,over"));
     assert_ne!(record["score"]["tied"], true, "{record}");
@@ -187,7 +188,7 @@ fn two_arms_that_are_interrupted_while_both_move_hold() {
         "{events}"
     );
     asks_for_a_look(&served);
-    // Each arm by itself has its mark, too.
+    // Each arm has its own mark, too.
     let alone = [
         "deploy",
         "--pattern",
@@ -201,7 +202,7 @@ fn two_arms_that_are_interrupted_while_both_move_hold() {
     served.asks_for_a_look_before(&[&alone[..], &more].concat());
 }
 
-/// Both arms stand half a second from now.
+/// Checks that both arms are at rest half a second from now.
 fn stand(served: &Served) {
     std::thread::sleep(Duration::from_millis(500));
     assert!(served.stands("/left/joint_states") && served.stands("/right/joint_states"));
@@ -225,7 +226,7 @@ fn a_link_that_drops_ends_a_task_of_two_arms() {
     asks_for_a_look(&served);
 }
 
-/// What comes of a task in a cell that nobody serves.
+/// Result of a task in a cell without a server.
 fn alone(
     cell: &str,
     change: impl Fn(&mut Vec<String>),
@@ -321,7 +322,7 @@ fn a_dry_run_of_two_rods_shows_how_both_are_laid_and_led() {
     let record: Value = serde_json::from_str(&manifest).unwrap();
     assert_eq!(record["drawn"]["determinant"], 9);
     assert_eq!(record["lifts"], 2);
-    // Six crossings of two rods, three of which are no knot.
+    // Six crossings of two rods; with these orders at three of them there is no knot.
     let (code, said, _) = alone(&two_gantries(), |arguments| {
         *arguments = reef("shown");
         arguments[10] = "over,over,over".into();

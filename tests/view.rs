@@ -1,4 +1,4 @@
-//! The 3-D page in a real browser: it draws, it moves, it does not complain.
+//! The 3-D page in a real browser: it draws, moves, and reports no errors.
 
 use crate::browser::Browser;
 use assert_cmd::Command;
@@ -32,7 +32,7 @@ kind = "gravity"
 acceleration = [0, 0, -9.81]
 "#;
 
-/// Runs the scenario and makes its page.
+/// Runs the scenario and writes its page.
 fn page(directory: &Path) -> PathBuf {
     fs::write(directory.join("fall.toml"), SCENARIO).unwrap();
     for arguments in [
@@ -54,7 +54,7 @@ fn pixels(png: &[u8]) -> Vec<[u8; 3]> {
     image.pixels().map(|pixel| pixel.0).collect()
 }
 
-/// Number of pixels with a strong colour, as the rods have and the ground has not.
+/// Number of pixels with a strong colour, which rods have and the ground does not.
 fn colourful(png: &[u8]) -> usize {
     let spread = |pixel: &[u8; 3]| pixel.iter().max().unwrap() - pixel.iter().min().unwrap();
     pixels(png)
@@ -77,7 +77,7 @@ fn the_page_draws_moves_and_does_not_complain() {
         return;
     };
     browser.open(&page);
-    // Only the canvas: buttons and colour bars come and go.
+    // Hide everything except the canvas, since buttons and colour bars appear and disappear.
     browser.press("h");
     let start = browser.screenshot();
     assert!(colourful(&start) > 5_000, "{}", colourful(&start));
@@ -138,10 +138,10 @@ fn play_goes_on_and_pause_stops() {
     );
 }
 
-/// A column that is pressed until it has buckled: equilibria along a path with three branches.
+/// A column that is compressed until it has buckled: equilibria along a path with three branches.
 const COLUMN: &str = "scenarios/euler_column.toml";
 
-/// Makes the page of a scenario of the house.
+/// Writes the page of a scenario of the repository.
 fn page_of(scenario: &str, directory: &Path, overrides: &[&str]) -> PathBuf {
     let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join(scenario);
     let scenario = scenario.to_string_lossy().into_owned();
@@ -184,7 +184,7 @@ fn equilibria_are_not_played_as_a_motion_with_a_speed() {
     assert!(clock(&mut browser).starts_with("parameter 6, branch 2"));
     let colours = browser.evaluate("document.getElementById('colour').textContent");
     assert!(!colours.as_str().unwrap().contains("speed"), "{colours}");
-    // All three branches end at the same parameter; the chart does not join them.
+    // All three branches end at the same parameter, and the chart must not connect them.
     browser.set("plot", "Bending energy");
     let pieces = browser
         .evaluate("document.querySelector('#chart path').getAttribute('d').split('M').length - 1");
@@ -226,7 +226,7 @@ shape = { kind = "straight", start = [0, 0, 0], end = [1, 0, 0] }
     keep("rest.png", &browser.screenshot());
 }
 
-/// Lowest and highest column and row of a picture with a strong colour.
+/// Smallest and largest column and row of pixels with a strong colour.
 fn bounds_of_rods(png: &[u8]) -> [[u32; 2]; 2] {
     let image = image::load_from_memory(png).expect("a PNG").to_rgb8();
     let spread = |pixel: &[u8; 3]| pixel.iter().max().unwrap() - pixel.iter().min().unwrap();
@@ -239,7 +239,7 @@ fn bounds_of_rods(png: &[u8]) -> [[u32; 2]; 2] {
     })
 }
 
-/// Lowest and highest row of a picture with a strong colour.
+/// Smallest and largest row of pixels with a strong colour.
 fn rows_of_rods(png: &[u8]) -> [u32; 2] {
     bounds_of_rods(png)[1]
 }
@@ -272,7 +272,7 @@ fn the_tools_do_not_cover_a_rod_that_comes_towards_the_eye() {
         f64::from(right - left) > 0.3 * tools,
         "{left} {right}: small"
     );
-    // The rod stays whole in a window that becomes narrow.
+    // The rod stays completely visible when the window becomes narrow.
     browser.resize(400, 800);
     let [[left, right], _] = bounds_of_rods(&browser.screenshot());
     assert!(left > 0 && right < 399, "{left} {right}: cut off");
@@ -281,7 +281,7 @@ fn the_tools_do_not_cover_a_rod_that_comes_towards_the_eye() {
 #[test]
 fn the_fit_leaves_room_for_the_bar_on_large_and_small_screens() {
     let directory = tempfile::tempdir().unwrap();
-    // A rod as tall as the screen allows.
+    // A rod with the height of the screen.
     let upright = SCENARIO.replace(
         "[-0.15, 0, 0.03], end = [0.1, 0, 0.03]",
         "[0, 0, 0.05], end = [0, 0, 0.45]",
@@ -308,7 +308,7 @@ fn the_fit_leaves_room_for_the_bar_on_large_and_small_screens() {
         let cards = if width < 640 {
             edge(&mut browser, "legend", "bottom").max(edge(&mut browser, "about", "bottom"))
         } else if height < 760 {
-            // The tools covered the tips.
+            // The tools used to cover the tips of the rod.
             edge(&mut browser, "tools", "bottom")
         } else {
             0.0
@@ -324,7 +324,7 @@ fn the_fit_leaves_room_for_the_bar_on_large_and_small_screens() {
             f64::from(top) > cards,
             "{width}x{height}: {top} above {cards}"
         );
-        // It fills most of what is free.
+        // The rod fills most of the free space.
         let free = bar - cards;
         assert!(
             f64::from(bottom - top) > 0.5 * free,
@@ -361,7 +361,7 @@ fn series_are_plotted_and_pictures_and_videos_saved() {
     let value = browser.evaluate("document.getElementById('chart-value').textContent");
     assert!(value.as_str().unwrap().ends_with(" J"), "{value}");
     keep("chart.png", &browser.screenshot());
-    // A file that is offered for download is noted instead.
+    // A file offered for download is recorded instead.
     browser.evaluate(
         "window.saved = []; HTMLAnchorElement.prototype.click = function () {
            const name = this.download;
@@ -409,13 +409,13 @@ fn a_page_of_a_run_at_work_reloads_and_keeps_what_the_user_chose() {
     let Some(mut browser) = Browser::start() else {
         return;
     };
-    // The test ends the hour after which the page reloads.
+    // The page reloads after an hour; the test ends this wait at once.
     browser.prepare(
         "{ const wait = window.setTimeout.bind(window);
            window.setTimeout = (action, time) => time === 3600e3 ? (window.afterAnHour = action, 0) : wait(action, time); }",
     );
     browser.open(&page);
-    // A run at work is shown at its last output.
+    // The page of a running run shows its last output.
     let time = "document.getElementById('time').value";
     assert_eq!(browser.evaluate(time), "24");
     let before = browser.screenshot();
@@ -440,7 +440,7 @@ fn a_page_of_a_run_at_work_reloads_and_keeps_what_the_user_chose() {
     assert!(rest < 500, "{rest}");
 }
 
-/// Keeps a picture for people to look at.
+/// Saves a picture for inspection by a person.
 fn keep(name: &str, png: &[u8]) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("screenshots");
     fs::create_dir_all(&folder).unwrap();

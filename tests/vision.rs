@@ -28,7 +28,7 @@ fn camera() -> Camera {
     }
 }
 
-/// Two rods that cross, and the first one's curve.
+/// Two rods that cross, and the curve of the first one.
 fn scene() -> (Vec<RenderedRod>, Vec<Point>) {
     let rod = |curve: &dyn Fn(f64) -> (f64, f64), height: f64, colour| RenderedRod {
         points: (0..=600)
@@ -142,7 +142,7 @@ fn a_photograph_is_traced_and_scored() {
     assert!(place.join("score.svg").is_file() && place.join("score.png").is_file());
 }
 
-/// `trace --pattern`, `score --out` and the like replaced whatever stood there.
+/// `trace --pattern`, `score --out` and similar options used to replace any existing file.
 #[test]
 fn files_of_the_user_are_not_replaced_by_answers() {
     let folder = TempDir::new().expect("a folder");

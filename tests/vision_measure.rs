@@ -50,7 +50,7 @@ fn repository() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A sheet of 0.2 m × 0.15 m about a centre, turned.
+/// A sheet of 0.2 m × 0.15 m with a given centre and rotation.
 fn sheet(folder: &Path, name: &str, centre: Point, angle: f64) {
     let ground = |point: Point| {
         let (sine, cosine) = angle.sin_cos();
@@ -92,7 +92,8 @@ fn a_sheet_is_measured_and_its_sliding() {
         (number(&slid["turned_degrees"]) - 0.03f64.to_degrees()).abs() < 0.1,
         "{slid}"
     );
-    // The right edge in the image: its middle is half a side from the centre, along the sheet's own axis.
+    // The edge on the right of the image: its middle is half a side from the centre, along the
+    // axis of the sheet.
     let middle =
         |centre: Point, angle: f64, side: f64| centre + Point::new(angle.cos(), angle.sin()) * side;
     let expected = [-0.1, 0.1].map(|side| {
@@ -167,7 +168,7 @@ fn markers_say_from_when_on_a_rod_is_unstable() {
     fs::create_dir(place.join("frames")).expect("a folder");
     fs::write(place.join("camera.toml"), camera().to_toml()).expect("a camera");
     fs::write(place.join("helix.toml"), HELIX).expect("a helix");
-    // One image beyond the bound is noise; from the fifth one on all are.
+    // One image above the bound is noise; from the fifth one on, all are above it.
     for (index, away) in [1.0, 14.0, 1.0, 1.0, 14.0, 14.0, 14.0]
         .into_iter()
         .enumerate()
@@ -224,7 +225,7 @@ fn markers_say_from_when_on_a_rod_is_unstable() {
     }
 }
 
-/// A record of a bag of ROS 1.
+/// A record of a ROS 1 bag.
 fn record(fields: &[(&str, &[u8])], data: &[u8]) -> Vec<u8> {
     let mut header = Vec::new();
     for (name, value) in fields {
@@ -240,7 +241,7 @@ fn record(fields: &[(&str, &[u8])], data: &[u8]) -> Vec<u8> {
     record
 }
 
-/// A bag with some pictures on a topic, a second apart.
+/// A bag with some pictures on a topicone second apart.
 fn bag(pictures: &[image::RgbImage]) -> Vec<u8> {
     const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
     let text = |text: &str| [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat();
@@ -341,12 +342,12 @@ fn patterns_may_be_drawings() {
         .map(|k| format!("{},0.027\n", 0.002 * f64::from(k) - 0.01))
         .collect();
     fs::write(place.join("laid.csv"), format!("x_m,y_m\n{rows}")).expect("a curve");
-    // The rod begins 10 mm before the pattern, ends 10 mm beyond it and lies 2 mm beside it.
+    // The rod begins 10 mm before the pattern, ends 10 mm beyond it, and is 2 mm beside it.
     let line = "score laid.csv lines.svg --stroke 1 --begin 10mm --json";
     let answer = json(&rodlab(place, line).success());
     let mean = answer["by_arc_length"]["mean_m"].as_f64().expect("a mean");
     assert!((mean - 0.002).abs() < 1e-9, "{answer}");
-    // 120 mm of a rod of 122 mm are all of it, and of one of 125 mm they are not.
+    // 120 mm count as the whole of a rod of 122 mm, but not of one of 125 mm.
     let whole = json(&rodlab(place, &format!("{line} --rod-length 122mm")).success());
     assert!((whole["seen_length"]["seen_m"].as_f64().unwrap() - 0.12).abs() < 1e-9);
     let part = rodlab(place, &format!("{line} --rod-length 125mm")).code(4);

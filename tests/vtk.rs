@@ -8,7 +8,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process;
 
-/// What VTK reads in the files named, as a line of JSON each. Complaints of VTK end it.
+/// Reads the given files with VTK and prints one line of JSON for each; warnings of VTK end the
+/// program.
 const READER: &str = r"
 import json, sys
 import vtk
@@ -69,7 +70,7 @@ kind = "gravity"
 acceleration = [0, 0, -9.81]
 "#;
 
-/// A Python with VTK; kept beside the build, for it is large.
+/// A Python with VTK, in the build directory since it is large.
 fn python_with_vtk() -> Option<PathBuf> {
     let purpose = "to read back the files for ParaView";
     python_with("vtk", "vtk>=9.3,<10", purpose)
@@ -81,7 +82,7 @@ fn rodlab(directory: &Path, arguments: &[&str]) {
     run.assert().success();
 }
 
-/// What VTK reads in a file.
+/// Content of files as read by VTK.
 fn read(python: &Path, files: &[PathBuf]) -> Vec<Value> {
     let output = process::Command::new(python)
         .args(["-c", READER])
@@ -156,7 +157,7 @@ fn vtk_reads_every_frame_of_a_run() {
     }
 }
 
-/// A rod above a box that stands and one that moves up and turns.
+/// A rod above a fixed box and a box that moves up and rotates.
 const PUSHED: &str = r#"
 experiment = "scene"
 material = { youngs_modulus = "1 MPa", poissons_ratio = 0.5, density = 1000.0 }
@@ -215,7 +216,8 @@ fn vtk_reads_obstacles_where_they_are_at_each_time() {
             .collect();
         let owners = numbers(&read["of_cells"]["obstacle"]);
         assert_eq!((points.len(), triangles.len(), owners.len()), (16, 24, 24));
-        // Half and all of a quarter turn about the middle of the second box, while it rises.
+        // The second box has rotated by half of a quarter turn, and by a quarter turn, about its
+        // middle while it rises.
         let (sine, cosine) = (0.25 * std::f64::consts::PI * frame as f64).sin_cos();
         for (triangle, owner) in triangles.iter().zip(owners) {
             for corner in triangle {

@@ -1,5 +1,6 @@
-//! Imports run in one direction: every room imports only the rooms that the plan of the house allows, and inside a room
-//! no files import each other in a circle. Between crates the compiler sees to it; here is what is finer than crates.
+//! Imports run in one direction: every room (a top-level module or crate) imports only the rooms
+//! that the plan allows, and no files inside a room import each other in a circle. The compiler
+//! checks this between crates; these tests check it within crates.
 
 mod source;
 
@@ -8,10 +9,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-/// A table of rooms: what each may import beside itself. A room may also import what those may.
+/// A table of rooms and the rooms that each may import. A room may also import the rooms that
+/// those may import.
 type Table = &'static [(&'static str, &'static [&'static str])];
 
-/// Rooms; the documentation of the program shows the same table.
+/// Rooms. The documentation of the program shows the same table.
 const ROOMS: Table = &[
     ("python", &["cli"]),
     (
@@ -64,7 +66,7 @@ const ROOMS: Table = &[
     ("random", &[]),
 ];
 
-/// Parts of `experiment`: the kinds do not know each other.
+/// Parts of `experiment`. The kinds of experiments are independent of each other.
 const EXPERIMENT: Table = &[
     ("derived", &["kind", "flow_guard"]),
     ("described", &["kind"]),
@@ -110,7 +112,7 @@ fn crate_sources() -> Vec<Source> {
     sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"))
 }
 
-/// Everything that a room may import: what its line says, and what the lines of those say.
+/// Everything that a room may import: the rooms of its line, and the rooms of their lines.
 fn reachable(table: Table, room: &str) -> BTreeSet<&'static str> {
     let mut found = BTreeSet::new();
     let mut next: Vec<&str> = vec![room];
@@ -125,7 +127,8 @@ fn reachable(table: Table, room: &str) -> BTreeSet<&'static str> {
     found
 }
 
-/// Imports against a table of the rooms below the module `above`; a room that is not in the table is a fault, too.
+/// Checks imports against a table of the rooms below the module `above`. A room that is not in the
+/// table is a fault, too.
 fn faults(sources: &[Source], above: &[&str], table: Table) -> Vec<String> {
     let below = |path: &ItemPath| -> Option<String> {
         let names = path.iter().zip(above);
@@ -176,14 +179,16 @@ fn kinds_of_experiments_do_not_know_each_other() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
-/// Circles of files and folders that lie in one folder: the graph of the imports there, with a folder as one, by folders.
+/// Circles of files and folders within one folder, from the graph of the imports there. A
+/// subfolder counts as one node.
 fn circles(sources: &[Source]) -> Vec<String> {
     let modules = by_module(sources);
     let mut folders: BTreeMap<ItemPath, BTreeMap<String, BTreeSet<String>>> = BTreeMap::new();
     for source in sources {
         for import in &source.imports {
             let import = origin(import, &modules);
-            // The folder in which the two part company; a parent and its child do not.
+            // The folder in which both paths diverge. The paths of a parent and its child do not
+            // diverge.
             let pairs = source.module.iter().zip(&import);
             let shared = pairs.take_while(|(one, other)| one == other).count();
             let (Some(from), Some(to)) = (source.module.get(shared), import.get(shared)) else {
@@ -233,10 +238,10 @@ fn by_module(sources: &[Source]) -> BTreeMap<&[String], &Source> {
         .collect()
 }
 
-/// Where a path leads once the modules on its way have handed it on.
+/// The final target of a path, after the re-exports of the modules on it.
 fn origin(path: &[String], modules: &BTreeMap<&[String], &Source>) -> ItemPath {
     let mut path = path.to_vec();
-    // A path that is handed on more often than there are modules goes round in circles.
+    // A path with more re-exports than there are modules is a circle.
     for _ in modules {
         let depth = (0..path.len())
             .rev()
@@ -261,14 +266,15 @@ fn origin(path: &[String], modules: &BTreeMap<&[String], &Source>) -> ItemPath {
     path
 }
 
-/// Parent and child may import each other, whatever lies beside each other in a folder may not.
+/// A parent and its child may import each other, but files in the same folder must not form a
+/// circle.
 #[test]
 fn no_files_import_each_other_in_a_circle() {
     let circles = circles(&crate_sources());
     assert!(circles.is_empty(), "in circles: {circles:#?}");
 }
 
-/// A file that nothing names is not compiled, and its tests would be lost without a word.
+/// A file that no other file names is not compiled, so that its tests would silently be lost.
 #[test]
 fn every_file_of_tests_is_part_of_the_one_binary() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
@@ -290,7 +296,7 @@ fn every_file_of_tests_is_part_of_the_one_binary() {
     assert_eq!(named, present);
 }
 
-/// The table in the documentation of the crate: lines such as `sweep, verify ──> experiment`.
+/// The table in the documentation of the crate has lines such as `sweep, verify ──> experiment`.
 #[test]
 fn the_documentation_of_the_crate_shows_the_plan() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs");
@@ -345,7 +351,7 @@ fn paths_are_found_in_full_wherever_they_stand() {
             "mechanics::rod::edge::E::new"
         ]
     );
-    // A room of another crate, and a crate that is a room.
+    // A room inside another crate, and a crate that is a room itself.
     assert_eq!(
         paths("use rodlab_files::results::{A, B}; let c: rodlab_robot::Chain;"),
         ["results::A", "results::B", "robot::Chain"]
@@ -355,7 +361,7 @@ fn paths_are_found_in_full_wherever_they_stand() {
         imports("use crate::chain::C;", &room)[0].join("::"),
         "robot::chain::C"
     );
-    // Neither comments nor texts import anything; a lifetime opens no text.
+    // Comments and string literals import nothing; a lifetime does not open a character literal.
     assert_eq!(
         paths(
             "// crate::a::B\nlet t: &'static str = \"crate::c::\\\"D\"; let c = '\"'; let e = crate::e::E;"

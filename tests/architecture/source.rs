@@ -1,12 +1,13 @@
-//! Source files as the compiler sees them: without comments, texts and tests, and with every path in full.
+//! Source files as the compiler sees them: without comments, literals and tests, and with full
+//! paths.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A path to an item: its room and the names below. In which crate the room lies does not matter.
+/// A path to an item: its room and the names below it. The crate of the room does not matter.
 pub type ItemPath = Vec<String>;
 
-/// Crates of one room, which has the name of the crate.
+/// Crates that are a single room with the name of the crate.
 const ROOM_CRATES: [&str; 3] = ["python", "robot", "vision"];
 
 /// The path of the root of a crate.
@@ -15,7 +16,7 @@ fn root_of(name: &str) -> ItemPath {
     is_room.then(|| name.to_owned()).into_iter().collect()
 }
 
-/// The path of the root of the crate in which a module lies.
+/// The path of the root of the crate that contains a module.
 fn own_root(module: &[String]) -> ItemPath {
     module.first().map_or(Vec::new(), |room| root_of(room))
 }
@@ -24,15 +25,16 @@ fn own_root(module: &[String]) -> ItemPath {
 pub struct Source {
     /// The file.
     pub file: PathBuf,
-    /// The module that it holds.
+    /// Path of the module.
     pub module: ItemPath,
-    /// Everything of these crates that it names outside its tests, by its full path.
+    /// Full paths of all items of these crates that the file names outside its tests.
     pub imports: Vec<ItemPath>,
-    /// What it hands on under names of its own: `pub use` of other files, by full paths.
+    /// Full paths of the items of other files that the file re-exports with `pub use`.
     pub exports: Vec<ItemPath>,
 }
 
-/// All files below the folder of the crates that are neither tests nor roots of several rooms: these only name their rooms.
+/// All files below the folder of the crates, except tests and roots with several rooms, which only
+/// name their rooms.
 pub fn sources(folder: &Path) -> Vec<Source> {
     let mut files = Vec::new();
     collect(folder, &mut files);
@@ -111,7 +113,7 @@ fn is_name(character: char) -> bool {
     character.is_alphanumeric() || character == '_'
 }
 
-/// Code with blanks in the place of comments, texts and characters.
+/// Replaces comments, strings and characters in code by blanks.
 pub fn plain(text: &str) -> String {
     let characters: Vec<char> = text.chars().collect();
     let at = |index: usize| characters.get(index).copied().unwrap_or('\0');
@@ -136,7 +138,7 @@ pub fn plain(text: &str) -> String {
                     index
                 }
             }
-            // A character, not a lifetime.
+            // This is a character literal, not a lifetime.
             ('\'', '\\') => end_of(&characters, index + 3, |k| at(k - 1) == '\''),
             ('\'', _) if at(index + 2) == '\'' => index + 3,
             _ => index,
@@ -152,14 +154,14 @@ pub fn plain(text: &str) -> String {
     code
 }
 
-/// The first index from `start` on at which `ends` holds.
+/// The first index at or after `start` for which `ends` holds.
 fn end_of(characters: &[char], start: usize, ends: impl Fn(usize) -> bool) -> usize {
     (start..characters.len())
         .find(|&index| ends(index))
         .unwrap_or(characters.len())
 }
 
-/// The index after the quote that closes a text which may hold escaped quotes.
+/// The index after the closing quote of a string, which may contain escaped quotes.
 fn end_of_text(characters: &[char], start: usize) -> usize {
     let mut index = start;
     while index < characters.len() {
@@ -172,7 +174,7 @@ fn end_of_text(characters: &[char], start: usize) -> usize {
     characters.len()
 }
 
-/// Code without the items that only tests have, and the names of modules among them.
+/// Code without the items that only tests have, and the names of the removed modules.
 pub fn test_items(code: &str) -> (String, Vec<String>) {
     const TEST: &str = "#[cfg(test)]";
     let mut kept = String::new();
@@ -193,7 +195,7 @@ pub fn test_items(code: &str) -> (String, Vec<String>) {
     (kept, modules)
 }
 
-/// Where an item ends: after its semicolon, or the brace that closes it.
+/// End of an item: after its semicolon, or after its closing brace.
 fn item_end(item: &str) -> usize {
     let mut depth = 0;
     for (index, character) in item.char_indices() {
@@ -201,11 +203,12 @@ fn item_end(item: &str) -> usize {
             '{' | '(' | '[' => depth += 1,
             '}' | ')' | ']' => {
                 depth -= 1;
-                // The brace of the item itself; a list of fields or arguments ends before it.
+                // This is the closing brace of the item itself; lists of fields or arguments close
+                // earlier.
                 if depth == 0 && character == '}' {
                     return index + 1;
                 }
-                // The item is the last thing in the block of another.
+                // The item is the last one in the block of another item.
                 if depth < 0 {
                     return index;
                 }
@@ -217,7 +220,7 @@ fn item_end(item: &str) -> usize {
     item.len()
 }
 
-/// Every path that begins at one of the crates or at a module above `module`, in full.
+/// Full paths of everything in these crates that the code imports.
 pub fn imports(code: &str, module: &[String]) -> Vec<ItemPath> {
     let mut found = Vec::new();
     for (start, root) in code.match_indices("rodlab_") {
@@ -245,7 +248,8 @@ pub fn imports(code: &str, module: &[String]) -> Vec<ItemPath> {
     found
 }
 
-/// Every path that the module hands on, in full; one of another crate looks like a part of the module.
+/// Full paths of everything that the module re-exports. An item of another crate looks like a part
+/// of the module.
 pub fn exports(code: &str, module: &[String]) -> Vec<ItemPath> {
     let mut found = Vec::new();
     for (start, _) in code.match_indices("use ") {
@@ -265,13 +269,13 @@ pub fn exports(code: &str, module: &[String]) -> Vec<ItemPath> {
     found
 }
 
-/// The name at the beginning, and what follows it.
+/// The name at the beginning of code, and the remaining code.
 fn split_name(code: &str) -> (&str, &str) {
     let length = code.find(|c: char| !is_name(c)).unwrap_or(code.len());
     code.split_at(length)
 }
 
-/// Adds the paths of a tree such as `a::{b, c::D}` below `base`; returns what follows it.
+/// Adds the paths of a tree such as `a::{b, c::D}` below `base`; returns the remaining code.
 fn tree<'a>(code: &'a str, base: ItemPath, found: &mut Vec<ItemPath>) -> &'a str {
     let code = code.trim_start();
     if let Some(mut rest) = code.strip_prefix('{') {
@@ -299,7 +303,7 @@ fn tree<'a>(code: &'a str, base: ItemPath, found: &mut Vec<ItemPath>) -> &'a str
         return tree(below, path, found);
     }
     found.push(path);
-    // A new name for it, as in `a as b`.
+    // The item is renamed, as in `a as b`.
     match rest.trim_start().strip_prefix("as ") {
         Some(renamed) => renamed.trim_start().trim_start_matches(is_name),
         None => rest,

@@ -1,5 +1,5 @@
-//! A cantilever of 500 edges that swings for 400 steps, and the derivatives of the place of its tip over the two natural curvatures of
-//! every node, 1,000 parameters.
+//! A cantilever of 500 edges that swings for 400 steps, and the derivatives of the position of its
+//! tip with respect to the two natural curvatures of every node, 1,000 parameters.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rodlab::mechanics::Vector3;

@@ -1,4 +1,4 @@
-//! A swinging heavy cantilever of 50 edges at steps of 10 ms: time per simulated second.
+//! A swinging heavy cantilever of 50 edges with steps of 10 ms: time per simulated second.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rodlab::experiment;

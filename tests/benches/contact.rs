@@ -20,7 +20,7 @@ fn flagella(circle: f64, friction: f64) -> (ContactSystem, Vec<Vector3>) {
         let centreline: Vec<Vector3> = (0..NODES)
             .map(|k| {
                 let height = 0.2 * k as f64 / (NODES - 1) as f64;
-                // Phases differ, so that edges of neighbours cross at an angle.
+                // The phases of the rods differ, so that edges of neighbours cross at an angle.
                 let turn = std::f64::consts::TAU * height / 0.05 + 0.05 * (rod % 3) as f64;
                 Vector3::new(
                     circle * libm::cos(place) + 0.01 * libm::cos(turn),
@@ -50,7 +50,8 @@ fn circle_of_spacing(spacing: f64) -> f64 {
 fn broad_phase(criterion: &mut Criterion) {
     for (name, spacing) in [("loose", 3.7 * RADIUS), ("bundled", 2.3 * RADIUS)] {
         let (mut contact, positions) = flagella(circle_of_spacing(spacing), 0.0);
-        // Two states further apart than the margin, so that every update builds the set anew.
+        // The distance between the two states exceeds the margin, so that every update rebuilds
+        // the set.
         let shifted: Vec<Vector3> = positions.iter().map(|x| x + Vector3::z()).collect();
         contact.update_candidates(&positions);
         let candidates = contact.candidates().len();
@@ -70,7 +71,7 @@ fn distance_filter(criterion: &mut Criterion) {
         ("after a quarter of the margin", 0.49 * RADIUS),
         ("after half the margin", 0.98 * RADIUS),
     ] {
-        // Bundled, but with air between the surfaces.
+        // The rods are bundled, with gaps between their surfaces.
         let (mut contact, positions) = flagella(circle_of_spacing(3.7 * RADIUS), 0.0);
         contact.update_candidates(&positions);
         let moved: Vec<Vector3> = positions

@@ -1,5 +1,6 @@
-//! Equilibria of a heavy cantilever of 100 edges: from straight, and from that under one hundredth more or less
-//! weight, by the search that goes downhill and by the one that goes to the nearest.
+//! Equilibria of a heavy cantilever of 100 edges, from the straight rod, and from an equilibrium
+//! after its weight has changed by a hundredth. The second search is done by descent and for the
+//! nearest equilibrium.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rodlab::experiment;
@@ -23,7 +24,7 @@ fn equilibrium(criterion: &mut Criterion) {
         );
     });
 
-    // Extra weight on every node, on and off in turn.
+    // Extra weight on every node, alternately added and removed.
     let weight = nalgebra::Vector3::new(0.0, 0.0, -7.7e-5);
     let forces = [vec![weight; 101], vec![-weight; 101]];
     let moments = vec![0.0; 101];

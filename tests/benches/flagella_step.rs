@@ -1,12 +1,12 @@
-//! Whole time steps of 1 ms of M bundling flagella in contact: fluid, contact, Newton's method.
+//! Complete time steps of 1 ms of M bundling flagella in contact: fluid, contact, Newton's method.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rodlab::experiment;
 use rodlab::mechanics::dynamics::{Simulation, StepSize};
 use std::path::Path;
 
-/// The scenario of `count` flagella with the contact model `contact`, advanced by large steps to `time` (s),
-/// when they touch in many places.
+/// The scenario of `count` flagella with a contact model, advanced with large steps to `time` (s),
+/// when the rods touch in many places.
 fn touching(count: usize, contact: &str, time: f64) -> Simulation {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/flagella_base.toml");
     let set = [
@@ -28,7 +28,7 @@ fn touching(count: usize, contact: &str, time: f64) -> Simulation {
     simulation
         .restore(large_steps.state())
         .expect("the same scene");
-    // Let the change of the step die away.
+    // Let the effect of the change of the step decay.
     for _ in 0..20 {
         simulation.advance(f64::INFINITY).expect("converges");
     }

@@ -1,10 +1,10 @@
-//! A free helix of 67 edges with the flagellum's cross-section, in the middle of a time step of 1 ms.
+//! A free helix of 67 edges with the flagellum's cross-section, during a time step of 1 ms.
 
 use rodlab::mechanics::Vector3;
 use rodlab::mechanics::scene::{Inertia, NaturalShape, RodDescription, Scene, Stiffness};
 use rodlab::mechanics::system::{Stage, System};
 
-/// System, unknowns and stage.
+/// System, unknowns and stage of the step.
 pub fn free_rod() -> (System, Vec<f64>, Stage) {
     let system = System::new(&scene()).expect("a valid scene");
     let start = system.assembly.unknowns.clone();

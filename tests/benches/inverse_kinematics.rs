@@ -1,5 +1,5 @@
-//! Inverse kinematics of the arms that come with the program: poses spread over what an arm reaches, each solved from its
-//! home position. A pose takes far less than a millisecond.
+//! Inverse kinematics of the arms that come with the program. Poses are spread over the reach of
+//! an arm, and each is solved from its home position. A pose takes far less than a millisecond.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rodlab::cell::Cell;

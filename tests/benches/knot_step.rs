@@ -1,11 +1,12 @@
-//! Whole time steps of 2.5 ms of overhand knots that are pulled tight, 301 nodes, in contact.
+//! Complete time steps of 2.5 ms of tightened overhand knots of 301 nodes in contact.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rodlab::experiment;
 use rodlab::mechanics::dynamics::Simulation;
 use std::path::Path;
 
-/// Simulated time at which the steps are measured, s: the knots have settled and are being pulled.
+/// Simulated time at which the steps are measured, s; by then the knots have settled and are being
+/// pulled.
 const START: f64 = 10.0;
 
 /// The overhand knot of a scenario at [`START`].

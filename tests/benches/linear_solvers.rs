@@ -1,4 +1,5 @@
-//! Factorisation and solution of Newton systems of the sizes met with one, two and ten rods.
+//! Factorisation and solution of Newton systems with the sizes that occur for one, two and ten
+//! rods.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rodlab::linalg::{BandedFactor, BandedSymmetric, CoupledSystem, Element, HALF_BANDWIDTH};
@@ -37,7 +38,7 @@ fn banded(criterion: &mut Criterion) {
     }
 }
 
-/// Pairs of edges in contact: neighbouring rods of 68 nodes wound about each other.
+/// Pairs of edges in contact, for neighbouring rods of 68 nodes wound around each other.
 fn contacts(rods: usize, count: usize) -> Vec<Element> {
     (0..count)
         .map(|k| {

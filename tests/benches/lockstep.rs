@@ -1,4 +1,5 @@
-//! Sixty-four wires of 48 edges between two clamps that move, one step of 10 ms: alone and in lockstep, in one thread.
+//! Sixty-four wires of 48 edges between two moving clamps, in one step of 10 ms: separately and in
+//! lockstep, in one thread.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rodlab::mechanics::Vector3;
@@ -48,7 +49,7 @@ fn wires() -> Vec<Simulation> {
     (0..WIRES).map(|_| wire()).collect()
 }
 
-/// Both ends approach each other and swing; returns the end of the step.
+/// Moves both ends towards each other, with a swing; returns the end of the step.
 fn carry(wires: &mut [Simulation]) -> f64 {
     let until = wires[0].time() + STEP;
     for (case, wire) in wires.iter_mut().enumerate() {

@@ -1,4 +1,5 @@
-//! Whole time steps of 1 ms of piles of rods with friction, while they fall in and nearly at rest, by each contact model.
+//! Complete time steps of 1 ms of piles of rods with friction, while they collapse and when they
+//! are nearly at rest, with each contact model.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rodlab::experiment;

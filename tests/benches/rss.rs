@@ -1,7 +1,9 @@
-//! Regularized Stokeslet segments: assembly of the exact operator and a product for 2 and 10 helices of 68
-//! nodes, and the whole drag of a time series in which 2 to 100 helices turn and sway.
+//! Regularised Stokeslet segments: assembly of the exact operator and a product for 2 and 10
+//! helices of 68 nodes; and the complete drag for a time series in which 2 to 100 helices rotate
+//! and sway.
 //!
-//! One thread unless `RAYON_NUM_THREADS` says otherwise: `RAYON_NUM_THREADS=2 cargo bench --bench rss`.
+//! One thread is used unless `RAYON_NUM_THREADS` is set: `RAYON_NUM_THREADS=2 cargo bench --bench
+//! rss`.
 
 use criterion::{BenchmarkId, Criterion, criterion_group};
 use rodlab::mechanics::fluid::{Filament, FlowOperator, Fluid, FluidModel};
@@ -22,8 +24,8 @@ fn filaments(count: usize) -> Vec<Filament> {
         .collect()
 }
 
-/// Helices of the thesis on a regular polygon of the given side, turning at 15 rad/s; their tips sway by
-/// a centimetre.
+/// Helices of the thesis on a regular polygon of the given side, rotating at 15 rad/s; their tips
+/// sway by a centimetre.
 fn helices(count: usize, side: f64, time: f64) -> Vec<Vector3> {
     let polygon = side / (2.0 * libm::sin(PI / count as f64));
     let mut nodes = Vec::with_capacity(count * NODES);

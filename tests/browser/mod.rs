@@ -1,4 +1,4 @@
-//! A headless Chromium, driven by its DevTools protocol.
+//! A headless Chromium, controlled through its DevTools protocol.
 
 use crate::parts;
 use base64::Engine;
@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 use tungstenite::{Message, WebSocket};
 
-/// Longest that the browser may take to start or to answer.
+/// Longest time for the browser to start or to answer.
 const PATIENCE: Duration = Duration::from_secs(180);
 
-/// Time after which a question is asked again: a page that was reloaded meanwhile may never answer.
+/// Time after which a request is sent again, since a page that was reloaded may never answer.
 const LOST: Duration = Duration::from_secs(15);
 
 /// The browser with one page.
@@ -23,13 +23,14 @@ pub struct Browser {
     process: Child,
     socket: WebSocket<TcpStream>,
     calls: u64,
-    /// What the page said on its console, and uncaught errors.
+    /// Console messages of the page, and uncaught errors.
     complaints: Vec<String>,
     _profile: TempDir,
 }
 
 impl Browser {
-    /// Starts a browser; `None`, with a word on standard error, where there is none and none can be installed.
+    /// Starts a browser; `None`, with a message on standard error, if there is none and none can
+    /// be installed.
     pub fn start() -> Option<Self> {
         let purpose = "to look at pages of `rodlab view`";
         if !parts::have("Chromium", purpose, || installed().is_some(), install) {
@@ -77,7 +78,7 @@ impl Browser {
         Some(browser)
     }
 
-    /// Runs a script in every page before the page's own.
+    /// Runs a script in every page before the scripts of the page.
     pub fn prepare(&mut self, script: &str) {
         self.call(
             "Page.addScriptToEvaluateOnNewDocument",
@@ -97,7 +98,7 @@ impl Browser {
         self.settle();
     }
 
-    /// Waits until the page has drawn what was asked of it.
+    /// Waits until the page has drawn the requested state.
     pub fn settle(&mut self) {
         self.evaluate(
             "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))",
@@ -125,7 +126,7 @@ impl Browser {
         self.settle();
     }
 
-    /// Clicks an element, and waits until what it does is drawn.
+    /// Clicks an element, and waits until the effect is drawn.
     pub fn click(&mut self, id: &str) {
         self.evaluate(&format!("document.getElementById('{id}').click()"));
         self.settle();
@@ -146,7 +147,7 @@ impl Browser {
         self.settle();
     }
 
-    /// Makes the window as large as that of a telephone or a screen, pixels.
+    /// Sets the size of the window, pixels.
     pub fn resize(&mut self, width: u32, height: u32) {
         let size =
             json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
@@ -172,13 +173,14 @@ impl Browser {
         STANDARD.decode(data).expect("base64")
     }
 
-    /// Errors and warnings that the page has made so far.
+    /// Errors and warnings of the page so far.
     pub fn complaints(&self) -> &[String] {
         &self.complaints
     }
 
-    /// Calls a method of the protocol and returns its result; notes what the page complains of meanwhile. A page that reloads just
-    /// then is asked again: it reports so, or never answers. A late answer to an earlier question counts.
+    /// Calls a method of the protocol and returns its result; records errors and warnings of the
+    /// page meanwhile. If the page reloads during the call, it reports this or never answers, and
+    /// the request is repeated. A late answer to an earlier request counts, too.
     fn call(&mut self, method: &str, parameters: Value) -> Value {
         let start = Instant::now();
         let first = self.calls + 1;
@@ -205,7 +207,7 @@ impl Browser {
             .expect("the browser listens");
     }
 
-    /// The next answer to the question `first` or a later one; `None` where none comes for long.
+    /// The next answer to the request `first` or to a later one; `None` if none arrives for long.
     fn answer(&mut self, first: u64) -> Option<Value> {
         let start = Instant::now();
         while start.elapsed() < LOST {
@@ -266,7 +268,7 @@ fn install() -> bool {
     Command::new(script).status().is_ok_and(|end| end.success())
 }
 
-/// The port on which the browser listens; it writes it into its profile.
+/// The port on which the browser listens, which it writes into its profile.
 fn port(profile: &Path) -> u16 {
     let start = Instant::now();
     loop {
@@ -279,7 +281,7 @@ fn port(profile: &Path) -> u16 {
     }
 }
 
-/// The address of the page's own conversation, from the browser's list of targets.
+/// The address for the connection to the page, from the list of targets of the browser.
 fn page_target(port: u16) -> String {
     use std::io::{Read, Write};
     let start = Instant::now();
@@ -293,7 +295,8 @@ fn page_target(port: u16) -> String {
         );
         stream.write_all(request.as_bytes()).unwrap();
         let mut bytes = Vec::new();
-        // The browser may keep the connection open; what came until then is all.
+        // The browser may keep the connection open, so that only the bytes until the timeout are
+        // read.
         let _ = stream.read_to_end(&mut bytes);
         let text = String::from_utf8_lossy(&bytes);
         let key = "\"webSocketDebuggerUrl\": \"";

@@ -1,9 +1,12 @@
-//! Every reader takes damaged input: it answers or refuses, and neither panics nor hangs nor eats the memory.
+//! Every reader gets damaged input. It must accept or reject the input, without a panic, a hang,
+//! or excessive memory.
 //!
-//! Inputs are mutants of what the repository holds: lines and numbers of scenarios, options, tables, drawings, pictures,
-//! checkpoints and manifests are removed, doubled, exchanged and replaced by what people and disks come up with. The same number of cases
-//! gives the same mutants everywhere. `RODLAB_FUZZ_CASES=1000000 cargo test --release fuzz::` tries more than the
-//! ten thousand of continuous integration; with `RODLAB_FUZZ_PART=3/16` every sixteenth of them, from number 3 (from 0).
+//! Inputs are mutants of files in the repository: lines and numbers of scenarios, options, tables,
+//! drawings, pictures, checkpoints and manifests are removed, duplicated, exchanged, or replaced
+//! by values that typing errors and disks may produce. The same number of cases gives the same
+//! mutants on every machine. `RODLAB_FUZZ_CASES=1000000 cargo test --release fuzz::` runs more
+//! than the ten thousand cases of continuous integration. `RODLAB_FUZZ_PART=3/16` runs every
+//! sixteenth case, starting with number 3 (counted from 0).
 
 mod robots;
 
@@ -27,16 +30,16 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Cases of all readers together, unless the environment variable says another number.
+/// Number of cases for all readers together, unless the environment variable sets another number.
 const CASES: usize = 10_000;
 const VARIABLE: &str = "RODLAB_FUZZ_CASES";
 const PART_VARIABLE: &str = "RODLAB_FUZZ_PART";
-/// Longest that a reader may take for one input, while other tests keep the cores busy: knots of 600 nodes in five cases take
-/// a second of processor time by themselves.
+/// Longest time for a reader to process one input while other tests keep the cores busy. Five
+/// cases with knots of 600 nodes take a second of processor time each.
 const LONGEST: Duration = Duration::from_secs(20);
-/// Most memory that the process may need, bytes.
+/// Largest memory of the process, bytes.
 const MOST_MEMORY: u64 = 4 << 30;
-/// Accepted scenarios of which one is set up.
+/// One in this number of accepted scenarios is set up.
 const SET_UP_EVERY: usize = 20;
 
 /// SplitMix64 (Steele, Lea, Flood 2014).
@@ -60,7 +63,7 @@ impl Random {
     }
 }
 
-/// What stands in the place of a value.
+/// Values that replace others.
 const VALUES: [&str; 36] = [
     "0",
     "-1",
@@ -100,7 +103,7 @@ const VALUES: [&str; 36] = [
     "\"\u{1b}[2J\u{0}\"",
 ];
 
-/// Other bytes than those that were there, a few times.
+/// Replaces bytes by other bytes, a few times.
 fn damaged(bytes: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     for _ in 0..=random.below(3) {
@@ -117,7 +120,7 @@ fn damaged(bytes: &[u8], random: &mut Random) -> Vec<u8> {
     bytes
 }
 
-/// Other lines and values than those that were there, a few times; now and then other bytes.
+/// Replaces lines and values by others, a few times; occasionally damages bytes.
 fn mutant(text: &str, other: &str, random: &mut Random) -> String {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     for _ in 0..=random.below(3) {
@@ -144,7 +147,7 @@ fn mutant(text: &str, other: &str, random: &mut Random) -> String {
     text
 }
 
-/// A line one of whose numbers, or else whose value, is another.
+/// Replaces a number in a line by another value, or its whole value.
 fn with_another_value(line: &str, random: &mut Random) -> String {
     let value = random.one_of(&VALUES);
     let is_number = |c: char| c.is_ascii_digit() || ".-+e".contains(c);
@@ -176,7 +179,7 @@ fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The texts of all files of a folder with an ending.
+/// The texts of all files of a folder with an extension.
 fn texts(folder: &str, ending: &str) -> Vec<String> {
     let mut paths: Vec<PathBuf> = fs::read_dir(repository().join(folder))
         .unwrap()
@@ -190,7 +193,8 @@ fn texts(folder: &str, ending: &str) -> Vec<String> {
         .collect()
 }
 
-/// The first case of this process, and the distance to its next: others of several processes have the rest.
+/// The first case of this process, and the step to its next case; other processes run the
+/// remaining cases.
 fn part() -> (usize, usize) {
     let Ok(text) = std::env::var(PART_VARIABLE) else {
         return (0, 1);
@@ -200,7 +204,8 @@ fn part() -> (usize, usize) {
     numbers.expect("a part such as 3/16")
 }
 
-/// Feeds a share of all cases to a reader: `read` makes the input of a case and reads it; it returns the input to be shown.
+/// Feeds a share of all cases to a reader. `read` creates the input of a case and reads it; it
+/// returns a description of the input and the outcome.
 fn feed(reader: &str, share: f64, mut read: impl FnMut(&mut Random) -> (String, Outcome)) -> usize {
     let all = std::env::var(VARIABLE).ok();
     let all = all.map_or(CASES, |text| text.parse().expect("a number of cases"));
@@ -241,7 +246,7 @@ fn feed(reader: &str, share: f64, mut read: impl FnMut(&mut Random) -> (String, 
 enum Outcome {
     Accepted,
     Refused,
-    /// Accepted by one, refused by another.
+    /// Accepted by one reader and rejected by another one.
     Contradicted,
 }
 
@@ -251,7 +256,8 @@ impl<T, E> From<Result<T, E>> for Outcome {
     }
 }
 
-/// Largest resident memory of the process so far, bytes; 0 where the system does not tell.
+/// Largest resident memory of the process so far, bytes; 0 if the operating system does not report
+/// it.
 fn peak_memory() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -259,7 +265,7 @@ fn peak_memory() -> u64 {
     1024 * kilobytes.unwrap_or_default()
 }
 
-/// What `check` makes of the text of a scenario.
+/// The result of `check` for the text of a scenario.
 fn checked(text: &str, directory: &Path) -> Result<Option<PreparedRun>, String> {
     let cases = case_set_from_text("mutant", text, directory).map_err(|error| error.to_string())?;
     if cases.count() > 1000 {
@@ -277,7 +283,7 @@ fn checked(text: &str, directory: &Path) -> Result<Option<PreparedRun>, String> 
         .iter()
         .map(|rod| rod.centreline.len())
         .sum();
-    // Large ones are no different, and take their time.
+    // Large scenarios are not different, but take longer.
     if nodes > 2000 {
         return Ok(None);
     }
@@ -286,7 +292,7 @@ fn checked(text: &str, directory: &Path) -> Result<Option<PreparedRun>, String> 
     Ok((!cases.is_sweep()).then_some(prepared))
 }
 
-/// Whether a run refuses, before its first step, what `check` has accepted.
+/// The reason if a run rejects, before its first step, a scenario that `check` has accepted.
 fn is_refused(prepared: &PreparedRun) -> Option<String> {
     let directory = tempfile::tempdir().unwrap();
     let options = RunOptions {
@@ -385,7 +391,8 @@ fn feed_file<T, E>(
             Ok(text) if random.below(2) == 0 => mutant(text, text, random).into_bytes(),
             _ => damaged(seed, random),
         };
-        // A file that is written over is put on the disk at once by some file systems, which takes milliseconds.
+        // Some file systems write an overwritten file to the disk at once, which takes
+        // milliseconds.
         let _ = fs::remove_file(&path);
         fs::write(&path, &bytes).unwrap();
         let outcome = read(&path).into();
@@ -428,7 +435,7 @@ fn damaged_results_do_not_panic() {
     let file = |name: &str| fs::read(directory.path().join(name)).unwrap();
     let folder = |path: &Path| path.parent().unwrap().to_owned();
     let manifest = file("manifest.json");
-    // Files of the run that were damaged beside a whole manifest, and a damaged manifest.
+    // Damaged files of a run with an intact manifest, and a damaged manifest.
     let marked = |name: &str| {
         let beside = tempfile::tempdir().unwrap();
         for entry in fs::read_dir(directory.path()).unwrap() {

@@ -1,4 +1,4 @@
-//! Cells, robots, their motions and pictures, meshes.
+//! Readers of cells, robots, their motions and pictures, and meshes.
 
 use super::{damaged, feed, feed_file, texts};
 use rodlab::cell::Cell;
@@ -23,7 +23,7 @@ fn cells_and_robots_do_not_panic() {
     });
 }
 
-/// Elements opened and closed in any order and depth, below a robot.
+/// Elements inside a robot that are opened and closed in any order and depth.
 #[test]
 fn nested_robots_do_not_panic() {
     let parts = [
@@ -105,7 +105,7 @@ fn meshes_do_not_panic() {
     }
 }
 
-/// A record of a bag of ROS 1: fields of its header, then data.
+/// A record of a ROS 1 bag: header fields, then data.
 fn record(fields: &[(&str, &[u8])], data: &[u8]) -> Vec<u8> {
     let mut header = Vec::new();
     for (name, value) in fields {

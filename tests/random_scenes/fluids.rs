@@ -1,4 +1,4 @@
-//! Rods in fluid over the whole range of drag to inertia, single and joined.
+//! Rods in fluid over the whole range of ratios of drag to inertia, single and joined.
 
 use super::judged::{Case, STEPS};
 use super::random::Random;
@@ -11,11 +11,11 @@ struct Flow {
     radius: f64,
     edges: u64,
     step: f64,
-    /// Way to go in the whole time, m.
+    /// Travel within the whole time, m.
     way: f64,
-    /// Force per length that leads so far, N/m, against drag and inertia.
+    /// Force per length that causes this travel against drag and inertia, N/m.
     force: f64,
-    /// EA/f and EI are so large that this force stretches by less than a per cent.
+    /// Young's modulus, Pa, so large that this force stretches a rod by less than a per cent.
     modulus: f64,
     density: f64,
     viscosity: f64,
@@ -119,7 +119,7 @@ const SCHEMES: [&str; 5] = [
     "implicit-midpoint",
 ];
 
-/// One rod or two, pulled, driven, turned or thrown.
+/// One or two rods, pulled, driven, rotated or thrown.
 pub fn filament(seed: u64) -> Case {
     let mut random = Random(seed);
     let flow = Flow::new(&mut random);
@@ -214,7 +214,7 @@ pub fn filament(seed: u64) -> Case {
     flow.case(text, second)
 }
 
-/// Two rods or three that share a point.
+/// Two or three rods that share a point.
 pub fn joined(seed: u64) -> Case {
     let mut random = Random(seed);
     let flow = Flow::new(&mut random);

@@ -1,12 +1,14 @@
-//! A random scene judged by a second scheme at a tenth of the step.
+//! A random scene judged by a second scheme with a tenth of the step.
 //!
-//! Positions at the end are compared with each other against the distance moved. How far the second scheme itself is from
-//! its own result at the whole step says what the step leaves unresolved, and is allowed for; what is beyond is a wrong
-//! answer without a word.
+//! Final positions are compared, relative to the distance moved. The difference between the second
+//! scheme's own results with the whole step and with a tenth of it shows what the step does not
+//! resolve, and is allowed. A larger difference is a silent wrong result.
 //!
-//! Schemes damp oscillations that their steps do not resolve, implicit Euler more than the others. Where that may be why a
-//! result is off, it must be right with finer steps. The second scheme may itself be off at a tenth of the step, though not from
-//! its result at the whole one: what seems wrong is judged once more by it at a hundredth.
+//! Schemes damp oscillations that their steps do not resolve, implicit Euler most of all. If this
+//! may be the reason for a wrong result, the result must be right with finer steps. The second
+//! scheme may itself be wrong with a tenth of the step although this agrees with its result for
+//! the whole step. An apparently wrong result is therefore judged again with a hundredth of the
+//! step.
 
 use rodlab::experiment;
 use rodlab::mechanics::Vector3;
@@ -14,19 +16,21 @@ use rodlab::mechanics::dynamics::{Simulation, SimulationError};
 use rodlab::run::Mode;
 use std::path::Path;
 
-/// Steps of a judged scene.
+/// Number of steps of a judged scene.
 pub const STEPS: usize = 16;
-/// Steps of the second scheme within one of them.
+/// Number of steps of the second scheme within one of these steps.
 const FINER: f64 = 10.0;
-/// Distance allowed, of the distance moved, and of what the step leaves unresolved.
+/// Allowed distance, as a fraction of the distance moved.
 const PART_OF_MOVE: f64 = 0.1;
+/// Allowed distance, as a multiple of the distance that the step does not resolve.
 const PART_OF_UNRESOLVED: f64 = 3.0;
-/// First step of backward differences, of the whole one. A speed that the fluid ends within it leads about so far as the
-/// step lasts, whatever it would have led to.
+/// First step of backward differences, as a fraction of the whole step. If the fluid stops a
+/// motion within this step, the rod moves about as far as the initial speed times the step,
+/// whatever the true distance is.
 const FIRST_STEP: f64 = 1.0 / 64.0;
-/// What rounding and the tolerances of Newton's method leave, in radii.
+/// Allowed distance for rounding and for the tolerances of Newton's method, in radii.
 const RADII: f64 = 1e-3;
-/// Most steps that a run may take in place of one.
+/// Largest number of steps that a run may take instead of one.
 const MOST_STEPS: usize = 100;
 
 /// A scene of a family.
@@ -37,25 +41,26 @@ pub struct Case {
     pub radius: f64,
     /// Time step, s; the run ends after [`STEPS`] of them.
     pub step: f64,
-    /// What the second run changes besides the step.
+    /// Other changes of the second run besides the step.
     pub second: Vec<String>,
-    /// How many times finer steps may be needed to resolve what the scheme otherwise damps; `None` where the step itself
-    /// must do.
+    /// Factor by which finer steps may be needed to resolve oscillations that the scheme otherwise
+    /// damps; `None` if the step itself must suffice.
     pub resolved_by: Option<f64>,
-    /// Rods at which no contact force may be, by their place: all that they touch is prescribed.
+    /// Indices of rods that must have no contact forces, since everything that they touch is
+    /// prescribed.
     pub forceless: Vec<usize>,
 }
 
-/// What became of a scene.
+/// Verdict on a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
     /// Both schemes agree.
     Right,
-    /// It was refused, or ended with an error that says why.
+    /// The scene was rejected, or ended with an error that gives the reason.
     Refused(String),
-    /// The second scheme refused it, so that nothing is known.
+    /// The second scheme rejected the scene, so that there is no verdict.
     Unjudged(String),
-    /// A wrong answer without a word.
+    /// The result is wrong without an error.
     Wrong(String),
 }
 
@@ -75,7 +80,7 @@ pub fn judge(case: &Case) -> Verdict {
     }
 }
 
-/// Judges the end of a run by the second scheme with so many steps in one.
+/// Judges the end of a run by the second scheme, with a number of steps in each step.
 fn judge_by(case: &Case, tested: &Run, steps: f64) -> Verdict {
     let second = |finer: f64| {
         let mut overrides = case.second.clone();
@@ -106,7 +111,7 @@ fn judge_by(case: &Case, tested: &Run, steps: f64) -> Verdict {
     }
 }
 
-/// Distance (m) from the reference with so many times finer steps; infinite where that run fails.
+/// Distance (m) from the reference with steps finer by a factor; infinite if that run fails.
 fn with_finer_steps(case: &Case, reference: &Run, finer: f64) -> f64 {
     let overrides = [format!("time.step = {:e}", case.step / finer)];
     run_within(case, &overrides, finer).map_or(f64::INFINITY, |fine| {
@@ -114,8 +119,8 @@ fn with_finer_steps(case: &Case, reference: &Run, finer: f64) -> f64 {
     })
 }
 
-/// Table of the distances moved with both schemes at steps of three sizes, and of the distances of their ends from the last
-/// run of the table, for a scene that is looked at alone.
+/// Table for a single scene: the distances moved with both schemes and steps of three sizes, and
+/// the distances of the final positions from the last run of the table.
 pub fn convergence(case: &Case) -> String {
     let runs: Vec<_> = [Vec::new(), case.second.clone()]
         .into_iter()
@@ -138,7 +143,7 @@ pub fn convergence(case: &Case) -> String {
     rows.collect()
 }
 
-/// Largest distance of two lists of points, m; infinite where one is no number.
+/// Largest distance between two lists of points, m; infinite if a number is NaN.
 fn farthest(a: &[Vector3], b: &[Vector3]) -> f64 {
     let distances = a.iter().zip(b).map(|(a, b)| (a - b).norm());
     distances.fold(0.0, |most, d| {
@@ -150,7 +155,7 @@ fn farthest(a: &[Vector3], b: &[Vector3]) -> f64 {
     })
 }
 
-/// Where a run began and ended.
+/// Start and end of a run.
 pub struct Run {
     /// Positions at the start, m.
     pub start: Vec<Vector3>,
@@ -162,11 +167,11 @@ pub struct Run {
     pub velocities: Vec<Vector3>,
 }
 
-/// Why a run came to no end.
+/// Reason why a run did not reach its end.
 pub enum Failed {
-    /// With an error for the user.
+    /// A clear error for the user.
     Clearly(String),
-    /// With numbers that cannot be right.
+    /// Invalid numbers without a clear error.
     Without(String),
 }
 
@@ -179,15 +184,15 @@ impl Failed {
     }
 }
 
-/// Runs a scene to its end with some keys set to other values.
+/// Runs a scene to its end with overrides.
 ///
 /// # Errors
-/// Whatever ended it before.
+/// The failure that ended the run early.
 pub fn run(case: &Case, overrides: &[String]) -> Result<Run, Failed> {
     run_within(case, overrides, 1.0)
 }
 
-/// The same with so many times the steps allowed.
+/// Runs a scene with a larger allowed number of steps.
 fn run_within(case: &Case, overrides: &[String], finer: f64) -> Result<Run, Failed> {
     let most_steps = finer * (MOST_STEPS * STEPS) as f64;
     let clearly = |error: &dyn ToString| Failed::Clearly(error.to_string());
@@ -247,7 +252,7 @@ fn run_within(case: &Case, overrides: &[String], finer: f64) -> Result<Run, Fail
     })
 }
 
-/// An error that names no number that is none is a clear one.
+/// An error is clear unless its message contains NaN or infinity.
 fn told(message: &str) -> Failed {
     if message.contains("NaN") || message.contains("inf ") {
         Failed::Without(message.into())

@@ -1,10 +1,11 @@
-//! Rods that are held where they touch: clamped in a floor or in the wall of a tube, in one chuck, in one root.
+//! Rods that are held at the place of contact: clamped in a floor or in the wall of a tube, in one
+//! chuck, in one root.
 
 use super::judged::{Case, STEPS};
 use super::random::Random;
 use std::fmt::Write;
 
-/// A scene with contact between parts that are prescribed.
+/// A scene with contact between prescribed parts.
 pub fn contact(seed: u64) -> Case {
     let mut random = Random(seed);
     let radius = random.decades(2e-4, 5e-3);
@@ -71,7 +72,7 @@ pub fn contact(seed: u64) -> Case {
             ["a", "b", "c"].map(clamp).concat()
         }
         _ => {
-            // Out of the wall of a tube towards its axis.
+            // A rod from the wall of a tube towards its axis.
             let wide = 0.8 * length;
             rod("a", [wide, 0.0, 0.0], [0.0, 0.0, 0.3 * length], "");
             format!(

@@ -1,4 +1,4 @@
-//! Random numbers that are the same on every machine.
+//! Random numbers that are identical on every machine.
 
 /// SplitMix64 (Steele, Lea and Flood 2014).
 pub struct Random(pub u64);
@@ -13,32 +13,32 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Between two numbers.
+    /// A number between two numbers.
     pub fn between(&mut self, from: f64, to: f64) -> f64 {
         from + (to - from) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Between two numbers, evenly in their logarithms.
+    /// A number between two numbers, with a uniform logarithm.
     pub fn decades(&mut self, from: f64, to: f64) -> f64 {
         self.between(from.ln(), to.ln()).exp()
     }
 
-    /// One of some values.
+    /// One of several values.
     pub fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
         choices[(self.bits() % choices.len() as u64) as usize]
     }
 
-    /// Whether something of this probability happens.
+    /// Whether an event with the given probability happens.
     pub fn chance(&mut self, part: f64) -> bool {
         self.between(0.0, 1.0) < part
     }
 
-    /// Components up to a size.
+    /// A vector with components up to a size.
     pub fn vector(&mut self, size: f64) -> [f64; 3] {
         [(); 3].map(|()| self.between(-size, size))
     }
 
-    /// A direction, evenly over the sphere.
+    /// A direction, uniform on the sphere.
     pub fn direction(&mut self) -> [f64; 3] {
         loop {
             let v = self.vector(1.0);

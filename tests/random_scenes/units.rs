@@ -1,9 +1,11 @@
-//! Scenes of the other families in other units: the same numbers.
+//! Scenes of the other families in other units, which must give the same numbers.
 //!
-//! Units are powers of four of the old ones. Then rounding is the same in both, square roots included, and what differs
-//! comes from a number with a unit in the code. With other factors rounding alone would differ; where rods are stiff or
-//! touch, and where a velocity has decayed to what rounding leaves, it grows to any size. Only where forces and moments meet
-//! in one equation, as in a rigid joint, the pivots of its elimination depend on the unit of length, and rounding with them.
+//! The units are powers of four of the original ones. Rounding is then identical in both runs,
+//! including square roots, and a difference shows a number with a unit in the code. With other
+//! factors, rounding would differ. Such differences can grow to any size if rods are stiff or
+//! touch, or if a velocity has decayed to rounding errors. Only if forces and moments occur in one
+//! equation, as in a rigid joint, do the pivots of its elimination, and thus rounding, depend on
+//! the unit of length.
 
 use super::judged::{Case, Failed, Run, Verdict, run};
 use super::random::Random;
@@ -11,9 +13,10 @@ use rodlab::experiment;
 use rodlab::mechanics::Vector3;
 use rodlab::scenario::Scales;
 
-/// Difference allowed, of the largest value.
+/// Allowed difference, relative to the largest value.
 const ALLOWED: f64 = 1e-9;
-/// Last digits of positions that a velocity may differ by, over a step: all that is left of one that has decayed.
+/// Allowed difference of a velocity, in last digits of positions per step; a decayed velocity
+/// consists only of these.
 const ROUNDINGS: f64 = 1e3;
 
 /// A power of four.
@@ -22,7 +25,7 @@ fn factor(random: &mut Random, exponents: [i32; 2]) -> f64 {
     4f64.powi(random.between(least, most).round() as i32)
 }
 
-/// Judges a scene by itself in units of length, time and mass that keep nothing else the same.
+/// Judges a scene by the same scene in other units of length, time and mass.
 pub fn judge(case: &Case, seed: u64) -> Verdict {
     let mut random = Random(!seed);
     let scales = Scales {

@@ -1,4 +1,4 @@
-//! `rodlab solve fk` and `ik`, `rodlab plan joints`, and pinocchio as an opponent.
+//! `rodlab solve fk` and `ik`, `rodlab plan joints`, compared with pinocchio.
 
 use super::{rodlab, said};
 use crate::parts::python_with;
@@ -116,7 +116,7 @@ fn bad_questions_are_answered_by_what_is_allowed() {
     }
 }
 
-/// A circle of the gripper over the table.
+/// A circle of the gripper above the table.
 fn circle(radius: f64) -> String {
     let mut table = "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n".to_owned();
     for k in 0..=60 {
@@ -155,7 +155,7 @@ fn a_circle_becomes_a_joint_trajectory_that_a_dry_stream_accepts() {
         &["stream", "joints.csv", "--cell", &six, "--dry-run"],
     );
     assert!(output.status.success(), "{}", said(&output));
-    // Three times as fast is too fast.
+    // Three times the speed exceeds the limits.
     let output = rodlab(
         folder.path(),
         &[
@@ -214,12 +214,12 @@ for line in sys.stdin:
     print(json.dumps({'pose': list(pose), 'jacobian': jacobian.T.tolist()}))
 ";
 
-/// A Python with pinocchio; kept beside the build, for it is large.
+/// A Python with pinocchio, in the build directory since it is large.
 fn pinocchio() -> Option<PathBuf> {
     python_with("pinocchio", "pin>=3", "to compare kinematics with")
 }
 
-/// An arm of a cell file as a URDF, its hand called `tip`.
+/// An arm of a cell file as a URDFwith the hand named `tip`.
 fn urdf_of(chain: &Chain) -> String {
     let mut text = r#"<robot name="arm"><link name="base"/>"#.to_owned();
     let mut parent = "base".to_owned();
@@ -267,9 +267,9 @@ fn pinocchio_puts_the_hands_of_arms_in_the_same_places() {
         let arm = Cell::read(cell(name).as_ref()).unwrap().arms.remove(0);
         let path = folder.path().join("arm.urdf");
         fs::write(&path, urdf_of(&arm.chain)).unwrap();
-        // The angles of a pose are known less exactly than the pose.
+        // The angles of the pose are rounded more than the pose itself.
         compare_with_pinocchio(&python, &path, &arm.chain, 1e-9);
-        // And what we read is what we wrote.
+        // Reading the file again gives the same chain.
         let read = read_urdf(&path, None, None).unwrap().chain;
         compare_with_pinocchio(&python, &path, &read, 1e-12);
     }

@@ -1,4 +1,4 @@
-//! The commands of robots from outside, with the real parts that this machine can have.
+//! The robot commands from outside, with all real programs that can run on this machine.
 
 mod kinematics;
 mod mujoco;
@@ -16,7 +16,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-/// Streams the joints of [`two_joints`] and keeps a log.
+/// Streams the joints of [`two_joints`] and writes a log.
 const STREAM: [&str; 6] = [
     "stream",
     "joints.csv",
@@ -41,13 +41,13 @@ fn said(output: &Output) -> String {
     format!("{stdout}{stderr}")
 }
 
-/// Checks that a motion failed, with these words.
+/// Checks that a motion failed, with a message.
 fn assert_failed(output: &Output, words: &str) {
     assert_eq!(output.status.code(), Some(1), "{}", said(output));
     assert!(said(output).contains(words), "{}", said(output));
 }
 
-/// Sends the motion of a folder in pieces that are over after a time.
+/// Sets the horizon, so that the motion of a folder is sent in pieces.
 fn set_horizon(folder: &Path, horizon: &str) {
     let path = folder.join("cell.toml");
     let cell = fs::read_to_string(&path).unwrap();
@@ -55,8 +55,8 @@ fn set_horizon(folder: &Path, horizon: &str) {
     fs::write(path, cell.replace("[streaming]", &streaming)).unwrap();
 }
 
-/// Checks that the first joint, by the log, moved from 0 to 1 rad without a stop: amid the motion of [`two_joints`] over `seconds`
-/// its speed never falls to a half of what it should be.
+/// Checks in the log that the first joint moved from 0 to 1 rad without a stop: during the motion
+/// of [`two_joints`] over `seconds`, its speed is always at least half of the planned one.
 fn assert_moved_without_a_stop(folder: &Path, seconds: f64) {
     let state = log(folder, "state.csv");
     let rows = state.lines().skip(1).filter_map(|line| {
@@ -67,7 +67,7 @@ fn assert_moved_without_a_stop(folder: &Path, seconds: f64) {
     let rows: Vec<[f64; 2]> = rows.collect();
     let start = rows.iter().rfind(|row| row[1] == 0.0).unwrap()[0];
     let at = |time: f64| rows.iter().rfind(|row| row[0] <= start + time).unwrap()[1];
-    // Over a time that is long beside the jitter of a busy machine.
+    // The speed is measured over a time that is long compared with the jitter of a busy machine.
     let window = 0.3;
     for k in 20..70 {
         let time = 0.01 * f64::from(k) * seconds;
@@ -91,12 +91,12 @@ fn start_stream(folder: &Path) -> Child {
         .unwrap()
 }
 
-/// A file of the log of a stream, empty where it is not there yet.
+/// A file of the log of a stream; empty if it does not exist yet.
 fn log(folder: &Path, name: &str) -> String {
     fs::read_to_string(folder.join("log").join(name)).unwrap_or_default()
 }
 
-/// Waits until the log says what is looked for.
+/// Waits until the log contains a text.
 fn wait_for_event(folder: &Path, words: &str, seconds: u64) -> String {
     let begin = Instant::now();
     loop {
@@ -113,14 +113,15 @@ fn wait_for_event(folder: &Path, words: &str, seconds: u64) -> String {
     }
 }
 
-/// Waits until an arm is amid its motion.
+/// Waits until an arm is in motion.
 fn wait_for_motion(folder: &Path) {
     wait_for_event(folder, "\"started\"", 20);
     std::thread::sleep(Duration::from_millis(700));
 }
 
-/// How soon a motion that takes 5 s is stopped amid it, at the latest, while the machine is busy with other tests. In
-/// simulated time (`motions_with_random_faults…` of the stream) the limits are those of the program.
+/// Longest time until a motion of 5 s is stopped, while the machine is busy with other tests. In
+/// simulated time (`motions_with_random_faults…` of the stream) the limits are those of the
+/// program.
 const PROMPTLY: Duration = Duration::from_millis(2500);
 
 /// Ctrl-C.
@@ -136,7 +137,7 @@ fn signal(child: &Child, name: &str) {
     assert!(kill.unwrap().success());
 }
 
-/// What a process that was started with a pipe says, line by line.
+/// Output of a process that was started with a pipe, line by line.
 fn lines_of(child: &mut Child) -> Receiver<String> {
     let output = BufReader::new(child.stdout.take().unwrap());
     let (sender, lines) = channel();
@@ -148,8 +149,8 @@ fn lines_of(child: &mut Child) -> Receiver<String> {
     lines
 }
 
-/// Checks what an arm says of a motion that it followed, as "followed 500 231 1.0 -0.5": points of the goal, reports, joints at
-/// the end.
+/// Checks the report of an arm on a motion that it followed, such as "followed 500 231 1.0 -0.5":
+/// points of the goal, reports, and final joint positions.
 fn assert_followed(said: &str, points: usize) {
     let words: Vec<&str> = said.split(' ').collect();
     assert_eq!(words[..2], ["followed", &points.to_string()]);
@@ -161,7 +162,7 @@ fn assert_followed(said: &str, points: usize) {
     assert_eq!(end, [1.0, -0.5]);
 }
 
-/// Gives a joint of the cell and of the trajectory a name that no arm has.
+/// Gives a joint of the cell and of the trajectory a name that does not exist in any arm.
 fn rename_joint(folder: &Path) {
     for name in ["cell.toml", "joints.csv"] {
         let path = folder.join(name);
@@ -170,13 +171,13 @@ fn rename_joint(folder: &Path) {
     }
 }
 
-/// A smooth step of one over a time: rest, motion, rest.
+/// A smooth unit step over a time: rest, motion, rest.
 fn rise(time: f64, seconds: f64) -> f64 {
     let part = (time / seconds).clamp(0.0, 1.0);
     part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part)
 }
 
-/// A table of columns that move by so much over `seconds`, in so many points.
+/// A table of columns with given displacements over `seconds`, with a number of points.
 fn table(folder: &Path, name: &str, columns: &[(&str, f64)], points: usize, seconds: f64) {
     let headers: Vec<&str> = columns.iter().map(|(header, _)| *header).collect();
     let mut text = format!("time_s,{}\n", headers.join(","));
@@ -190,8 +191,8 @@ fn table(folder: &Path, name: &str, columns: &[(&str, f64)], points: usize, seco
     fs::write(folder.join(name), text).unwrap();
 }
 
-/// A cell with one arm of two joints behind a driver, and the same joints as a smooth trajectory of so many points over
-/// `seconds`.
+/// A cell with one arm of two joints and a driver, and a smooth trajectory of these joints over
+/// `seconds` with a number of points.
 fn two_joints(folder: &Path, driver: &str, points: usize, seconds: f64) {
     let cell = format!(
         r#"[streaming]

@@ -1,5 +1,5 @@
-//! A rod laid in a cell that shares no code with rodlab: MuJoCo behind a real ROS 1 master, both installed and started for the
-//! purpose on Debian as root.
+//! A rod laid in a cell that shares no code with rodlab: MuJoCo with a real ROS 1 master. The test
+//! installs and starts both on Debian as root.
 
 use super::{interrupt, lines_of, rodlab, ros1, said};
 use crate::parts::{have, in_build, succeeds};
@@ -12,7 +12,8 @@ use std::sync::mpsc::Receiver;
 use std::time::Duration;
 use tempfile::TempDir;
 
-/// A cable that is simulated fast enough, and the rod that `deploy` takes it for: L_gb = (E r²/(8 ρ g))^(1/3).
+/// A cable that can be simulated fast enough, and the rod that `deploy` assumes: L_gb = (E r²/(8 ρ
+/// g))^(1/3).
 const CABLE: [&str; 4] = ["--length", "0.5", "--nodes", "26"];
 const ROD: &str =
     "[deployment.rod]\ngravito_bending_length = \"4 cm\"\nradius = \"3 mm\"\nlength = \"0.5 m\"\n";
@@ -21,7 +22,7 @@ fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Where MuJoCo is installed for the tests.
+/// Folder in which MuJoCo is installed for the tests.
 fn packages() -> PathBuf {
     in_build("mujoco")
 }
@@ -36,11 +37,11 @@ fn is_installed() -> bool {
         )
 }
 
-/// The cell; gone when dropped, and its master with it.
+/// The cell; stopped when dropped, together with its master.
 struct Cell {
     folder: TempDir,
     process: Child,
-    /// What it says.
+    /// Output of the cell.
     lines: Receiver<String>,
 }
 
@@ -63,7 +64,7 @@ impl Cell {
             .args(["--port", &port, "--rate", "4", "--packages"])
             .arg(packages())
             .args(CABLE)
-            // Its files go with the folder when it is killed.
+            // The files of the killed process are removed with the folder.
             .env("TMPDIR", folder.path())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
@@ -154,15 +155,15 @@ fn a_rod_is_laid_seen_and_scored_in_mujoco() {
     assert_eq!(done, order);
     let record: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(record["status"], "finished");
-    // The arm has come to where it was told to go.
+    // The arm has reached its commanded position.
     let [told, came] =
         ["commanded", "state"].map(|log| last_positions(&cell.read(&format!("laying/{log}.csv"))));
     for ((joint, told), (_, came)) in told.iter().zip(&came) {
         assert!((told - came).abs() < 0.02, "{joint}: {told} {came}");
     }
     assert_ne!(told, last_positions(&cell.read("approach/state.csv")));
-    // The camera has seen the cable, and the cable lies along the line: a pixel is 0.9 mm, and the rest of the cable that falls
-    // pulls at what lies.
+    // The camera has detected the cable, and the cable lies along the line. A pixel is 0.9 mm, and
+    // the falling rest of the cable pulls at the laid part.
     let picture = cell.folder.path().join("laid/picture.png");
     assert_eq!(image::image_dimensions(picture).unwrap(), (1280, 960));
     let error = |name: &str| record["score"][name]["mean_m"].as_f64().unwrap();

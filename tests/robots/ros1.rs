@@ -1,4 +1,5 @@
-//! A real ROS 1 master and an action server of actionlib, installed and started for the purpose on Debian as root.
+//! A real ROS 1 master and an actionlib action server, which the test installs and starts on
+//! Debian as root.
 
 use super::{
     PROMPTLY, STREAM, assert_failed, assert_followed, assert_moved_without_a_stop, interrupt,
@@ -13,12 +14,12 @@ use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// Master and arm; gone when dropped.
+/// Master and arm; stopped when dropped.
 struct Robot {
     folder: TempDir,
     master: Child,
     arm: Child,
-    /// What the arm says.
+    /// Output of the arm.
     lines: Receiver<String>,
     port: u16,
 }
@@ -27,7 +28,7 @@ fn script() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/ros1")
 }
 
-/// Whether it is there.
+/// Whether ROS 1 is installed.
 pub(super) fn is_installed() -> bool {
     let files = [
         "/usr/bin/rosmaster",
@@ -47,7 +48,7 @@ impl Robot {
         Self::with_fault("none")
     }
 
-    /// With an arm that has a fault of `ros1_arm.py`.
+    /// Starts a robot whose arm has a fault of `ros1_arm.py`.
     fn with_fault(fault: &str) -> Option<Self> {
         let install = || succeeds(Command::new(script()).arg("install"));
         let purpose = "to stream joints to a real ROS master";
@@ -87,7 +88,7 @@ impl Robot {
             lines,
             port,
         };
-        // It says so where the master is not up yet.
+        // The server reports that it waits for the master.
         while robot.says(60) != "ready" {}
         let driver = format!(
             "kind = \"ros1\"\nmaster = \"http://127.0.0.1:{port}\"\n\
@@ -138,7 +139,7 @@ fn an_interruption_preempts_the_goal_before_its_end() {
     assert!(log(robot.folder.path(), "events.csv").contains("right holds"));
 }
 
-/// The arm itself still moves: it has the goal.
+/// The arm itself still moves, since it has the goal.
 #[test]
 fn an_arm_comes_to_rest_within_the_horizon_when_the_program_is_killed() {
     let Some(robot) = Robot::start() else { return };
@@ -181,7 +182,8 @@ fn the_pieces_of_a_motion_join_without_a_stop() {
     assert_moved_without_a_stop(robot.folder.path(), 5.0);
 }
 
-/// Success that is reported while the arm stands still, and a cancellation that is confirmed while it moves on.
+/// The server reports success while the arm stands still, or confirms a cancellation while the arm
+/// keeps moving.
 #[test]
 fn false_reports_of_a_server_are_found_by_the_joints() {
     let Some(robot) = Robot::with_fault("false-end") else {
@@ -234,7 +236,7 @@ fn a_killed_server_and_a_killed_master_end_the_stream_before_the_motion_ends() {
         };
         assert!(said(&output).contains(expected), "{}", said(&output));
         if master {
-            // The arm lives, and was commanded to hold.
+            // The arm still runs, and was commanded to hold.
             assert_eq!(robot.says(2), "preempted");
         }
     }

@@ -1,4 +1,5 @@
-//! Action servers of ROS 2 on Cyclone DDS (by pip) and on Fast DDS (of Debian), made, started and met on this machine only.
+//! Action servers of ROS 2 with Cyclone DDS (from pip) and Fast DDS (from Debian), which are built
+//! and run on this machine only.
 
 use super::{
     PROMPTLY, STREAM, assert_failed, assert_followed, assert_moved_without_a_stop, interrupt,
@@ -15,11 +16,11 @@ use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// An arm at work; gone when dropped.
+/// A running arm; stopped when dropped.
 struct Robot {
     folder: TempDir,
     arm: Child,
-    /// What the arm says.
+    /// Output of the arm.
     lines: Receiver<String>,
     driver: String,
 }
@@ -28,8 +29,8 @@ struct Robot {
 const ROD: &str =
     "[deployment.rod]\ngravito_bending_length = \"2 cm\"\nradius = \"2 mm\"\nlength = \"14 cm\"\n";
 
-/// What the camera of the gantry sees when that rod lies along the line whose middle is that of the table: 2200/1.6 pixels per metre,
-/// x to the right.
+/// The picture of the gantry's camera when this rod lies along a line whose middle is the middle
+/// of the table. The scale is 2200/1.6 pixels per metre; x points to the right.
 fn lying_rod() -> image::RgbImage {
     let scale = 2200.0 / 1.6;
     image::RgbImage::from_fn(1280, 960, |u, v| {
@@ -43,7 +44,7 @@ fn lying_rod() -> image::RgbImage {
     })
 }
 
-/// The middlewares, as cell files name them.
+/// The middlewaresas named in cell files.
 const MIDDLEWARES: [&str; 2] = ["cyclone-dds", "fast-dds"];
 const PURPOSE: &str = "to stream joints to an action server of ROS 2";
 
@@ -51,7 +52,7 @@ fn source(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
-/// What starts an arm.
+/// The command that starts an arm.
 fn arm(middleware: &str) -> Option<Command> {
     if middleware == "cyclone-dds" {
         let mut command = Command::new(python_with("cyclonedds", "cyclonedds==11.0.1", PURPOSE)?);
@@ -81,7 +82,8 @@ fn arm(middleware: &str) -> Option<Command> {
     built.as_ref().map(Command::new)
 }
 
-/// A domain and a name for an arm that no other test has; other processes may have the domain, but not the name.
+/// A domain and a name for an arm that no other test uses. Other processes may use the domain, but
+/// not the name.
 fn address() -> (u32, String) {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     let (process, next) = (std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed));
@@ -100,7 +102,7 @@ impl Robot {
         Self::with_fault(middleware, "none")
     }
 
-    /// With an arm that has a fault of `cyclone_dds_arm.py`.
+    /// Starts a robot whose arm has a fault of `cyclone_dds_arm.py`.
     fn with_fault(middleware: &str, fault: &str) -> Option<Self> {
         let (domain, name) = address();
         let mut arm = arm(middleware)?
@@ -121,8 +123,8 @@ impl Robot {
         Some(robot)
     }
 
-    /// The gantry with a gripper and a camera that sees a rod of [`ROD`] lie along a line; its cell file is that of the repository,
-    /// met by ROS 2.
+    /// The gantry with a gripper, and a camera that shows a rod of [`ROD`] along a line. The cell
+    /// file is that of the repository with ROS 2 drivers.
     fn with_gripper_and_camera() -> Option<Self> {
         let python = python_with("cyclonedds", "cyclonedds==11.0.1", PURPOSE)?;
         let (domain, name) = address();
@@ -179,7 +181,7 @@ impl Drop for Robot {
     }
 }
 
-/// Looks at an arm behind each middleware, at once.
+/// Runs a check with an arm for each middleware, in parallel.
 fn with_each(check: impl Fn(Robot) + Sync) {
     std::thread::scope(|scope| {
         for middleware in MIDDLEWARES {
@@ -213,7 +215,8 @@ fn the_pieces_of_a_motion_join_without_a_stop() {
     });
 }
 
-/// More than a datagram holds: requests with a name in front must not be damaged where they are cut.
+/// The goal is larger than a datagram. A request with a leading identifier must not be damaged
+/// where it is divided.
 #[test]
 fn a_goal_of_many_datagrams_arrives_whole() {
     with_each(|robot| {
@@ -242,7 +245,8 @@ fn an_interruption_cancels_the_goal_before_its_end() {
     }
 }
 
-/// Success that is reported while the arm stands still, a cancellation that is confirmed while it moves on, and reports without end.
+/// The server reports success while the arm stands still, confirms a cancellation while the arm
+/// keeps moving, or sends reports endlessly.
 #[test]
 fn faulty_servers_are_found_by_the_joints() {
     for (fault, words) in [
@@ -357,7 +361,7 @@ fn a_rod_is_laid_gripped_seen_and_scored_over_cyclone_dds() {
         .iter()
         .map(|line| line.split(' ').next().unwrap())
         .collect();
-    // To the rod, closed, along the pattern, open, home.
+    // Goals: move to the rod, close, lay along the pattern, open, move home.
     assert_eq!(
         kinds,
         ["followed", "gripper", "followed", "gripper", "followed"],

@@ -1,5 +1,5 @@
-//! The rosbridge driver against a WebSocket server with an arm behind it, made here for the purpose: the server itself
-//! is in no registry.
+//! The rosbridge driver against a WebSocket server with an arm, which the test implements since
+//! the real server is in no registry.
 
 use super::{
     PROMPTLY, STREAM, assert_failed, assert_moved_without_a_stop, interrupt, log, rename_joint,
@@ -13,28 +13,29 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use tungstenite::{Message, WebSocket};
 
-/// What the server does, and what it saw.
+/// Behaviour of the server, and its observations.
 #[derive(Default)]
 pub(super) struct Script {
     ros: u8,
-    /// Refuse every goal as one for unknown joints.
+    /// Rejects every goal with the error for unknown joints.
     refuses: bool,
-    /// Go on whoever cancels.
+    /// Ignores cancellations.
     ignores_cancel: bool,
-    /// Drop the connection, or say nothing any more, so long after the goal came.
+    /// Drops the connection at this time after the goal, s.
     dies_after: Option<f64>,
+    /// Sends nothing more from this time after the goal, s.
     silent_after: Option<f64>,
-    /// Break the motion off, as after an emergency stop.
+    /// Aborts the motion, as after an emergency stop.
     stops_after: Option<f64>,
-    /// Report a cancellation, and go on.
+    /// Reports a cancellation, but continues.
     only_reports_cancel: bool,
-    /// Report success so long after the goal came, and leave the arm where it is.
+    /// Reports success at this time after the goal, s, and leaves the arm where it is.
     succeeds_after: Option<f64>,
-    /// Report errors that concern no goal.
+    /// Reports errors that concern no goal.
     complains: bool,
-    /// Leave the arm where it is and send pings without end, so long after the goal came.
+    /// Leaves the arm where it is and sends endless pings from this time after the goal, s.
     floods_after: Option<f64>,
-    /// Take another client after the first has gone.
+    /// Accepts another client after the first one has disconnected.
     serves_again: bool,
     points: usize,
     feedback: usize,
@@ -52,7 +53,7 @@ struct Goal {
     begin: Instant,
 }
 
-/// An arm of ROS 1 that does what it is told.
+/// A ROS 1 arm that executes its commands.
 pub(super) fn willing() -> (String, Shared) {
     serve(Script {
         ros: 1,
@@ -60,14 +61,14 @@ pub(super) fn willing() -> (String, Shared) {
     })
 }
 
-/// Serves one client until it leaves.
+/// Serves one client until it disconnects.
 fn serve(script: Script) -> (String, Shared) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap().to_string();
     let shared = Arc::new(Mutex::new(script));
     let theirs = Arc::clone(&shared);
     std::thread::spawn(move || {
-        // The arm itself continues while no client is connected.
+        // The arm keeps moving while no client is connected.
         let mut goal = None;
         loop {
             let (stream, _) = listener.accept().unwrap();
@@ -193,7 +194,7 @@ fn arm(socket: &mut WebSocket<TcpStream>, shared: &Shared, goal: &mut Option<Goa
         }
         shared.lock().unwrap().moved.clone_from(&position);
         if subscribed.iter().any(|topic| topic == "/joint_states") {
-            // More joints than ours, in another order.
+            // The message has more joints than the cell, in another order.
             let states = json!({ "op": "publish", "topic": "/joint_states", "msg": {
                 "name": ["head", "right_j1", "right_j0"],
                 "position": [0.5, position[1], position[0]], "velocity": [], "effort": [] } });
@@ -248,7 +249,7 @@ fn take(
     })
 }
 
-/// Ends a goal: well, cancelled, or aborted with a code.
+/// Ends a goal: succeeded, cancelled, or aborted with a code.
 fn end(socket: &mut WebSocket<TcpStream>, shared: &Shared, id: &Value, well: bool, code: i64) {
     let ros = shared.lock().unwrap().ros;
     let status = match (ros, well, code) {
@@ -293,7 +294,7 @@ fn five_hundred_points_are_followed_to_the_end() {
         assert_eq!(script.points, 500);
         assert!(script.feedback > 50);
         assert_eq!(script.moved, [1.0, -0.5]);
-        // What was commanded and what came back, point for point.
+        // The log contains every commanded point and every report.
         assert_eq!(
             log(folder.path(), "commanded.csv").lines().count(),
             1 + 2 * 500
@@ -369,7 +370,8 @@ fn an_interruption_cancels_the_motion_before_its_end() {
     }
 }
 
-/// Launchers send two signals at once: the motion is cancelled, and the program ends with a whole log.
+/// Launchers send two signals at once. The motion is cancelled, and the program ends with a
+/// complete log.
 #[test]
 fn two_signals_at_once_cancel_the_motion() {
     for [first, second, pause_ms] in [
@@ -395,7 +397,7 @@ fn two_signals_at_once_cancel_the_motion() {
     }
 }
 
-/// A server that reports a cancellation, or nothing, while its arm moves on.
+/// The server reports a cancellation, or nothing, while its arm keeps moving.
 #[test]
 fn an_arm_that_moves_on_is_reported() {
     for script in [
@@ -418,7 +420,7 @@ fn an_arm_that_moves_on_is_reported() {
     }
 }
 
-/// A server that reports success at once, or on the way, and whose arm stands still.
+/// The server reports success at once or during the motion, while its arm stands still.
 #[test]
 fn an_end_that_is_not_seen_is_no_end() {
     for succeeds_after in [0.0, 1.5] {
@@ -434,7 +436,7 @@ fn an_end_that_is_not_seen_is_no_end() {
     }
 }
 
-/// An error that the server reports to everyone is not the end of the motion.
+/// An error that the server reports to all clients does not end the motion.
 #[test]
 fn an_error_about_something_else_ends_nothing() {
     let (address, shared) = serve(Script {
@@ -448,7 +450,7 @@ fn an_error_about_something_else_ends_nothing() {
     assert_eq!(shared.lock().unwrap().moved, [1.0, -0.5]);
 }
 
-/// Pings faster than they are read, while the arm stands still.
+/// Pings arrive faster than they can be read, while the arm stands still.
 #[test]
 fn a_server_that_floods_does_not_keep_the_motion_from_its_end() {
     let (address, shared) = serve(Script {
@@ -464,7 +466,7 @@ fn a_server_that_floods_does_not_keep_the_motion_from_its_end() {
     assert!(shared.lock().unwrap().goal_at.is_some());
 }
 
-/// The connection is lost in the motion: it is opened again, to cancel.
+/// The connection is lost during the motion, and is opened again for the cancellation.
 #[test]
 fn a_lost_connection_is_opened_again_to_cancel() {
     let (address, shared) = serve(Script {
@@ -557,7 +559,7 @@ fn faults_of_the_server_end_the_stream_with_words_and_exit_code_1() {
                 .and_then(|line| line.split(',').next())
                 .and_then(|time| time.parse().ok())
                 .unwrap();
-            // The fault comes half a second after the goal; the motion would take 5 s.
+            // The fault occurs half a second after the goal; the motion would take 5 s.
             assert!(words - started < 3.5, "{events}");
             assert!(ended - shared.lock().unwrap().goal_at.unwrap() < Duration::from_millis(4500));
             assert!(log(folder.path(), "manifest.json").contains("\"failed\""));
@@ -583,7 +585,7 @@ fn a_robot_with_other_joints_is_not_moved() {
     assert!(shared.lock().unwrap().goal_at.is_none());
 }
 
-/// A server with a camera that shows a rod, as pixels or as a file.
+/// A server with a camera that sends a picture of a rod, as pixels or as a file.
 fn serve_pictures(message: Value) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap().to_string();
@@ -594,7 +596,7 @@ fn serve_pictures(message: Value) -> String {
         let request: Value = serde_json::from_str(request.to_text().unwrap()).unwrap();
         let published = json!({ "op": "publish", "topic": request["topic"], "msg": message });
         send(&mut socket, &published);
-        // Until the client leaves.
+        // Read until the client disconnects.
         while socket.read().is_ok() {}
     });
     address

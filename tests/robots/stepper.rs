@@ -1,4 +1,5 @@
-//! The stepper's real firmware on a simulated ATmega328P; installed for the purpose on Debian as root.
+//! The stepper's real firmware on a simulated ATmega328P, which the test installs on Debian as
+//! root.
 
 use super::{rodlab, said};
 use crate::parts::{have, succeeds};
@@ -12,7 +13,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// A board at work; gone when dropped.
+/// A running board; stopped when dropped.
 pub(super) struct Board {
     process: Child,
     pub port: String,
@@ -71,7 +72,7 @@ impl Board {
                 "the board does not start"
             );
         }
-        // Somebody must read what the simulator says, or it stops at a full pipe.
+        // The output of the simulator must be read, since it stops if the pipe is full.
         std::thread::spawn(move || io::copy(&mut output, &mut io::sink()));
         Some(Self {
             process,
@@ -85,7 +86,7 @@ impl Board {
         Box::new(port.open().unwrap())
     }
 
-    /// Rising edges of STEP, and forwards less backwards.
+    /// Number of rising edges of STEP, and forward minus backward steps.
     pub fn counts(&self) -> (i64, i64) {
         std::thread::sleep(Duration::from_millis(50));
         loop {
@@ -121,7 +122,7 @@ impl Random {
     }
 }
 
-/// A line that garbles, loses and repeats one byte in a hundred, in both directions.
+/// A line that corrupts, loses and repeats one byte in a hundred in each direction.
 struct Noisy {
     line: Box<dyn SerialLine>,
     random: Random,
@@ -228,7 +229,7 @@ fn silence_stops_the_motor() {
         microseconds: 4_000_000,
     };
     link.ask(long).unwrap();
-    // The simulation may be slower than the clock on the wall.
+    // The simulation may be slower than real time.
     let mut edges = 0;
     loop {
         std::thread::sleep(Duration::from_millis(800));
@@ -238,9 +239,9 @@ fn silence_stops_the_motor() {
         }
         edges = now;
     }
-    // 2,500 steps a second for 0.3 s.
+    // At 2,500 steps per second, the motor stops after about 0.3 s.
     assert!((600..1000).contains(&edges), "{edges}");
-    // It stays still until it is greeted again.
+    // The motor stands still until the next hello.
     assert!(link.ask(long).unwrap().watchdog);
     assert_eq!(board.counts().0, edges);
     assert!(!link.ask(StepperRequest::Hello).unwrap().watchdog);

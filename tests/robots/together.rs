@@ -1,4 +1,5 @@
-//! Two arms behind servers of their own and a simulated stepper, moved by three tables on one clock.
+//! Two arms with separate servers and a simulated stepper, moved by three tables on a common
+//! clock.
 
 use super::rosbridge::willing;
 use super::stepper::Board;
@@ -6,9 +7,10 @@ use super::{log, rise, rodlab, said, table};
 use std::f64::consts::TAU;
 use std::fs;
 
-/// The arms and the simulated stepper may be seen where they were so long ago, s: the stepper runs at the speed of the machine.
+/// Largest delay of observed positions of the arms and of the simulated stepper, s. The speed of
+/// the stepper depends on the machine.
 const LATE: [f64; 3] = [0.25, 0.25, 1.0];
-/// And ahead by the time that it takes to tell all parts to begin, s.
+/// Largest lead of observed positions, s: the time needed to start all parts.
 const EARLY: f64 = 0.1;
 
 fn arm(name: &str, x: f64, address: &str) -> String {
@@ -72,8 +74,8 @@ fn two_arms_and_a_stepper_keep_one_clock() {
     assert_eq!(servers[1].1.lock().unwrap().moved, [-0.8, 0.4]);
     assert_eq!(board.counts(), (3200, 3200));
 
-    // What is heard of each of them while it moves fits the one clock. A busy machine hears some of it late; a clock of its own
-    // would shift all of it.
+    // The observed positions of each part fit the common clock. A busy machine receives some of
+    // them late; a separate clock would shift all of them.
     let events = log(folder.path(), "events.csv");
     let started = events
         .lines()
@@ -94,7 +96,7 @@ fn two_arms_and_a_stepper_keep_one_clock() {
         if !(0.0..seconds).contains(&time) {
             continue;
         }
-        // A step of the motor, and a point of a table, of rounding.
+        // Tolerance for a step of the motor, and for rounding in a table.
         let places = [time - LATE[part], time + EARLY].map(|time| by * rise(time, seconds));
         let (low, high) = (
             places[0].min(places[1]) - 0.02,

@@ -1,4 +1,5 @@
-//! Which cases there are, and that the tables do not depend on how they were run.
+//! The list of cases, and the independence of the tables from the order and the processes of the
+//! runs.
 
 use super::{
     CASES, SWINGS, assert_same, directory, manifest, outcome, succeed, tables, undisturbed,
@@ -132,7 +133,7 @@ fn a_sweep_notices_that_a_file_it_reads_has_changed() {
     succeed(&directory, &sweep);
     assert!(succeed(&directory, &sweep).contains("2 of 2 cases finished"));
 
-    // The scenario of the sweep runs as it stands, from anywhere.
+    // The scenario in the results of the sweep can be run from any folder.
     succeed(&directory, &["run", "o/scenario.toml", "--out", "again"]);
     let read = |path: &str| fs::read(directory.path().join(path)).unwrap();
     assert_eq!(read("o/summary.csv"), read("again/summary.csv"));

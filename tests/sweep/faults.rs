@@ -1,10 +1,10 @@
-//! Cases that fail, and sweeps that are refused.
+//! Failing cases, and rejected sweeps.
 
 use super::{SWINGS, directory, manifest, outcome, succeed};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A case that cannot converge: it may neither iterate nor make its steps smaller.
+/// A case that cannot converge, since neither iterations nor smaller steps are allowed.
 const HOPELESS: &str = "[[sweep.zip]]\nsolver.maximum_iterations = [25, 1, 25]\n\
                         solver.minimum_step = [1e-9, 1e-3, 1e-9]\nrods.rope.radius = [0.003, 0.004, 0.005]\n";
 
@@ -47,7 +47,7 @@ fn a_failed_case_is_recorded_and_stops_no_other() {
     let error = failed.unwrap()["error"].as_str().unwrap();
     assert!(error.contains("rope"), "{error}");
 
-    // The same command leaves it alone; on request it is tried again.
+    // The same command does not repeat the failed case; with --retry-failed it does.
     let started = |results: &Path| -> Vec<String> {
         let mut starts: Vec<(PathBuf, String)> = fs::read_dir(results.join("cases"))
             .unwrap()
@@ -96,7 +96,7 @@ fn a_failed_case_is_recorded_and_stops_no_other() {
 
 #[test]
 fn a_case_that_shows_itself_impossible_late_is_recorded() {
-    // Each value is possible, and one combination is not: two ropes inside each other.
+    // Each value is possible, but one combination is not: two ropes that overlap.
     let across = "[[rods]]\nname = \"across\"\nradius = \"3 mm\"\nedges = 8\n\
                   shape = { kind = \"straight\", start = [0.1, -0.1, 0.008], end = [0.1, 0.1, 0.008] }\n\
                   [contact]\nfriction = 0.1\n\

@@ -1,4 +1,4 @@
-//! Kills, time limits, damaged checkpoints, full disks: none of them shows in the end.
+//! Kills, time limits, damaged checkpoints and full disks must not change the final results.
 
 use super::{
     SWINGS, assert_same, begin, directory, manifest, outcome, succeed, tables, undisturbed,
@@ -32,7 +32,7 @@ fn killed_at_a_random_moment_the_same_command_ends_with_the_same_bytes() {
     }
 }
 
-/// A number from 0 to 1, another one at each call.
+/// A random number from 0 to 1.
 fn random_part() -> f64 {
     RandomState::new().hash_one(0) as f64 / u64::MAX as f64
 }
@@ -47,7 +47,7 @@ fn killed_again_and_again_the_same_command_ends_with_the_same_bytes() {
     let run = ["run", "swings.toml", "--out", "killed", "--jobs", "2"];
     for part in 0..10 {
         let mut child = begin(&directory, &run);
-        // Later and later moments, each at another stage of a case.
+        // Kill at increasingly late times, each in another stage of a case.
         std::thread::sleep(whole * (2 * part + 1) / 60);
         child.kill().unwrap();
         child.wait().unwrap();
@@ -55,7 +55,7 @@ fn killed_again_and_again_the_same_command_ends_with_the_same_bytes() {
     succeed(&directory, &run);
     assert_same(&tables(&directory.path().join("killed")), &expected);
     let leases = fs::read_dir(directory.path().join("killed/leases")).unwrap();
-    // A file without its owner in it yet, killed within microseconds, is buried by the next run much later.
+    // A lease without its owner, from a kill within microseconds, is removed by a much later run.
     let left = leases.filter(|lease| lease.as_ref().unwrap().metadata().unwrap().len() > 0);
     assert_eq!(left.count(), 0);
 }
@@ -97,7 +97,8 @@ fn a_time_limit_stops_the_sweep_and_the_same_command_continues() {
 
 #[test]
 fn a_damaged_checkpoint_is_reported_and_its_case_starts_again() {
-    // Long enough to be stopped on the way: a call goes on for 20 ms, however short its time.
+    // The run is long enough to be stopped: a call runs for at least 20 ms, however short its time
+    // limit is.
     let directory = directory(&SWINGS.replace("0.5 s", "10 s"));
     let expected = undisturbed(&directory);
     let run = ["run", "swings.toml", "--out", "damaged", "--jobs", "1"];
@@ -136,7 +137,7 @@ fn a_damaged_checkpoint_is_reported_and_its_case_starts_again() {
     assert_same(&tables(&directory.path().join("damaged")), &expected);
 }
 
-/// A small file system in memory, gone when dropped; `None` where this user may not mount one.
+/// A small file system in memory, unmounted when dropped; `None` if this user may not mount one.
 struct SmallDisk(TempDir);
 
 impl SmallDisk {
@@ -179,13 +180,13 @@ fn a_full_disk_ends_the_sweep_with_1_and_with_room_the_same_command_completes_it
         "--out",
         out.to_str().unwrap(),
     ];
-    // Somebody else's file, to be removed later.
+    // A file that fills the disk and is removed later.
     let ballast = disk.0.path().join("ballast");
     fs::write(&ballast, vec![1; 200 << 10]).unwrap();
     let (code, _, stderr) = outcome(&directory, &run);
     assert_eq!(code, 1, "{stderr}");
     assert!(stderr.contains("No space left on device"), "{stderr}");
-    // Every case that was finished is whole.
+    // Every finished case is complete.
     let mut finished = 0;
     for case in fs::read_dir(out.join("cases")).unwrap() {
         let case = case.unwrap().path();

@@ -1,4 +1,4 @@
-//! Sweeps from outside: what is left on the disk, and that nothing that happens on the way shows in the end.
+//! Sweeps from outside: the files on the disk, which interruptions and faults must not change.
 
 mod cases;
 mod faults;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use tempfile::TempDir;
 
-/// Swings of a rope: long enough to be killed on the way.
+/// Swings of a rope that are long enough to be killed.
 const SWINGS: &str = r#"
 experiment = "scene"
 material = { youngs_modulus = "1 MPa", poissons_ratio = 0.5, density = 1000.0 }
@@ -38,7 +38,7 @@ rods.rope.radius = ["3 mm", "4 mm", "5 mm"]
 material.density = { from = 800.0, to = 1200.0, count = 4 }
 "#;
 
-/// Number of its cases.
+/// Number of cases.
 const CASES: usize = 12;
 
 fn directory(text: &str) -> TempDir {
@@ -69,7 +69,7 @@ fn succeed(directory: &TempDir, arguments: &[&str]) -> String {
     stdout
 }
 
-/// A run that is at work.
+/// Starts a run in the background.
 fn begin(directory: &TempDir, arguments: &[&str]) -> std::process::Child {
     std::process::Command::new(env!("CARGO_BIN_EXE_rodlab"))
         .current_dir(directory.path())
@@ -80,7 +80,8 @@ fn begin(directory: &TempDir, arguments: &[&str]) -> std::process::Child {
         .unwrap()
 }
 
-/// What must not depend on how the results came about: the summary, and the tables of each case.
+/// Results that must not depend on how they were computed: the summary, and the tables of each
+/// case.
 fn tables(results: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut files = vec![PathBuf::from("summary.csv"), PathBuf::from("scenario.toml")];
     for case in fs::read_dir(results.join("cases")).unwrap() {

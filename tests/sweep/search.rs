@@ -4,7 +4,7 @@ use super::{directory, outcome, succeed};
 use std::fs;
 use std::path::Path;
 
-/// Ropes that hang from a clamp: the stiffer, the less energy is in their bending.
+/// Ropes that hang from a clamp. The stiffer they are, the less bending energy they have.
 const HANGING: &str = r#"
 experiment = "scene"
 material = { youngs_modulus = "1 MPa", poissons_ratio = 0.5, density = 1000.0 }
@@ -55,7 +55,7 @@ fn a_bisection_ends_within_its_tolerance_and_repeats_nothing() {
     for (place, edges) in [6, 8].into_iter().enumerate() {
         assert!(low[place] < found[place] && found[place] < high[place]);
         assert!(high[place] - low[place] <= 0.1e6);
-        // The energy passes the target between the ends of the last interval.
+        // The energy passes its target between the ends of the last interval.
         let energy = |modulus: f64| {
             let modulus = format!("material.youngs_modulus={modulus}");
             let edges = format!("rods.rope.edges={edges}");
@@ -83,7 +83,7 @@ fn a_bisection_ends_within_its_tolerance_and_repeats_nothing() {
 
 #[test]
 fn a_golden_section_finds_the_least_outcome_inside_the_interval() {
-    // The rope lies along x: nothing bends it where nothing pulls along z.
+    // The rope lies along x: without a load along z it does not bend.
     let search = "[sweep.search]\nmethod = \"golden\"\nparameter = \"loads.0.acceleration.2\"\n\
                   objective = \"bending_energy_j\"\nfrom = -4.0\nto = 6.0\ntolerance = 0.01\n";
     let directory = directory(&format!("{HANGING}{search}"));

@@ -13,7 +13,7 @@ fn a_rod_is_laid_along_a_line_seen_and_scored() {
     let record: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(record["status"], "finished");
     let error = |name: &str| record["score"][name]["mean_m"].as_f64().unwrap();
-    // The camera sees 0.7 mm in a pixel.
+    // A pixel of the camera is 0.7 mm.
     assert!(error("by_nearest_point") < 1e-3, "{record}");
     assert!(error("by_arc_length") < 3e-3, "{record}");
     for name in [
@@ -38,14 +38,16 @@ fn a_rod_is_laid_along_a_line_seen_and_scored() {
         );
     }
     assert!(served.read("laid/report.md").contains("finished"));
-    // A second rod is laid from where the arm stands now; the directory of the first is not touched.
+    // A second task starts from the current joints of the arm, and rejects the directory of the
+    // first.
     let refused = served.deploy();
     assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
 }
 
 #[test]
 fn faults_of_the_cell_end_a_deployment_with_exit_code_1_and_a_whole_log() {
-    // How late an arm may be grows with the rate of its clock: a frozen joint shows soon on a slower one.
+    // The allowed delay of an arm grows with the rate of its clock, so that a slower clock shows a
+    // frozen joint earlier.
     for (fault, words, rate) in [
         ("drop-link@9s", "connection", "10"),
         ("freeze-joint@9s", "from its trajectory", "3"),
@@ -81,7 +83,7 @@ fn a_rod_that_is_longer_than_its_pattern_is_laid_to_its_end() {
         error("by_arc_length") < 3e-3 && error("by_nearest_point") < 1.5e-3,
         "{record}"
     );
-    // All but 2.5 gravito-bending lengths of 30 cm.
+    // All of the 30 cm is laid except 2.5 gravito-bending lengths.
     let pattern = served.read("laid/plan/pattern.csv");
     let last = pattern.lines().last().unwrap().split(',').next().unwrap();
     assert_eq!(last, "0.225000000");
@@ -90,7 +92,7 @@ fn a_rod_that_is_longer_than_its_pattern_is_laid_to_its_end() {
 #[test]
 fn a_rod_of_another_length_than_the_one_that_is_seen_is_not_scored() {
     let served = serve(&["--rate", "50"], "");
-    // The cell hands out 30 cm.
+    // The cell supplies rods of 30 cm.
     let longer = ROD.replace("30 cm", "32 cm");
     fs::write(served.folder.path().join("longer.toml"), longer).unwrap();
     let mut arguments = DEPLOY;
@@ -107,14 +109,15 @@ fn a_rod_of_another_length_than_the_one_that_is_seen_is_not_scored() {
     assert!((seen - 0.3).abs() < 3e-3, "{manifest}");
     let report = served.read("laid/report.md");
     assert!(report.contains("320.0 mm"), "{report}");
-    // The work of the arm is done: the next task may begin.
+    // The arm has done its work, so that the next task may start.
     let next = served.run(&again());
     assert!(next.status.success(), "{}", said(&next));
 }
 
 #[test]
 fn a_rod_is_laid_anew_from_where_the_camera_sees_it() {
-    // The limits below are four to six times the trembling: how far it has come when the arm begins is not fixed.
+    // The limits below are four to six times the jitter, since its phase at the start of the
+    // motion is not fixed.
     let jitter = ["--jitter", "0.5 mm", "--seed", "3"];
     let served = serve(&[&["--rate", "50"], &jitter[..]].concat(), "");
     let mut arguments = DEPLOY.to_vec();
@@ -137,7 +140,8 @@ fn a_rod_is_laid_anew_from_where_the_camera_sees_it() {
         .collect();
     assert!(seen.len() >= 4, "{looks}");
     for row in &seen {
-        // Half a gravito-bending length before the gripper's place nothing is believed; the line is along x.
+        // Pictures are ignored within half a gravito-bending length of the gripper's place. The
+        // line is along x.
         assert!(
             (row[0] - row[1] - 0.015).abs() < 1e-4 && (row[1] - row[2]).abs() < 2e-3,
             "{looks}"
@@ -181,7 +185,7 @@ fn a_dry_run_shows_the_plan_and_moves_nothing() {
         assert!(folder.path().join("shown").join(name).is_file(), "{name}");
     }
     assert!(!folder.path().join("shown/approach").exists());
-    // Nobody is there: nothing was moved, and it says so.
+    // Without a server, nothing moves, and the message says so.
     let output = deploy(&[
         "--pattern",
         "line:0.2",

@@ -1,11 +1,11 @@
-//! Tasks that end early, at any moment, and what they leave.
+//! Tasks that end early, at any time, and the state that they leave.
 
 use super::{DEPLOY, Served, again, said, serve};
 use serde_json::Value;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// Ten moments spread over a time, s, five at a time.
+/// Runs a check at ten times spread over `most`, s, five in parallel.
 fn at_ten_moments(most: f64, check: impl Fn(f64) + Sync) {
     let moments: Vec<f64> = (1..=10)
         .map(|k| most * (f64::from(k) * 0.618_034).fract())
@@ -19,7 +19,7 @@ fn at_ten_moments(most: f64, check: impl Fn(f64) + Sync) {
     }
 }
 
-/// The log of a task that did not come to its end.
+/// Checks the log of a task that did not finish.
 fn log_is_whole(served: &Served, status: &str, moment: f64) {
     let manifest: Value = serde_json::from_str(&served.read("laid/manifest.json")).unwrap();
     assert_eq!(manifest["status"], status, "{moment}");
@@ -31,7 +31,8 @@ fn log_is_whole(served: &Served, status: &str, moment: f64) {
     );
 }
 
-/// The manifest and the report of an interrupted task: what was done, what lies, where the hand is and what to do.
+/// Checks manifest and report of an interrupted task: the completed steps, the laid length, the
+/// place of the hand, and the advice.
 fn says_how_it_left_the_cell(served: &Served) {
     let manifest: Value = serde_json::from_str(&served.read("laid/manifest.json")).unwrap();
     let stopped = &manifest["stopped"];
@@ -188,7 +189,7 @@ fn a_task_goes_on_when_somebody_has_looked() {
     again[DEPLOY.len() - 1] = "again";
     let output = served.run(&again);
     assert!(output.status.success(), "{}", said(&output));
-    // It came to its end: the next one is not asked.
+    // The task has finished, so that the next one requires no inspection.
     again.pop();
     again[DEPLOY.len() - 1] = "third";
     let output = served.run(&again);

@@ -6,12 +6,13 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-/// The expected rod: half as stiff again in its gravito-bending length as the one of the cell, of 3 cm.
+/// The expected rod. Its gravito-bending length is one and a half times that of the rod in the
+/// cell, 3 cm.
 fn expected() -> String {
     ROD.replace("3 cm", "4.5 cm")
 }
 
-/// A command in a folder.
+/// Runs a command in a folder.
 fn in_folder(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rodlab"));
     let command = command.args(arguments).current_dir(folder);
@@ -43,7 +44,7 @@ fn an_arm_finds_the_gravito_bending_length_of_a_rod_that_is_not_the_expected_one
     let [value, error] = ["value", "standard_error"].map(|key| found[key].as_f64().unwrap());
     assert!((value / 0.03 - 1.0).abs() < 0.01, "{found}");
     assert!(error < 3e-4, "{found}");
-    // It is straight.
+    // The rod is straight.
     for key in [1, 2] {
         let curvature = record["parameters"][key]["value"].as_f64().unwrap();
         assert!(curvature.abs() < 0.3, "{record}");

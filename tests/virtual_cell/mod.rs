@@ -1,4 +1,5 @@
-//! The virtual cell as its clients find it: the real server in a process of its own, and the commands that move a real arm.
+//! The virtual cell from the view of its clients: the real server in its own process, and the
+//! commands that move a real arm.
 
 mod deploy;
 mod ends;
@@ -26,7 +27,7 @@ pub struct Served {
 
 impl Drop for Served {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The server may already have ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -47,8 +48,8 @@ pub fn serve_cell(arguments: &[&str], path: &str) -> Served {
     serve_file(&gantry(), arguments, path)
 }
 
-/// Serves a cell by its file with some arguments; `client.toml` in its folder is the cell file for its clients, who name a path where
-/// there is one.
+/// Serves a cell from its file with some arguments. `client.toml` in its folder is the cell file
+/// for its clients, with the path of the server if there is one.
 pub fn serve_file(cell: &str, arguments: &[&str], path: &str) -> Served {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("rod.toml"), ROD).unwrap();
@@ -73,7 +74,7 @@ pub fn serve_file(cell: &str, arguments: &[&str], path: &str) -> Served {
     let client = cell
         .replace("address = \"127.0.0.1:9090\"", &of_driver)
         .replace("127.0.0.1:9090", &address)
-        // A machine that is busy with other tests may be silent for longer than an arm.
+        // On a busy machine the server may be silent for longer than an arm.
         .replace("[streaming]", "[streaming]\nwatchdog = \"5 s\"");
     fs::write(folder.path().join("client.toml"), client).unwrap();
     Served {
@@ -90,7 +91,7 @@ impl Served {
         if ["deploy", "place", "tie", "fold", "identify"].contains(&arguments[0]) {
             command.arg("--yes");
         }
-        // Marks of tasks that did not come to their end are those of this test.
+        // Use a separate folder for the marks of tasks that did not finish.
         command.env("XDG_STATE_HOME", self.folder.path().join("state"));
         command
     }
@@ -104,7 +105,7 @@ impl Served {
         self.run(&DEPLOY)
     }
 
-    /// Waits until a task has begun to move the arm.
+    /// Waits until a task has started to move the arm.
     fn wait_for_motion(&self) {
         let begin = Instant::now();
         while !self.read("laid/approach/events.csv").contains("started") {
@@ -113,7 +114,7 @@ impl Served {
         }
     }
 
-    /// Whether the arm stands half a second from now.
+    /// Whether the arm is at rest half a second from now.
     pub fn stands_soon(&self) -> bool {
         std::thread::sleep(Duration::from_millis(500));
         self.stands("/joint_states")
@@ -135,7 +136,8 @@ impl Served {
         (0..5).all(|_| joints() == first)
     }
 
-    /// The next task, here one whose results would go to `again`, is refused until the user confirms that the cell was inspected.
+    /// Checks that the next task, with results in `again`, is rejected until the user confirms
+    /// that the cell was inspected.
     pub fn asks_for_a_look_before(&self, task: &[&str]) {
         let refused = self.run(task);
         assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
@@ -147,7 +149,8 @@ impl Served {
         fs::read_to_string(self.folder.path().join(name)).unwrap_or_default()
     }
 
-    /// A table in which the gantry moves along x by so much within a time, from rest to rest.
+    /// Writes a table in which the gantry moves along x by a distance within a time, from rest to
+    /// rest.
     fn write_motion(&self, way: f64, seconds: f64) {
         let mut text = String::from(
             "time_s,gantry.x_m,gantry.y_m,gantry.z_m,gantry.yaw_rad,gantry.pitch_rad,gantry.roll_rad\n",
@@ -187,14 +190,14 @@ const DEPLOY: [&str; 9] = [
     "laid",
 ];
 
-/// The same into another directory.
+/// Arguments to lay the rod again, with results in another directory.
 fn again() -> [&'static str; 9] {
     let mut again = DEPLOY;
     again[DEPLOY.len() - 1] = "again";
     again
 }
 
-/// A task in a folder with a file, without a cell file; its record, and the folder.
+/// Runs a task in a folder with a file, without a cell file; returns its record and the folder.
 pub fn alone(name: &str, text: &str, task: &[&str]) -> (Value, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join(name), text).unwrap();

@@ -1,4 +1,4 @@
-//! The server of the virtual cell: who is let in, who leads an arm, what is refused.
+//! The server of the virtual cell: accepted clients, control of arms, and rejected requests.
 
 use super::{gantry, said, serve};
 use serde_json::{Value, json};
@@ -23,7 +23,7 @@ fn a_camera_that_is_lost_sends_no_pictures() {
     let served = serve(&["--rate", "50", "--fault", "lose-camera@0s"], "");
     let camera = format!("rosbridge://{}/camera/image_raw", served.address);
     served.write_motion(0.1, 1.0);
-    // The table without a rod is seen, and nothing on it.
+    // The camera shows the table without a rod.
     let before = served.run(&["trace", &camera]);
     assert_eq!(before.status.code(), Some(2), "{}", said(&before));
     let output = served.run(&STREAM);
@@ -70,7 +70,8 @@ fn an_arm_is_led_by_one_client_and_stops_when_that_dies() {
     served.write_motion(0.1, 1.0);
     arguments[5] = "third";
     let third = served.run(&arguments);
-    // It is led again: whether it comes from where it stands to the new path in time is another question.
+    // The arm can be controlled again. Whether it reaches the new path in time does not matter
+    // here.
     assert!(
         !said(&third).contains("led by another client"),
         "{}",
@@ -84,7 +85,7 @@ fn an_arm_is_led_by_one_client_and_stops_when_that_dies() {
 fn strangers_are_refused_and_nonsense_does_no_harm() {
     const TOKEN: &str = "0123456789abcdef";
     let served = serve(&["--token", TOKEN], &format!("/{TOKEN}"));
-    // Neither noise nor a client without the token comes in.
+    // Neither random bytes nor a client without the token is accepted.
     let mut noise = TcpStream::connect(&served.address).unwrap();
     noise.write_all(&[0xff; 4096]).unwrap();
     assert!(tungstenite::connect(format!("ws://{}/wrong", served.address)).is_err());
@@ -102,7 +103,7 @@ fn strangers_are_refused_and_nonsense_does_no_harm() {
             (&json!("status"), &json!("error"))
         );
     }
-    // A message that is larger than allowed ends the connection, and no other.
+    // A message beyond the size limit ends its own connection only.
     let _ = socket.send(Message::text(" ".repeat(33 << 20)));
     served.write_motion(0.1, 1.0);
     let output = served.run(&STREAM);
