@@ -71,7 +71,7 @@ fn file_names(directory: &Path) -> Vec<String> {
 }
 
 #[test]
-fn a_run_says_where_its_results_lie_and_is_not_run_twice() {
+fn a_run_reports_its_results_directory_and_is_not_repeated() {
     let directory = directory(SWING);
     let (code, stdout, stderr) = outcome(&directory, &["run", "swing.toml"]);
     assert_eq!((code, stderr.as_str()), (0, ""));
@@ -134,7 +134,7 @@ fn results_of_another_scenario_are_refused() {
 }
 
 #[test]
-fn a_title_and_fewer_files_ask_for_no_force() {
+fn a_new_title_or_fewer_files_need_no_force() {
     let directory = directory(SWING);
     let run = |set: &str| outcome(&directory, &["run", "swing.toml", "--set", set]);
     assert_eq!(run("output.vtk=true").0, 0);
@@ -378,7 +378,7 @@ fn a_dry_run_prints_the_resolved_scenario_and_writes_nothing() {
 }
 
 #[test]
-fn check_goes_through_all_files_and_speaks_json() {
+fn check_reads_all_files_and_prints_json() {
     let directory = directory(SWING);
     fs::write(directory.path().join("bad.toml"), "experiment = 3").unwrap();
     let (code, stdout, stderr) = outcome(
@@ -586,7 +586,7 @@ fn endless_inputs_are_refused() {
 }
 
 #[test]
-fn a_run_tells_programs_what_came_out() {
+fn a_run_prints_its_outcome_as_json() {
     let directory = directory(SWING);
     let json = |arguments: &[&str]| -> serde_json::Value {
         let (code, stdout, stderr) = outcome(&directory, arguments);
@@ -625,7 +625,7 @@ fn an_unclosed_bracket_is_one_fault_on_its_line() {
 }
 
 #[test]
-fn presets_stand_for_files_in_an_empty_folder() {
+fn presets_replace_missing_files() {
     let folder = tempfile::tempdir().unwrap();
     let cache = tempfile::tempdir().unwrap();
     let outcome = |arguments: &[&str]| {

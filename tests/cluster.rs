@@ -171,7 +171,7 @@ fn wait_for_work(slurm: &Slurm, number: usize) {
 }
 
 #[test]
-fn killed_and_warned_tasks_go_on_and_the_summary_is_that_of_a_local_run() {
+fn killed_and_warned_tasks_resume_to_the_summary_of_a_local_run() {
     let Some(slurm) = Slurm::start() else { return };
     fs::write(slurm.path("swings.toml"), SWINGS).unwrap();
     slurm.rodlab(&["run", "swings.toml", "--out", "local", "--jobs", "2"]);
@@ -237,7 +237,7 @@ fn killed_and_warned_tasks_go_on_and_the_summary_is_that_of_a_local_run() {
 }
 
 #[test]
-fn what_sbatch_says_is_shown() {
+fn the_output_of_sbatch_is_shown() {
     let Some(slurm) = Slurm::start() else { return };
     fs::write(slurm.path("swings.toml"), SWINGS).unwrap();
     let submit = ["submit", "swings.toml", "--partition", "nowhere"];

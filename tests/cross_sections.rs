@@ -51,7 +51,7 @@ fn stiffness(youngs_modulus: f64, along: f64, across: f64) -> f64 {
 }
 
 #[test]
-fn a_strip_sags_as_its_width_lies() {
+fn the_sag_of_a_strip_depends_on_its_orientation() {
     // A strip on edge stays in its plane: its weight is 7.2 √(EI₁ GJ)/L³, and it would tip over at
     // 12.9.
     let young = 1e9;

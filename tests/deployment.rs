@@ -185,7 +185,7 @@ fn points_and_formulas_are_patterns_too() {
 }
 
 #[test]
-fn what_cannot_be_planned_is_refused_and_leaves_nothing_behind() {
+fn impossible_plans_are_rejected_and_leave_no_files() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str, text: &str| {
         let path = folder.path().join(name);

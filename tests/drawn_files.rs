@@ -61,7 +61,7 @@ fn several_strokes_are_listed_drawn_and_joined() {
 }
 
 #[test]
-fn the_options_that_are_proposed_work() {
+fn proposed_options_work() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     drawing(
@@ -111,7 +111,7 @@ fn outlines_are_reported_and_have_a_middle_line() {
 }
 
 #[test]
-fn files_of_many_people_are_read() {
+fn files_from_many_sources_are_read() {
     let shared = Path::new(concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../shared/repro/files"

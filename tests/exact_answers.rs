@@ -31,7 +31,7 @@ fn a_helix_direction_has_its_critical_distance() {
 }
 
 #[test]
-fn the_discrete_rod_has_nearly_the_same_and_says_how_nearly() {
+fn the_discrete_rod_agrees_within_its_error_estimate() {
     let arguments = ["solve", "helix", "--direction=1,1,-1", "--method", "der"];
     let found = answer(&arguments);
     let error = (found["critical"].as_f64().unwrap() - 6.790424).abs();
@@ -50,7 +50,7 @@ fn a_direction_that_stays_stable_is_unbounded() {
 }
 
 #[test]
-fn directions_without_meaning_are_refused() {
+fn meaningless_directions_are_rejected() {
     for (direction, complaint) in [
         ("0,0,0", "not zero"),
         ("-1,0,0", "must not be negative"),
@@ -65,7 +65,7 @@ fn directions_without_meaning_are_refused() {
 }
 
 #[test]
-fn what_is_solved_is_measured_back() {
+fn measure_inverts_solve() {
     let solved = answer(&["solve", "loop-height", "--gravito-bending-length", "3 cm"]);
     let height = solved["height_m"].as_f64().unwrap();
     assert!((height / 0.03 - 1.142240).abs() < 1e-6);
@@ -115,7 +115,7 @@ fn what_is_solved_is_measured_back() {
 }
 
 #[test]
-fn shapes_without_meaning_are_refused() {
+fn meaningless_shapes_are_rejected() {
     for arguments in [
         &["measure", "hanging-plate", "--length", "1", "--drop", "1.2"][..],
         &["measure", "loop-height", "--height", "-1"],
@@ -128,7 +128,7 @@ fn shapes_without_meaning_are_refused() {
 }
 
 #[test]
-fn a_grasp_is_found_both_ways_and_in_all() {
+fn a_grasp_is_solved_by_both_methods_and_with_all_solutions() {
     let asked = ["solve", "grasp", "--suspended-length", "8", "--curvature"];
     let of = |more: &[&str]| answer(&[&asked[..], more].concat());
     let exact = of(&["-1.5"]);

@@ -107,7 +107,7 @@ fn column(table: &str, name: &str) -> Vec<f64> {
 const TWO: &str = "kappa,tau,omega\n1,1,-1\n0.3,0.6,-1\n";
 
 #[test]
-fn a_killed_exploration_goes_on_at_its_direction_and_finds_what_theory_says() {
+fn a_killed_exploration_resumes_at_its_direction_and_agrees_with_theory() {
     let served = serve(&[]);
     served.write("two.csv", TWO);
     let arguments = ["--directions", "two.csv"];
@@ -198,7 +198,7 @@ fn a_rod_that_slips_or_a_lost_camera_ends_an_exploration_with_exit_code_1() {
 }
 
 #[test]
-fn what_an_exploration_cannot_do_is_told_before_anything_moves() {
+fn impossible_explorations_are_rejected_before_anything_moves() {
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &[&str]| {
         Command::new(env!("CARGO_BIN_EXE_rodlab"))

@@ -85,7 +85,7 @@ fn without_a_cell_file_the_sheet_is_folded_in_a_cell_of_the_process() {
 }
 
 #[test]
-fn a_sheet_that_slides_is_seen_to_and_its_fold_is_corrected() {
+fn sliding_of_a_sheet_is_measured_and_its_fold_is_corrected() {
     let error = |feedback: &[&str]| {
         let served = serve(&["--rate", "50"]);
         let output = fold(&served, &[&["--algorithm", "optimal"], feedback].concat());
@@ -173,7 +173,7 @@ fn refused(cell: &str, arguments: &[&str]) -> (i32, String) {
 }
 
 #[test]
-fn what_cannot_be_folded_is_refused_before_anything_moves() {
+fn impossible_folds_are_rejected_before_anything_moves() {
     let cell = gantry();
     let (code, words) = refused(&cell, &["--place", "0.5,0,0"]);
     assert_eq!(code, 2, "{words}");

@@ -116,7 +116,7 @@ fn a_sheet_is_folded_by_one_command() {
 /// With a moment at the gripper, the friction of the table holds a sheet that it would not hold
 /// without the moment.
 #[test]
-fn a_moment_makes_do_with_the_friction_there_is() {
+fn a_moment_holds_a_sheet_with_low_friction() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("plan");
     let report = |objective: &str| -> Value {

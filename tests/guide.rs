@@ -238,7 +238,7 @@ fn commands_run() {
 }
 
 #[test]
-fn the_front_page_is_short_and_its_links_lead_somewhere() {
+fn the_front_page_is_short_and_its_links_are_valid() {
     assert!(README.len() <= LONGEST_README, "{} bytes", README.len());
     let mut count = 0;
     for place in README.split("](").skip(1) {

@@ -37,7 +37,7 @@ fn run(directory: &TempDir, arguments: &[&str]) -> (i32, String, String) {
 }
 
 #[test]
-fn one_command_leaves_boundary_comparison_sections_and_surface() {
+fn one_command_writes_boundary_comparison_sections_and_surface() {
     let directory = directory(SCENARIO);
     let (code, stdout, stderr) = run(&directory, &["--out", "boundary"]);
     assert_eq!(code, 0, "{stderr}");
@@ -94,7 +94,7 @@ fn one_command_leaves_boundary_comparison_sections_and_surface() {
 }
 
 #[test]
-fn interruptions_do_not_show_in_the_table() {
+fn interruptions_do_not_change_the_table() {
     let directory = directory(SCENARIO);
     assert_eq!(run(&directory, &["--out", "whole"]).0, 0);
     let mut calls = 1;

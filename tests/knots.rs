@@ -123,7 +123,7 @@ fn a_rod_along_a_curve_is_run_and_its_scenario_runs_again() {
 }
 
 #[test]
-fn a_sweep_holds_the_curve_itself() {
+fn a_sweep_stores_the_curve_itself() {
     let directory = directory(&trefoil(0.02));
     let sweep = [
         "run",

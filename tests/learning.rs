@@ -76,7 +76,7 @@ fn with_huge_weights(model: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn samples_are_learned_judged_and_used() {
+fn networks_are_trained_evaluated_and_used() {
     let folder = folder();
     let folder = folder.path();
     let table = fs::read_to_string(folder.join("results/grasps/samples.csv")).unwrap();
@@ -166,7 +166,7 @@ fn samples_are_learned_judged_and_used() {
 }
 
 #[test]
-fn a_training_that_was_stopped_goes_on() {
+fn a_stopped_training_resumes() {
     let folder = folder();
     let folder = folder.path();
     let stopped = rodlab(folder, &[&SMALL[..], &["--timeout", "0"]].concat());
@@ -224,7 +224,7 @@ fn a_training_replaces_only_its_own_files() {
 /// A training that was killed while its first files were written used to leave a folder that later
 /// runs rejected.
 #[test]
-fn a_training_that_was_killed_at_its_start_begins_anew() {
+fn a_training_that_was_killed_at_its_start_starts_again() {
     let folder = folder();
     let folder = folder.path();
     let own = folder.join("network");
@@ -246,7 +246,7 @@ fn a_training_that_was_killed_at_its_start_begins_anew() {
 /// A network learns folds with Adam and a cosine schedule. The path of the gripper over the
 /// learned manifold is nearly the exact one.
 #[test]
-fn folds_are_learned_and_planned_with() {
+fn learned_folds_are_used_in_plans() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let scenario = "experiment = \"fold-samples\"
@@ -383,7 +383,7 @@ suspended_length = { from = 0.9, to = 4.7 }
 }
 
 #[test]
-fn what_is_no_sample_and_no_model_is_refused_by_name() {
+fn invalid_samples_and_models_are_rejected_by_name() {
     let folder = folder();
     let folder = folder.path();
     let scene = concat!(

@@ -49,7 +49,7 @@ fn terminate(program: &Child) {
 }
 
 #[test]
-fn time_limits_and_signals_are_heard_within_a_step_that_takes_minutes() {
+fn time_limits_and_signals_end_a_step_that_takes_minutes() {
     let directory = tempfile::tempdir().unwrap();
     let run = ["run", "--out", "limited", "--timeout", "1 s"];
     let (code, text) = end_of(rodlab(directory.path(), &run));
@@ -69,7 +69,7 @@ fn time_limits_and_signals_are_heard_within_a_step_that_takes_minutes() {
 }
 
 #[test]
-fn check_gives_a_trial_up_whose_first_step_takes_minutes() {
+fn check_ends_a_trial_whose_first_step_takes_minutes() {
     let directory = tempfile::tempdir().unwrap();
     let (code, text) = end_of(rodlab(directory.path(), &["check"]));
     assert_eq!(code, Some(0), "{text}");
@@ -79,7 +79,7 @@ fn check_gives_a_trial_up_whose_first_step_takes_minutes() {
 /// A signal between the end of the first run and the next run used to be ignored, so that the work
 /// continued for minutes.
 #[test]
-fn a_signal_between_two_runs_of_an_artefact_ends_it() {
+fn a_signal_between_two_runs_ends_a_reproduction() {
     let directory = tempfile::tempdir().unwrap();
     let mut program = Command::new(env!("CARGO_BIN_EXE_rodlab"))
         .current_dir(directory.path())

@@ -121,7 +121,7 @@ fn a_film_is_the_same_bytes_with_one_and_four_threads() {
 }
 
 #[test]
-fn what_cannot_be_filmed_is_an_error_that_says_why_and_leaves_nothing() {
+fn impossible_films_report_the_reason_and_leave_no_files() {
     let directory = results();
     let before = names(directory.path());
     let refuse = |arguments: &[&str], words: &[&str]| {

@@ -168,7 +168,7 @@ model = "{model}"
 }
 
 #[test]
-fn rods_shot_at_a_held_one_do_not_pass() {
+fn rods_shot_at_a_held_rod_do_not_pass_through_it() {
     for (model, scheme) in [
         ("imc", "implicit-euler"),
         ("complementarity", "implicit-euler"),
@@ -308,7 +308,7 @@ end = 0.02
 }
 
 #[test]
-fn a_barrier_costs_steps_and_never_the_run() {
+fn a_barrier_may_cost_steps_but_never_fails_the_run() {
     // These runs used to stall at 0.0419 s, when the rods come to lie along each other.
     for (speed, end) in [(5.0, 0.05), (20.0, 0.05)] {
         let text = format!(
@@ -350,7 +350,7 @@ end = {end:?}
 }
 
 #[test]
-fn friction_on_a_floor_takes_the_steps_asked_for() {
+fn friction_on_a_floor_takes_the_requested_steps() {
     // The penalty used to take 1,340 steps for the first of these scenes, and more for a faster
     // rod.
     for model in ["imc", "ipc"] {

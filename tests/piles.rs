@@ -28,7 +28,7 @@ fn pile(rods: usize, model: &str) -> String {
 }
 
 #[test]
-fn ten_rods_settle_in_the_steps_asked_for_with_every_model() {
+fn ten_rods_settle_in_the_requested_steps_with_every_model() {
     std::thread::scope(|scope| {
         for model in ["imc", "ipc", "complementarity"] {
             scope.spawn(move || settle(10, model));
@@ -37,7 +37,7 @@ fn ten_rods_settle_in_the_steps_asked_for_with_every_model() {
 }
 
 #[test]
-fn fifty_rods_settle_in_the_steps_asked_for_with_every_model() {
+fn fifty_rods_settle_in_the_requested_steps_with_every_model() {
     std::thread::scope(|scope| {
         for model in ["imc", "ipc", "complementarity"] {
             scope.spawn(move || settle(50, model));

@@ -166,7 +166,7 @@ tolerance = 0.5
 }
 
 #[test]
-fn probes_are_explained_and_stand_in_the_schema() {
+fn probes_are_explained_and_are_in_the_schema() {
     let directory = tempfile::tempdir().unwrap();
     let explained = rodlab(directory.path(), &["explain", "probes"]);
     for word in [

@@ -391,7 +391,7 @@ fn is_chosen(family: &str) -> bool {
 }
 
 #[test]
-fn random_scenes_end_well_or_with_a_refusal() {
+fn random_scenes_pass_or_end_with_a_clear_error() {
     if !is_chosen("impacts") {
         return;
     }

@@ -143,7 +143,7 @@ fn a_reef_knot_is_tied_in_two_rods_and_seen() {
 }
 
 #[test]
-fn a_rod_that_is_led_over_everything_is_not_tied() {
+fn a_rod_that_passes_over_all_strands_is_not_tied() {
     let served = serve(&["--rate", "50"]);
     let record = record(&tie(&served, "over,over,over"));
     let score = &record["score"];
@@ -247,7 +247,7 @@ fn alone(
 }
 
 #[test]
-fn what_cannot_be_tied_is_refused_before_anything_moves() {
+fn impossible_knots_are_rejected_before_anything_moves() {
     let cell = two_gantries();
     let refused = |cell: &str, words: &str, change: &dyn Fn(&mut Vec<String>)| {
         let (code, said, folder) = alone(cell, change);
@@ -312,7 +312,7 @@ fn what_cannot_be_tied_is_refused_before_anything_moves() {
 }
 
 #[test]
-fn a_dry_run_of_two_rods_shows_how_both_are_laid_and_led() {
+fn a_dry_run_shows_the_plan_of_two_rods() {
     let (code, said, folder) = alone(&two_gantries(), |arguments| {
         *arguments = reef("shown");
         arguments.push("--dry-run".into());

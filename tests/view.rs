@@ -70,7 +70,7 @@ fn changed(before: &[u8], after: &[u8]) -> usize {
 }
 
 #[test]
-fn the_page_draws_moves_and_does_not_complain() {
+fn the_page_draws_and_moves_without_errors() {
     let directory = tempfile::tempdir().unwrap();
     let page = page(directory.path());
     let Some(mut browser) = Browser::start() else {
@@ -113,7 +113,7 @@ fn the_page_draws_moves_and_does_not_complain() {
 }
 
 #[test]
-fn play_goes_on_and_pause_stops() {
+fn play_continues_and_pause_stops() {
     let directory = tempfile::tempdir().unwrap();
     let page = page(directory.path());
     let Some(mut browser) = Browser::start() else {
@@ -245,7 +245,7 @@ fn rows_of_rods(png: &[u8]) -> [u32; 2] {
 }
 
 #[test]
-fn the_tools_do_not_cover_a_rod_that_comes_towards_the_eye() {
+fn the_tools_do_not_cover_a_rod_near_the_camera() {
     let directory = tempfile::tempdir().unwrap();
     let long = SCENARIO.replace(
         "[-0.15, 0, 0.03], end = [0.1, 0, 0.03]",
@@ -448,7 +448,7 @@ fn keep(name: &str, png: &[u8]) {
 }
 
 #[test]
-fn what_cannot_be_shown_is_refused_in_words() {
+fn impossible_views_are_rejected_with_a_message() {
     let directory = tempfile::tempdir().unwrap();
     let refuse = |name: &str| {
         let output = Command::new(env!("CARGO_BIN_EXE_rodlab"))

@@ -68,7 +68,7 @@ fn sheet(folder: &Path, name: &str, centre: Point, angle: f64) {
 }
 
 #[test]
-fn a_sheet_is_measured_and_its_sliding() {
+fn a_sheet_and_its_sliding_are_measured() {
     let folder = TempDir::new().expect("a folder");
     let place = folder.path();
     sheet(place, "before.png", Point::new(0.0, 0.01), 0.1);
@@ -162,7 +162,7 @@ fn markers(folder: &Path, name: &str, shift: Point) {
 }
 
 #[test]
-fn markers_say_from_when_on_a_rod_is_unstable() {
+fn markers_show_when_a_rod_becomes_unstable() {
     let folder = TempDir::new().expect("a folder");
     let place = folder.path();
     fs::create_dir(place.join("frames")).expect("a folder");

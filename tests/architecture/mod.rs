@@ -174,7 +174,7 @@ fn rooms_of_mechanics_import_only_what_the_plan_allows() {
 }
 
 #[test]
-fn kinds_of_experiments_do_not_know_each_other() {
+fn kinds_of_experiments_are_independent_of_each_other() {
     let faults = faults(&crate_sources(), &["experiment"], EXPERIMENT);
     assert!(faults.is_empty(), "{faults:#?}");
 }
@@ -325,7 +325,7 @@ fn the_documentation_of_the_crate_shows_the_plan() {
 }
 
 #[test]
-fn paths_are_found_in_full_wherever_they_stand() {
+fn full_paths_are_found_in_all_positions() {
     let module: Vec<String> = ["mechanics", "rod"].map(str::to_owned).into();
     let paths = |code: &str| -> Vec<String> {
         let found = imports(&plain(code), &module);
@@ -372,7 +372,7 @@ fn paths_are_found_in_full_wherever_they_stand() {
 }
 
 #[test]
-fn what_follows_a_test_is_read() {
+fn code_after_a_test_is_read() {
     let code = "fn a() {}\n#[cfg(test)]\nmod tests {\n use crate::cli::X;\n fn b() { if c { d() } }\n}\n\
                 use crate::run::Y;\n#[cfg(test)]\nmod others;\nimpl Z { #[cfg(test)]\n fn e(&self) -> [u8; 2] { f() }\n \
                 fn g() { crate::knot::H } }";
@@ -386,7 +386,7 @@ fn what_follows_a_test_is_read() {
 }
 
 #[test]
-fn circles_are_found_between_files_and_folders_and_through_what_is_handed_on() {
+fn circles_are_found_between_files_and_folders_and_through_reexports() {
     let source = |module: &str, code: &str| {
         let module: ItemPath = module.split("::").map(str::to_owned).collect();
         Source {

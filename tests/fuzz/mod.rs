@@ -311,7 +311,7 @@ fn is_refused(prepared: &PreparedRun) -> Option<String> {
 }
 
 #[test]
-fn scenarios_that_check_accepts_are_run_and_none_panics() {
+fn scenarios_accepted_by_check_run_without_panics() {
     let corpus = texts("scenarios", "toml");
     let scenarios = repository().join("scenarios");
     let mut accepted = 0;

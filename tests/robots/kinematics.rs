@@ -41,7 +41,7 @@ fn joined(numbers: &[f64]) -> String {
 }
 
 #[test]
-fn the_joints_of_a_pose_bring_the_hand_back_to_it() {
+fn solved_joints_bring_the_hand_to_its_pose() {
     let cell = cell("two_sawyers.toml");
     let joints = "--joints=0.3,-1.18,0.1,2.18,0,0.57,3.3161";
     let forward = json(&["solve", "fk", "--cell", &cell, "--arm", "right", joints]);
@@ -79,7 +79,7 @@ fn the_joints_of_a_pose_bring_the_hand_back_to_it() {
 }
 
 #[test]
-fn bad_questions_are_answered_by_what_is_allowed() {
+fn bad_arguments_are_rejected_with_the_allowed_values() {
     let sawyers = cell("two_sawyers.toml");
     let six = cell("six_joints.toml");
     for (arguments, code, expected) in [
@@ -128,7 +128,7 @@ fn circle(radius: f64) -> String {
 }
 
 #[test]
-fn a_circle_becomes_a_joint_trajectory_that_a_dry_stream_accepts() {
+fn a_planned_circle_passes_a_dry_run_of_stream() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("circle.csv"), circle(0.05)).unwrap();
     let six = cell("six_joints.toml");

@@ -185,7 +185,7 @@ fn the_pieces_of_a_motion_join_without_a_stop() {
 /// The server reports success while the arm stands still, or confirms a cancellation while the arm
 /// keeps moving.
 #[test]
-fn false_reports_of_a_server_are_found_by_the_joints() {
+fn false_reports_of_a_server_are_detected_from_the_joints() {
     let Some(robot) = Robot::with_fault("false-end") else {
         return;
     };
@@ -203,7 +203,7 @@ fn false_reports_of_a_server_are_found_by_the_joints() {
 }
 
 #[test]
-fn joints_that_the_server_does_not_know_are_reported() {
+fn unknown_joints_are_reported() {
     let Some(robot) = Robot::start() else { return };
     rename_joint(robot.folder.path());
     let output = rodlab(robot.folder.path(), &STREAM);

@@ -248,7 +248,7 @@ fn an_interruption_cancels_the_goal_before_its_end() {
 /// The server reports success while the arm stands still, confirms a cancellation while the arm
 /// keeps moving, or sends reports endlessly.
 #[test]
-fn faulty_servers_are_found_by_the_joints() {
+fn faulty_servers_are_detected_from_the_joints() {
     for (fault, words) in [
         ("false-end", "its controller has reported the end"),
         ("false-cancel", "still moves: watch the arm"),
@@ -302,7 +302,7 @@ fn a_killed_server_ends_the_stream_before_the_motion_ends() {
 }
 
 #[test]
-fn the_wrong_middleware_is_asked_about() {
+fn the_message_suggests_the_other_middleware() {
     for middleware in MIDDLEWARES {
         let Some(robot) = Robot::start(middleware) else {
             continue;

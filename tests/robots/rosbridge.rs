@@ -399,7 +399,7 @@ fn two_signals_at_once_cancel_the_motion() {
 
 /// The server reports a cancellation, or nothing, while its arm keeps moving.
 #[test]
-fn an_arm_that_moves_on_is_reported() {
+fn an_arm_that_ignores_a_cancellation_is_reported() {
     for script in [
         Script {
             ignores_cancel: true,
@@ -422,7 +422,7 @@ fn an_arm_that_moves_on_is_reported() {
 
 /// The server reports success at once or during the motion, while its arm stands still.
 #[test]
-fn an_end_that_is_not_seen_is_no_end() {
+fn a_reported_end_without_arrival_is_an_error() {
     for succeeds_after in [0.0, 1.5] {
         let (address, shared) = serve(Script {
             ros: 1,
@@ -438,7 +438,7 @@ fn an_end_that_is_not_seen_is_no_end() {
 
 /// An error that the server reports to all clients does not end the motion.
 #[test]
-fn an_error_about_something_else_ends_nothing() {
+fn an_error_without_a_goal_does_not_end_the_motion() {
     let (address, shared) = serve(Script {
         ros: 1,
         complains: true,
@@ -452,7 +452,7 @@ fn an_error_about_something_else_ends_nothing() {
 
 /// Pings arrive faster than they can be read, while the arm stands still.
 #[test]
-fn a_server_that_floods_does_not_keep_the_motion_from_its_end() {
+fn a_flooding_server_does_not_block_the_end_of_a_motion() {
     let (address, shared) = serve(Script {
         ros: 1,
         floods_after: Some(1.5),
@@ -499,7 +499,7 @@ fn wait_for_feedback(shared: &Shared) {
 }
 
 #[test]
-fn faults_of_the_server_end_the_stream_with_words_and_exit_code_1() {
+fn faults_of_the_server_end_the_stream_with_a_message_and_exit_code_1() {
     let cases: [(Script, &str); 4] = [
         (
             Script {

@@ -261,7 +261,7 @@ fn silence_stops_the_motor() {
 }
 
 #[test]
-fn a_streamed_turn_is_a_turn_of_the_motor() {
+fn a_streamed_turn_rotates_the_motor_once() {
     let Some(board) = Board::start() else { return };
     let folder = tempfile::tempdir().unwrap();
     // The simulated board may be a second late on a busy machine.

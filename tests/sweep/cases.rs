@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 #[test]
-fn the_tables_do_not_depend_on_who_ran_the_cases_in_which_order() {
+fn tables_do_not_depend_on_the_order_or_the_processes_of_cases() {
     let directory = directory(SWINGS);
     let expected = undisturbed(&directory);
     let summary = String::from_utf8(expected[Path::new("summary.csv")].clone()).unwrap();
@@ -65,7 +65,7 @@ fn the_tables_do_not_depend_on_who_ran_the_cases_in_which_order() {
 }
 
 #[test]
-fn values_are_given_on_the_command_line_too() {
+fn values_can_be_given_on_the_command_line() {
     let directory = directory(SWINGS.split("[sweep]").next().unwrap());
     let vary = [
         "run",
@@ -109,7 +109,7 @@ follow = "poses.csv"
 "#;
 
 #[test]
-fn a_sweep_notices_that_a_file_it_reads_has_changed() {
+fn a_sweep_detects_a_changed_input_file() {
     let directory = directory(CURVES);
     let write = |name: &str, text: &str| fs::write(directory.path().join(name), text).unwrap();
     let curve = |y: f64| format!("x,y,z\n0,0,0\n0.05,{y},0\n0.1,0,0\n");

@@ -95,7 +95,7 @@ fn a_failed_case_is_recorded_and_stops_no_other() {
 }
 
 #[test]
-fn a_case_that_shows_itself_impossible_late_is_recorded() {
+fn a_case_that_fails_late_is_recorded() {
     // Each value is possible, but one combination is not: two ropes that overlap.
     let across = "[[rods]]\nname = \"across\"\nradius = \"3 mm\"\nedges = 8\n\
                   shape = { kind = \"straight\", start = [0.1, -0.1, 0.008], end = [0.1, 0.1, 0.008] }\n\

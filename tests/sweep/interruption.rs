@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 #[test]
 #[cfg(unix)]
-fn killed_at_a_random_moment_the_same_command_ends_with_the_same_bytes() {
+fn a_sweep_that_is_killed_at_a_random_time_resumes_to_the_same_bytes() {
     let directory = directory(SWINGS);
     let start = Instant::now();
     let expected = undisturbed(&directory);
@@ -39,7 +39,7 @@ fn random_part() -> f64 {
 
 #[test]
 #[cfg(unix)]
-fn killed_again_and_again_the_same_command_ends_with_the_same_bytes() {
+fn a_sweep_that_is_killed_repeatedly_resumes_to_the_same_bytes() {
     let directory = directory(SWINGS);
     let start = Instant::now();
     let expected = undisturbed(&directory);
@@ -164,7 +164,7 @@ impl Drop for SmallDisk {
 }
 
 #[test]
-fn a_full_disk_ends_the_sweep_with_1_and_with_room_the_same_command_completes_it() {
+fn a_sweep_ends_with_1_on_a_full_disk_and_resumes_when_there_is_space() {
     let Some(disk) = SmallDisk::mount("400k") else {
         skipped("a full disk needs a small file system, and only root can mount one");
         return;

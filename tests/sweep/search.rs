@@ -94,7 +94,7 @@ fn a_golden_section_finds_the_least_outcome_inside_the_interval() {
 }
 
 #[test]
-fn searches_that_cannot_end_say_why() {
+fn searches_without_an_end_report_the_reason() {
     let search = |objective: &str, target: &str| {
         format!(
             "{HANGING}[sweep.search]\nmethod = \"bisect\"\nparameter = \"material.density\"\n\

@@ -90,7 +90,7 @@ fn a_rod_that_is_longer_than_its_pattern_is_laid_to_its_end() {
 }
 
 #[test]
-fn a_rod_of_another_length_than_the_one_that_is_seen_is_not_scored() {
+fn a_rod_with_a_wrong_visible_length_is_not_scored() {
     let served = serve(&["--rate", "50"], "");
     // The cell supplies rods of 30 cm.
     let longer = ROD.replace("30 cm", "32 cm");
@@ -115,7 +115,7 @@ fn a_rod_of_another_length_than_the_one_that_is_seen_is_not_scored() {
 }
 
 #[test]
-fn a_rod_is_laid_anew_from_where_the_camera_sees_it() {
+fn the_path_of_a_rod_is_replanned_from_pictures() {
     // The limits below are four to six times the jitter, since its phase at the start of the
     // motion is not fixed.
     let jitter = ["--jitter", "0.5 mm", "--seed", "3"];

@@ -180,7 +180,7 @@ fn a_cell_that_is_killed_at_any_moment_ends_the_task() {
 }
 
 #[test]
-fn a_task_goes_on_when_somebody_has_looked() {
+fn a_task_continues_after_an_inspection() {
     let served = serve(&["--rate", "50", "--fault", "drop-link@2s"], "");
     assert_eq!(served.deploy().status.code(), Some(1));
     served.asks_for_a_look_before(&again());

@@ -33,7 +33,7 @@ fn record(output: &Output) -> Value {
 }
 
 #[test]
-fn an_arm_finds_the_gravito_bending_length_of_a_rod_that_is_not_the_expected_one() {
+fn an_arm_identifies_a_rod_that_differs_from_the_expected_one() {
     let served = serve(&["--rate", "50", "--hanging", "15 cm"], "");
     fs::write(served.folder.path().join("expected.toml"), expected()).unwrap();
     let task = ["identify", "--rod", "expected.toml", "--free", "15 cm"];
@@ -74,7 +74,7 @@ fn an_arm_finds_the_gravito_bending_length_of_a_rod_that_is_not_the_expected_one
 }
 
 #[test]
-fn a_rod_is_identified_first_and_laid_as_what_it_is() {
+fn an_identified_rod_is_laid_with_its_measured_properties() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("rod.toml"), ROD).unwrap();
     fs::write(folder.path().join("expected.toml"), expected()).unwrap();
@@ -97,7 +97,7 @@ fn a_rod_is_identified_first_and_laid_as_what_it_is() {
 }
 
 #[test]
-fn what_cannot_be_identified_is_refused_before_anything_moves() {
+fn impossible_identifications_are_rejected_before_anything_moves() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("rod.toml"), ROD).unwrap();
     for (arguments, words) in [

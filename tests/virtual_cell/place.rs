@@ -33,7 +33,7 @@ fn a_cable_is_placed_between_its_pegs_by_the_optimal_grasps_and_not_by_the_intui
 }
 
 #[test]
-fn what_is_no_placement_is_refused() {
+fn invalid_placements_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     for (scenario, word) in [
         ("deployment.toml", "deployment.clips"),

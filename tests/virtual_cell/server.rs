@@ -38,7 +38,7 @@ fn a_camera_that_is_lost_sends_no_pictures() {
 }
 
 #[test]
-fn an_arm_is_led_by_one_client_and_stops_when_that_dies() {
+fn one_client_controls_an_arm_which_stops_when_that_client_dies() {
     let mut served = serve(&[], "");
     served.write_motion(0.4, 8.0);
     served.change(
@@ -82,7 +82,7 @@ fn an_arm_is_led_by_one_client_and_stops_when_that_dies() {
 }
 
 #[test]
-fn strangers_are_refused_and_nonsense_does_no_harm() {
+fn clients_without_a_token_and_invalid_messages_are_rejected() {
     const TOKEN: &str = "0123456789abcdef";
     let served = serve(&["--token", TOKEN], &format!("/{TOKEN}"));
     // Neither random bytes nor a client without the token is accepted.
@@ -111,7 +111,7 @@ fn strangers_are_refused_and_nonsense_does_no_harm() {
 }
 
 #[test]
-fn others_are_let_in_only_with_a_token() {
+fn remote_clients_need_a_token() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("cell.toml"), gantry()).unwrap();
     let serve = |arguments: &[&str]| {
