@@ -31,7 +31,7 @@ def answer(*words: str, **options: Any) -> dict[str, Any]:
 
 
 def flags(**options: Any) -> list[str]:
-    """Write options as flags: `suspended_length=2` as `--suspended-length=2`; None leaves one out."""
+    """Write options as flags: `suspended_length=2` as `--suspended-length=2`; None omits an option."""
     words = []
     for name, value in options.items():
         flag = "--" + name.replace("_", "-")
@@ -69,7 +69,7 @@ def arrays(value: Any) -> Any:
 
 @contextmanager
 def folder(out: File | None) -> Iterator[Path]:
-    """Yield the directory `out`, or one that is removed at the end."""
+    """Yield the directory `out`, or a temporary one that is removed at the end."""
     if out is not None:
         yield Path(out)
         return
@@ -79,7 +79,7 @@ def folder(out: File | None) -> Iterator[Path]:
 
 @contextmanager
 def curve_file(curve: ArrayLike | File, name: str) -> Iterator[str]:
-    """Yield the name of a file with a plane curve: of `curve` itself, or of an array k × 2 in m."""
+    """Yield the name of a file with a plane curve: `curve` itself, or a file written from an array k × 2 in m."""
     if isinstance(curve, (str, PathLike)):
         yield fspath(curve)
         return
@@ -97,7 +97,7 @@ def write_columns(path: Path, names: Sequence[str], rows: Array) -> None:
 
 
 def read_columns(path: Path) -> dict[str, Array]:
-    """Read the numeric columns of a CSV file; an empty cell is not a number."""
+    """Read the numeric columns of a CSV file; an empty cell is NaN."""
     with open(path, newline="", encoding="utf-8") as file:
         reader = csv.reader(file)
         names = next(reader)

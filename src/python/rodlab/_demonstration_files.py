@@ -58,7 +58,7 @@ class Episode:
         self.begin(observation, picture)
 
     def summary(self) -> dict[str, Any]:
-        """Return what lists of episodes contain."""
+        """Return the entry of the episode in lists."""
         return {
             "seed": self.seed,
             "parameters": self.parameters,
@@ -69,13 +69,13 @@ class Episode:
 
 
 class Writer(Protocol):
-    """What writes episodes into a directory."""
+    """Writer of episodes into a directory."""
 
     def __init__(self, directory: Path, task: str, description: str) -> None: ...
     def write(self, episode: Episode) -> None:
         """Write an episode, or keep it until the end."""
     def close(self) -> None:
-        """Write what lists all episodes."""
+        """Write the list of all episodes."""
 
 
 class NpzWriter:
@@ -219,7 +219,7 @@ def _pyarrow() -> tuple[Any, Any]:
 
 
 def _columns(arrow: Any, episode: Episode, number: int) -> dict[str, Any]:
-    """Return the columns of an episode: a row for each action, with the observation before it."""
+    """Return the columns of an episode: a row for each action, with the preceding observation."""
     count = len(episode.actions)
     vectors = arrow.list_(arrow.float32())
     ended = [one or other for one, other in zip(episode.terminated, episode.truncated, strict=True)]

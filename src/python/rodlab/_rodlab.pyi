@@ -41,7 +41,7 @@ def main(arguments: Sequence[str]) -> int:
     """Run the command line, and return its exit code."""
 
 def command(arguments: Sequence[str]) -> str:
-    """Run the command line, and return its standard output; a failure raises its error."""
+    """Run the command line, and return its standard output; a failure raises its exception."""
 
 def demonstrations(arguments: Sequence[str]) -> dict[str, Any] | None:
     """Return the demonstrations that a command line requests; None for any other command."""
@@ -62,12 +62,12 @@ class Scenario:
     @property
     def experiment(self) -> str: ...
     def sensitivity(self, to: Sequence[str], of: Sequence[str]) -> dict[str, Any]:
-        """Differentiate the c columns of probes over k keys at the t outputs.
+        """Differentiate the c columns of probes with respect to k keys at the t outputs.
 
         Returns `times` (t, s), `columns`, `keys`, `units`, `key_values` (k), `values` (t × c) and `derivatives` (t × k × c).
         """
     def field_sensitivity(self, fields: Sequence[str], of: Sequence[str], parts: int) -> dict[str, Any]:
-        """Differentiate the c columns of probes at the end over f components of fields at n nodes, in p parts of the motion.
+        """Differentiate the c columns of probes at the end with respect to f components of fields at n nodes, in p parts of the motion.
 
         Returns `columns`, `values` (c), `fields` (f), `units` (f), `rods` (n), `nodes` (n), `arc_lengths` (n, m), `ends` (p, s) and
         `derivatives` (p × n × f × c).
@@ -77,7 +77,7 @@ class Scenario:
 
 @final
 class StepReport:
-    """What a step did. Times in s, energies in J."""
+    """Report on a step. Times in s, energies in J."""
 
     time: float
     step: float
@@ -98,14 +98,14 @@ class Contacts:
     forces: _Array
     """Forces on the first of each pair, friction included, m × 3, N."""
     normals: _Array
-    """Unit vectors from the second to the first, m × 3."""
+    """Unit vectors from the second body to the first, m × 3."""
     distances: _Array
     """Distances of centrelines, m, m."""
     def __len__(self) -> int: ...
 
 @final
 class State:
-    """All that influences the future of a simulation. It can be pickled."""
+    """All data that determine the future of a simulation. Can be pickled."""
 
     def __copy__(self, /) -> State: ...
     def __deepcopy__(self, _memo: object, /) -> State: ...
@@ -114,13 +114,13 @@ class State:
 
 @final
 class Simulation:
-    """A scene in motion, with n nodes in all: rod after rod."""
+    """A scene in motion with n nodes in total, rod after rod."""
 
     def __new__(cls, scenario: Scenario, natural_curvature: bool = False) -> Self:
         """Set up the scene at time zero; `natural_curvature` makes the array of that name available."""
     # Motion.
     def step(self, duration: float | None = None) -> StepReport:
-        """Advance by `duration` (s), by default by the step of the scenario; where that is automatic, by one step."""
+        """Advance by `duration` (s), by default by the step of the scenario; if that is automatic, by one step."""
     def run(self, until: float) -> StepReport:
         """Advance to the time `until` (s), with steps of the scenario's size."""
     def find_equilibrium(self) -> StepReport: ...
@@ -139,10 +139,10 @@ class Simulation:
         """End of the motion in the scenario, s."""
     @property
     def ended(self) -> str | None:
-        """Why the scenario's own condition ended the motion, if it did."""
+        """Reason, if the scenario's own condition ended the motion."""
     @property
     def step_size(self) -> float | None:
-        """Step of the scenario, s; None where it is automatic."""
+        """Step of the scenario, s; None if it is automatic."""
     @property
     def rod_names(self) -> list[str]: ...
     @property
@@ -159,7 +159,7 @@ class Simulation:
         """Velocities of the nodes, n × 3, m/s."""
     @property
     def directors(self) -> _Array:
-        """First material directors of the edges that start at the nodes, n × 3; zero where none starts."""
+        """First material directors of the edges that start at the nodes, n × 3; zero at nodes without such an edge."""
     @property
     def edge_angles(self) -> _Array:
         """Angles of these edges about their tangents, n, rad."""
@@ -168,15 +168,15 @@ class Simulation:
         """Twist per length at the nodes, n, rad/m."""
     @property
     def curvatures(self) -> _Array:
-        """Curvature of the centreline at the nodes, n, 1/m; not a number at free ends."""
+        """Curvature of the centreline at the nodes, n, 1/m; NaN at free ends."""
     @property
     def moments(self) -> _Array:
-        """Size of the bending moment and the twisting moment at the nodes, n × 2, N m; not a number at free ends."""
+        """Size of the bending moment and the twisting moment at the nodes, n × 2, N m; NaN at free ends."""
     @property
     def tensions(self) -> _Array:
-        """Tension of the edges that start at the nodes, n, N; not a number where none starts."""
+        """Tension of the edges that start at the nodes, n, N; NaN at nodes without such an edge."""
     def read_positions(self, out: _Array) -> None:
-        """Write the positions into an array n × 3 that exists."""
+        """Write the positions into an existing array n × 3."""
     # Actions, which hold from the next step on.
     @property
     def forces(self) -> _Array:
@@ -198,7 +198,7 @@ class Simulation:
     def move_clamp(self, clamp: int, pose: ArrayLike) -> None:
         """Move a clamp to a pose, 4 × 4, or to a position, 3, during the next call of `step` or `run`."""
     def grasp(self, node: int, position: bool = True, frame: bool = True) -> int:
-        """Grasp a node where it is, and return the number of the new clamp."""
+        """Grasp a node at its current place, and return the number of the new clamp."""
     def release(self, clamp: int) -> None: ...
     def set_load_factor(self, load: int, factor: float) -> None: ...
     # Measurements.
@@ -218,7 +218,7 @@ class Simulation:
     def probes(self) -> dict[str, float]:
         """The scenario's probes and the columns of its experiment now; names end with their units."""
     def gradient(self, to: Sequence[str], of: Sequence[str]) -> dict[str, Any]:
-        """Differentiate probes over keys at the present time; the answer is that of `Scenario.sensitivity`."""
+        """Differentiate probes with respect to keys at the current time; the result is like that of `Scenario.sensitivity`."""
     @property
     def remarks(self) -> list[str]: ...
     # States.
@@ -251,7 +251,7 @@ class Batch:
     def save(self, case: int) -> State: ...
     def restore(self, case: int, state: State) -> None: ...
     def reset(self, cases: Sequence[int] | None = None) -> None:
-        """Put cases back to the start of their scenarios."""
+        """Reset cases to the start of their scenarios."""
 
 def run(scenario: Scenario, out: str | PathLike[str], force: bool = False, progress: bool = False) -> str:
     """Run a scenario as `rodlab run` does, and return its outcome as JSON."""

@@ -27,7 +27,7 @@ _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
 @runtime_checkable
 class Named(Protocol):
-    """A part of a scene that stands for its name."""
+    """A part of a scene that can be used instead of its name."""
 
     @property
     def name(self) -> str | None: ...
@@ -67,7 +67,7 @@ def plain(value: Any, key: str) -> Any:
 
 
 def table(keys: Mapping[str, Any], key: str) -> Table:
-    """Convert a mapping to a table; keys with the value None are left out."""
+    """Convert a mapping to a table; keys with the value None are omitted."""
     result: Table = {}
     for name, value in keys.items():
         if not isinstance(name, str):
@@ -116,7 +116,7 @@ def inline(value: Any) -> str:
         return f"{{ {pairs} }}" if pairs else "{}"
     if isinstance(value, Sequence):
         return "[" + ", ".join(map(inline, value)) + "]"
-    # Dates and times, which a file may hold.
+    # Dates and times, which a file may contain.
     return str(value)
 
 
@@ -141,7 +141,7 @@ def read_toml(text: str) -> Table:
 
 
 def _sections(item: Any) -> list[Mapping[str, Any]]:
-    """Return the tables that are sections of a file of their own; none for other values."""
+    """Return the tables that are separate sections of a file; empty for other values."""
     if isinstance(item, Mapping):
         return [item]
     if isinstance(item, list) and all(isinstance(element, Mapping) for element in item):

@@ -52,7 +52,7 @@ class Batch:
 
     @property
     def failures(self) -> list[str | None]:
-        """Why each case failed; None for those that did not."""
+        """Reason for the failure of each case; None for cases without failure."""
         return self._core.failures
 
     @property
@@ -84,11 +84,11 @@ class Batch:
         return self._core.save(case)
 
     def restore(self, case: int, state: State) -> None:
-        """Put a case into a state."""
+        """Restore a state of a case."""
         self._core.restore(case, state)
 
     def reset(self, cases: Sequence[int] | None = None) -> None:
-        """Put cases, by default all, back to the start of their scenarios."""
+        """Reset cases, by default all, to the start of their scenarios."""
         self._core.reset(cases)
 
 

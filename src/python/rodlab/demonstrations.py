@@ -142,11 +142,11 @@ def demonstrations(
 
 
 def _cable_shape(seed: int, pictures: bool) -> Episode | None:
-    """Lay a cable along the target of a seed, or return nothing if that cannot be planned."""
+    """Lay a cable along the target of a seed; return None if no plan exists."""
     env = CableShape(control="pose")
     env.reset(seed=seed)
     values = env.parameters
-    # The gripper needs an end to hold: the pattern is a little shorter than the cable.
+    # The pattern is slightly shorter than the cable, so that the gripper can hold an end.
     pattern = 0.985 * (env.target - env.target[0]) + env.target[0]
     end = pattern[-1] - pattern[-2]
     rest = values["length"] * 0.015 * end / np.linalg.norm(end)
@@ -187,7 +187,7 @@ def _cable_shape(seed: int, pictures: bool) -> Episode | None:
 
 
 def _folding(seed: int, pictures: bool) -> Episode | None:
-    """Fold the strip of a seed, or return nothing if that cannot be planned."""
+    """Fold the strip of a seed; return None if no plan exists."""
     env = Folding()
     env.reset(seed=seed)
     values = env.parameters
@@ -214,7 +214,7 @@ def _folding(seed: int, pictures: bool) -> Episode | None:
     def action(frame: Array, time: float) -> Array:
         gripper = env.gripper
         wanted = plan.at(time)
-        # The plan folds from x = 0 towards +x; the strip of the environment from its end towards -x.
+        # The plan folds from x = 0 towards +x; the environment folds its strip from the end towards -x.
         place = np.array([length - wanted[0, 3], wanted[2, 3] + 0.5 * values["thickness"]])
         height = max(place[1], env.target[1] if time > 0.5 * plan.times[-1] else 0.0)
         shift = (np.array([place[0], height]) - gripper.pose[[0, 2], 3]) / (folding.SPEED * env.period)

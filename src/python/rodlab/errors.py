@@ -1,4 +1,4 @@
-"""Exceptions of rodlab, with the texts of the command line."""
+"""Exceptions of rodlab, with the messages of the command line."""
 
 from __future__ import annotations
 

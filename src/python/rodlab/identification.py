@@ -1,4 +1,4 @@
-"""Keys of scenarios from measurements, and derivatives of what scenarios measure."""
+"""Fits of keys of scenarios to measurements, and derivatives of probes."""
 
 from __future__ import annotations
 
@@ -231,7 +231,7 @@ class Derivatives:
     """Probes and their derivatives over k keys at t times, in SI units; c columns of probes."""
 
     times: Array
-    """Times of the outputs, t, s; of an equilibrium one."""
+    """Times of the outputs, t, s; one for an equilibrium."""
     columns: list[str]
     """Columns of the probes; names end with their units."""
     keys: list[str]
@@ -241,19 +241,19 @@ class Derivatives:
     key_values: Array
     """Value of each key, k."""
     values: Array
-    """Values of the columns, t × c; not a number where a probe has none."""
+    """Values of the columns, t × c; NaN where a probe has no value."""
     derivatives: Array
-    """Derivatives, t × k × c, in the unit of the column over that of the key."""
+    """Derivatives, t × k × c, in the unit of the column divided by that of the key."""
 
     @property
     def elasticities(self) -> Array:
-        """Relative change of a column over that of a key, (p/y) dy/dp, t × k × c."""
+        """Relative change of a column per relative change of a key, (p/y) dy/dp, t × k × c."""
         values = np.where(self.values == 0.0, np.nan, self.values)[:, np.newaxis, :]
         result: Array = self.key_values[:, np.newaxis] * self.derivatives / values
         return result
 
     def table(self) -> pandas.DataFrame:
-        """Return ``sensitivity.csv``: time, then each column and its derivatives over the keys."""
+        """Return ``sensitivity.csv``: time, then each column and its derivatives with respect to the keys."""
         columns: dict[str, Array] = {"time_s": self.times}
         for index, name in enumerate(self.columns):
             columns[name] = self.values[:, index]
@@ -266,7 +266,7 @@ class Derivatives:
 def sensitivity(
     scene: Scene | File, to: str | Sequence[str], of: str | Sequence[str] = (), **keys: Any
 ) -> Derivatives:
-    """Differentiate probes of a scene over its keys, as ``rodlab sensitivity`` does.
+    """Differentiate probes of a scene with respect to its keys, as ``rodlab sensitivity`` does.
 
     Derivatives are those of the motion as it is computed, by the Newton matrices of its steps.
 
@@ -275,7 +275,7 @@ def sensitivity(
     scene
         A `Scene`, a scenario file, or a preset. It needs probes (`Scene.add_probe`).
     to
-        Keys over which is differentiated, such as ``"rods.beam.radius"``; k of them.
+        Keys with respect to which is differentiated, such as ``"rods.beam.radius"``; k of them.
     of
         Probes, or columns of them; by default all. They have c columns.
     **keys
@@ -319,7 +319,7 @@ class FieldDerivatives:
     ends: Array
     """Ends of the parts of the motion, p, s."""
     derivatives: Array
-    """Derivatives, p × n × f × c, in the unit of the column over that of the component."""
+    """Derivatives, p × n × f × c, in the unit of the column divided by that of the component."""
 
 
 def field_sensitivity(
@@ -364,14 +364,14 @@ def field_sensitivity(
 
 
 class _Tables:
-    """Files of tables that are in memory."""
+    """Writer of temporary files for tables in memory."""
 
     def __init__(self, directory: Path) -> None:
         self._directory = directory
         self._count = 0
 
     def file(self, given: Any, name: str) -> str:
-        """Return the name of a file with a table: `given` itself, or one that is written."""
+        """Return the name of a file with a table: `given` itself, or a new file."""
         if not _is_table(given):
             return text(given, name)
         columns = {str(column): np.asarray(given[column]) for column in given.keys()}
@@ -390,17 +390,17 @@ class _Tables:
 
 
 def _is_table(given: object) -> bool:
-    """Whether these are columns of a table, such as those of a data frame."""
+    """Return whether a value is a table of columns, such as a data frame."""
     return hasattr(given, "keys") and hasattr(given, "__getitem__")
 
 
 def _is_one(given: object) -> bool:
-    """Whether this is one table rather than a list of them."""
+    """Return whether a value is one table instead of a list of tables."""
     return _is_table(given) or isinstance(given, (str, PathLike))
 
 
 def _cells(values: NDArray[Any]) -> Iterator[str]:
-    """Write the values of a column; what is not a number is left empty."""
+    """Write the values of a column; NaN becomes an empty cell."""
     for value in values.tolist():
         if value is None or value != value:
             yield ""

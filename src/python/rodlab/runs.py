@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _PAGE_OUTPUTS = 300
-"""Outputs in the 3-D page of a notebook, which stores the page."""
+"""Largest number of outputs in the 3-D page of a notebook, which stores the page."""
 
 
 def run(
@@ -143,7 +143,7 @@ class Results:
 
     @property
     def report(self) -> dict[str, Any]:
-        """Status, outcome and cost of the run; of a sweep those of every case, by its id."""
+        """Status, outcome and cost of the run; for a sweep, those of every case by its id."""
         cases: dict[str, Any] = self.manifest.get("cases", {})
         return cases if self.is_sweep else cases.get("main", {})
 
@@ -153,7 +153,7 @@ class Results:
         return (self.directory / "cases").is_dir()
 
     def cases(self) -> dict[str, Results]:
-        """Return the results of each case of a sweep that has any, by its id."""
+        """Return the results of each case of a sweep by its id; cases without results are omitted."""
         with open(self._file("summary.csv"), newline="", encoding="utf-8") as file:
             names = [row["case"] for row in csv.DictReader(file)]
         folders = {name: self.directory / "cases" / name for name in names}
@@ -168,7 +168,7 @@ class Results:
         return self._read("summary.csv")
 
     def series(self) -> pandas.DataFrame:
-        """Return ``series.csv``: a row for each output; of a sweep with a first column ``case``."""
+        """Return ``series.csv``: a row for each output; for a sweep, with a first column ``case``."""
         if not self.is_sweep:
             return self._read("series.csv")
         frames = []
@@ -182,7 +182,7 @@ class Results:
         return frame
 
     def nodes(self) -> Nodes:
-        """Return ``nodes.csv`` as arrays. Of a sweep, take those of its `cases`."""
+        """Return ``nodes.csv`` as arrays. For a sweep, use those of its `cases`."""
         path = self._file("nodes.csv")
         with open(path, encoding="utf-8") as file:
             head = file.readline().rstrip("\n").split(",")
@@ -196,7 +196,7 @@ class Results:
         for rod in self.manifest["rods"]:
             rods[rod["name"]] = slice(first, first + rod["nodes"])
             first += rod["nodes"]
-        # A run that is writing may have part of an output.
+        # A run in progress may have written part of an output.
         outputs = len(rows) // first
         table = rows[: outputs * first].reshape(outputs, first, len(names))
         return Nodes(table[:, 0, 0].copy(), table[:, :, 1:4].copy(), table[:, :, 4].copy(), rods)
@@ -266,7 +266,7 @@ def _number(cell: str) -> float:
 
 
 def _with_keys(scene: Scene | File, keys: Mapping[str, Any]) -> Scene:
-    """Return the scene with other values of keys; the one that is given stays as it is."""
+    """Return the scene with other values of keys; the given scene is unchanged."""
     if isinstance(scene, Scene):
         return scene.with_keys(**keys) if keys else scene
     return Scene.load(scene, **keys)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Place = str | int
 """``"start"``, ``"end"``, or the number of a node, counted from zero."""
 
-# Keys that name files in any table, and those that do so in one.
+# Keys that name files in any table, and keys that name files in one table.
 _FILE_KEYS = frozenset({"file", "follow", "points_file", "rods_file"})
 _FILES = frozenset({"start.from", "knot.curve", "sweep.points", "extends", "include"})
 
@@ -84,8 +84,8 @@ class Scene:
         self.name = name
         self._directory = Path(directory)
         self._table: Table = table({"experiment": experiment, **tables}, "")
-        # A scene from a file stays bound to it until a part is added; until then only keys change.
-        # Of such a scene `_table` is what the file becomes with these keys, empty until it is needed.
+        # A scene from a file refers to the file until a part is added; until then only keys change.
+        # `_table` of such a scene is the file with these keys; it is empty until it is needed.
         self._file: str | None = None
         self._overrides: dict[str, Any] = {}
         self._scenario: Scenario | None = None
@@ -108,7 +108,7 @@ class Scene:
         # A preset is not a file.
         scene._file = str(Path(path).absolute()) if Path(path).is_file() else path
         scene._overrides = table(keys, "")
-        # Faults of the file are reported here.
+        # Report faults of the file here.
         scene._table = scene._expanded()
         for key, value in keys.items():
             if value is None:
@@ -117,9 +117,9 @@ class Scene:
 
     @classmethod
     def loads(cls, text: str, *, name: str = "scene", directory: File = ".", **keys: Any) -> Scene:
-        """Read a scenario from TOML text; names of files in it begin from `directory`."""
+        """Read a scenario from TOML text; names of files in it are relative to `directory`."""
         written = overrides(table(keys, ""))
-        # Faults of the text are reported here, with their lines.
+        # Report faults of the text here, with their lines.
         scenario = Scenario.loads(text, written, name=name, directory=fspath(directory))
         scene = cls(name=name, directory=directory)
         scene._table = read_toml(text)
@@ -132,7 +132,7 @@ class Scene:
     def from_dict(
         cls, tables: Mapping[str, Any], *, name: str = "scene", directory: File = "."
     ) -> Scene:
-        """Make a scene of the tables of a scenario file."""
+        """Make a scene from the tables of a scenario file."""
         scene = cls(name=name, directory=directory)
         scene._table = table(tables, "")
         return scene
@@ -293,11 +293,11 @@ class Scene:
         self.set("solver", **keys)
 
     def set_output(self, **keys: Any) -> None:
-        """Set what runs write: ``interval``, ``nodes``, ``forces``, ``vtk``."""
+        """Set the output of runs: ``interval``, ``nodes``, ``forces``, ``vtk``."""
         self.set("output", **keys)
 
     def set(self, table_name: str, **keys: Any) -> None:
-        """Set keys of a table; others stay. The methods ``set_...`` do this for one table each."""
+        """Set keys of a table; other keys are unchanged. The methods ``set_...`` do this for one table each."""
         present = self._own().get(_text(table_name), {})
         if not isinstance(present, dict):
             raise ScenarioError(f"{table_name}: a {type(present).__name__}, not a table")
@@ -358,7 +358,7 @@ class Scene:
             return
         *parents, last = _steps(key)
         if {"extends", "include"} & self._table.keys() and key not in self:
-            # The element may be in a file that this one extends.
+            # The element may be in a file that this file extends.
             self._overrides[key] = value
             return
         place: Any = self._table
@@ -376,7 +376,7 @@ class Scene:
     # Use.
     @property
     def scenario(self) -> Scenario:
-        """The scenario with all checks done and defaults filled in."""
+        """The checked scenario, with defaults filled in."""
         if self._scenario is None:
             written = overrides(self._overrides)
             if self._file is not None:
@@ -411,7 +411,7 @@ class Scene:
     def to_toml(self) -> str:
         """Return the scene as a scenario file; names of files in it are absolute."""
         if self._file is None and self._overrides:
-            # Keys of a file that this one extends were set: only the resolved scenario has them.
+            # Keys of an extended file were set, and only the resolved scenario has them.
             return self.scenario.to_toml()
         return write_toml(_with_absolute_files(self._tables(), self._directory, ""))
 
@@ -421,7 +421,7 @@ class Scene:
 
     @contextmanager
     def file(self) -> Iterator[tuple[str, list[str]]]:
-        """Yield a file of the scene and the flags ``--set`` beside it, for the command line."""
+        """Yield a file of the scene and the ``--set`` flags for the command line."""
         if self._file is not None:
             flags = [word for item in overrides(self._overrides) for word in ("--set", item)]
             yield self._file, flags
@@ -447,7 +447,7 @@ class Scene:
         return self.__dict__ | {"_scenario": None}
 
     def _expanded(self) -> Table:
-        """Return the tables of a file, with those of the files that it extends and includes."""
+        """Return the tables of a file, including those of the files that it extends and includes."""
         with self.file() as (path, settings):
             return read_toml(_rodlab.command(["expand", path, *settings, "--quiet"]))
 
@@ -458,7 +458,7 @@ class Scene:
         return self._table
 
     def _own(self) -> Table:
-        """Return the tables to change them: from now on they are not those of a file."""
+        """Return the tables for changes; from now on they are independent of a file."""
         if self._file is not None:
             self._tables()
             self._file = None
@@ -468,7 +468,7 @@ class Scene:
 
 
 def scene_of(scene: Scene | File) -> Scene:
-    """Return a scene, that of a file or preset if it is given by name."""
+    """Return a scene; a name is that of a file or a preset."""
     if isinstance(scene, Scene):
         return scene
     if isinstance(scene, (str, PathLike)):
@@ -513,7 +513,7 @@ def _number(elements: list[Any], step: str, path: str) -> int:
 
 
 def _with_absolute_files(value: Any, directory: Path, path: str) -> Any:
-    """Make names of files absolute, so that a file of the scene may be anywhere."""
+    """Make names of files absolute, so that the file of the scene may be in any directory."""
     if isinstance(value, dict):
         prefix = f"{path}." if path else ""
         return {

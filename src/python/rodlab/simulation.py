@@ -59,7 +59,7 @@ class Simulation:
         return self._core.run(until)
 
     def find_equilibrium(self) -> StepReport:
-        """Move to the static equilibrium under the present loads and clamps."""
+        """Move to the static equilibrium under the current loads and clamps."""
         return self._core.find_equilibrium()
 
     def follow(self, to: float | None = None, step: float | None = None) -> dict[str, Any]:
@@ -92,7 +92,7 @@ class Simulation:
 
     @property
     def ended(self) -> str | None:
-        """Why the scenario's own condition ended the motion, if it did."""
+        """Reason, if the scenario's own condition ended the motion."""
         return self._core.ended
 
     @property
@@ -143,21 +143,21 @@ class Simulation:
 
     @property
     def curvatures(self) -> Array:
-        """Curvature of the centreline at the nodes, n, 1/m; not a number at free ends."""
+        """Curvature of the centreline at the nodes, n, 1/m; NaN at free ends."""
         return self._core.curvatures
 
     @property
     def moments(self) -> Array:
-        """Size of the bending moment and the twisting moment, n × 2, N m; not a number at free ends."""
+        """Size of the bending moment and the twisting moment, n × 2, N m; NaN at free ends."""
         return self._core.moments
 
     @property
     def tensions(self) -> Array:
-        """Tensions of the edges that start at the nodes, n, N; not a number where none starts."""
+        """Tensions of the edges that start at the nodes, n, N; NaN at nodes without such an edge."""
         return self._core.tensions
 
     def read_positions(self, out: Array) -> None:
-        """Write the positions into an array n × 3 that exists."""
+        """Write the positions into an existing array n × 3."""
         self._core.read_positions(out)
 
     # Actions.
@@ -172,7 +172,7 @@ class Simulation:
 
     @property
     def torques(self) -> Array:
-        """Moments about the tangents of the edges that start at the nodes, n, N m: to write to."""
+        """Moments about the tangents of the edges that start at the nodes, n, N m: an array to write to."""
         return self._core.torques
 
     @torques.setter
@@ -181,7 +181,7 @@ class Simulation:
 
     @property
     def natural_curvature(self) -> Array:
-        """Natural curvatures κ₁ and κ₂ in addition to those of the rods, n × 2, 1/m: to write to."""
+        """Natural curvatures κ₁ and κ₂ in addition to those of the rods, n × 2, 1/m: an array to write to."""
         return self._core.natural_curvature
 
     @natural_curvature.setter
@@ -191,7 +191,7 @@ class Simulation:
     def grasp(
         self, rod: Part | str, at: Place = "end", *, position: bool = True, frame: bool = True
     ) -> Clamp:
-        """Grasp a node where it is.
+        """Grasp a node at its current place.
 
         Parameters
         ----------
@@ -243,7 +243,7 @@ class Simulation:
     def gradient(
         self, to: str | Sequence[str], of: str | Sequence[str] = ()
     ) -> dict[str, dict[str, float]]:
-        """Differentiate probes at the present time over keys of the scenario.
+        """Differentiate probes at the current time with respect to keys of the scenario.
 
         The motion is repeated with its derivatives, by the Newton matrices of its steps, from the
         start to the present time, in steps of the scenario's size. See also `rodlab.sensitivity`.
@@ -251,7 +251,7 @@ class Simulation:
         Parameters
         ----------
         to
-            Keys over which is differentiated, such as ``"rods.beam.radius"``.
+            Keys with respect to which is differentiated, such as ``"rods.beam.radius"``.
         of
             Probes, or columns of them; by default all.
 
@@ -281,7 +281,7 @@ class Simulation:
 
     # States.
     def save(self) -> State:
-        """Return all that influences the future of the simulation."""
+        """Return all data that determine the future of the simulation."""
         return self._core.save()
 
     def restore(self, state: State) -> None:
@@ -299,7 +299,7 @@ class Simulation:
 
     @contextlib.contextmanager
     def trial(self) -> Iterator[State]:
-        """Restore the present state at the end of a block: ``with simulation.trial(): ...``."""
+        """Restore the current state at the end of a block: ``with simulation.trial(): ...``."""
         state = self.save()
         try:
             yield state
@@ -347,7 +347,7 @@ class RodView:
             return int(self.nodes.start)
         if at == "end":
             return int(self.nodes.stop) - 1
-        # Numbers of numpy have __index__, too; True is not a node.
+        # Accept numbers of numpy, which have __index__; True is not a node.
         if isinstance(at, (str, bool)) or not hasattr(at, "__index__"):
             raise ScenarioError(f"at: {at!r}; allowed: 'start', 'end', or the number of a node")
         if not 0 <= at < len(self):
@@ -406,7 +406,7 @@ class RodView:
 
     @property
     def torques(self) -> Array:
-        """Moments about the tangents of the edges that start at the nodes, k, N m: to write to."""
+        """Moments about the tangents of the edges that start at the nodes, k, N m: an array to write to."""
         return self._core.torques[self.nodes]
 
     @torques.setter
@@ -415,7 +415,7 @@ class RodView:
 
     @property
     def natural_curvature(self) -> Array:
-        """Natural curvatures κ₁ and κ₂ in addition to those of the rod, k × 2, 1/m: to write to."""
+        """Natural curvatures κ₁ and κ₂ in addition to those of the rod, k × 2, 1/m: an array to write to."""
         return self._core.natural_curvature[self.nodes]
 
     @natural_curvature.setter
@@ -427,7 +427,7 @@ class RodView:
 
 
 class Rods(Mapping[str, RodView]):
-    """The rods of a simulation by name; handles of a `Scene` stand for names."""
+    """The rods of a simulation by name; handles of a `Scene` can be used instead of names."""
 
     __slots__ = ("_rods",)
 
@@ -481,12 +481,12 @@ class Clamp:
 
     @property
     def node(self) -> int | None:
-        """Number of the node that it holds; None if it was released."""
+        """Number of the held node; None if it was released."""
         return self._core.clamp_nodes[self.number]
 
     @property
     def pose(self) -> Array:
-        """Pose, 4 × 4. A pose that is assigned is reached during the next `step` or `run`."""
+        """Pose, 4 × 4. An assigned pose is reached during the next `step` or `run`."""
         return self._core.clamp_pose(self.number)
 
     @pose.setter
@@ -495,7 +495,7 @@ class Clamp:
 
     @property
     def position(self) -> Array:
-        """Position, 3, m. One that is assigned is reached during the next `step` or `run`."""
+        """Position, 3, m. An assigned position is reached during the next `step` or `run`."""
         return self._core.clamp_pose(self.number)[:3, 3]
 
     @position.setter
@@ -513,7 +513,7 @@ class Clamp:
         return self._core.reaction(self.number)[3:]
 
     def release(self) -> None:
-        """Let go of the node."""
+        """Release the node."""
         self._core.release(self.number)
 
     def __repr__(self) -> str:

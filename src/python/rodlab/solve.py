@@ -152,7 +152,7 @@ def loop_height(gravito_bending_length: Quantity) -> Answer:
 
 
 def hanging_plate(length: Quantity, gravito_bending_length: Quantity) -> Answer:
-    """Solve for how far (m) the free end of a strip hangs down whose other end is horizontal."""
+    """Solve for the drop (m) of the free end of a strip whose other end is held horizontally."""
     return answer(
         "solve", "hanging-plate", length=length, gravito_bending_length=gravito_bending_length
     )

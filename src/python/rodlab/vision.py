@@ -1,4 +1,4 @@
-"""Rods in images, and how well they match a pattern."""
+"""Rods in images, and their distance from a pattern."""
 
 from __future__ import annotations
 

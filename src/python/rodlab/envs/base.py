@@ -51,11 +51,11 @@ class RodEnv(gymnasium.Env[Observation, Action]):
     substep: ClassVar[float]
     """Time step of the engine, s."""
     default_horizon: ClassVar[int]
-    """Control steps after which an episode is truncated."""
+    """Number of control steps after which an episode is truncated."""
     failure_penalty: ClassVar[float] = 10.0
     """Reward of a failed step, with the sign changed."""
     success_reward: ClassVar[float] = 10.0
-    """Reward of the step that solves the task, in addition to that of the step."""
+    """Additional reward of the step that solves the task."""
     batched: ClassVar[bool] = True
     """Whether positions and velocities are all that the task measures, so that `rodlab.Batch` can step it."""
     bends: bool = False
@@ -77,18 +77,18 @@ class RodEnv(gymnasium.Env[Observation, Action]):
         self._simulation: _rodlab.Simulation | None = None
 
     def _set_spaces(self, actions: int, observations: int) -> None:
-        """Set the spaces by the numbers of values; a subclass calls this once."""
+        """Set the spaces from the numbers of values; a subclass calls this once."""
         self.action_space = spaces.Box(-1.0, 1.0, (actions,), np.float32)
         self.observation_space = spaces.Box(-OBSERVATION_BOUND, OBSERVATION_BOUND, (observations,), np.float32)
 
-    # What a subclass states.
+    # Methods that a subclass defines.
 
     def _scenario(self) -> dict[str, Any]:
         """Return the scene for `self.parameters`."""
         raise NotImplementedError
 
     def _begin(self, simulation: _rodlab.Simulation) -> None:
-        """Bring the scene to its start, and set the goal and the grippers."""
+        """Prepare the start of the scene, and set the goal and the grippers."""
         raise NotImplementedError
 
     def _act(self, action: Array) -> dict[int, Array]:
@@ -96,7 +96,7 @@ class RodEnv(gymnasium.Env[Observation, Action]):
         raise NotImplementedError
 
     def _observe(self) -> Array:
-        """Return the observation of the present state."""
+        """Return the observation of the current state."""
         raise NotImplementedError
 
     def _judge(self, action: Array) -> tuple[float, bool, dict[str, Any]]:
@@ -104,11 +104,11 @@ class RodEnv(gymnasium.Env[Observation, Action]):
         raise NotImplementedError
 
     def _draw(self) -> Canvas:
-        """Return the picture of the present state."""
+        """Return the picture of the current state."""
         raise NotImplementedError
 
     def _actuate(self, simulation: _rodlab.Simulation) -> None:
-        """Set what drives the scene other than clamps, before the steps of the engine."""
+        """Set actuation other than clamps, before the steps of the engine."""
 
     def _options(self, options: Mapping[str, Any]) -> None:
         """Use the options of `reset` other than the parameters."""
@@ -117,7 +117,7 @@ class RodEnv(gymnasium.Env[Observation, Action]):
         """Measure more than positions and velocities after a step."""
 
     def _lost(self) -> bool:
-        """Return whether the task can no longer be solved, which ends the episode as a failure."""
+        """Return whether the task has become impossible, which ends the episode as a failure."""
         return False
 
     # The interface of gymnasium.
@@ -230,7 +230,7 @@ class RodEnv(gymnasium.Env[Observation, Action]):
     def outcome(
         self, positions: Array, velocities: Array, failure: str | None
     ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Return what `step` returns, for the state at the end of a control step."""
+        """Return the result of `step` for the state at the end of a control step."""
         self.positions = np.array(positions)
         self.velocities = np.array(velocities)
         self.steps += 1
@@ -247,7 +247,7 @@ class RodEnv(gymnasium.Env[Observation, Action]):
         return self.observation(), float(reward), success, truncated, details
 
     def observation(self) -> Observation:
-        """Return the observation of the present state."""
+        """Return the observation of the current state."""
         values = np.clip(self._observe(), -OBSERVATION_BOUND, OBSERVATION_BOUND)
         return values.astype(np.float32)
 
@@ -257,5 +257,5 @@ class RodEnv(gymnasium.Env[Observation, Action]):
 
 
 def spread(nodes: int, count: int) -> NDArray[np.int64]:
-    """Return the numbers of `count` nodes of a rod of `nodes` nodes, evenly spread, both ends included."""
+    """Return the numbers of `count` evenly spread nodes of a rod of `nodes` nodes, including both ends."""
     return np.rint(np.linspace(0, nodes - 1, count)).astype(np.int64)

@@ -48,7 +48,7 @@ def cable_scene(
                 "name": "cable",
                 "radius": radius,
                 "edges": len(points) - 1,
-                # A cable hardly stretches, however easily it bends.
+                # A cable hardly stretches, even if it bends easily.
                 "stiffness": {"stretching": 300.0 * density * GRAVITY * area * length},
                 "natural_shape": "straight",
                 "shape": {"kind": "points", "points": points.tolist()},
@@ -118,7 +118,7 @@ def resample(points: Array, count: int) -> Array:
 
 
 def winding_number(polygon: Array, point: Array) -> int:
-    """Return how often a closed polygon, n × 2, turns around a point."""
+    """Return the number of turns of a closed polygon, n × 2, around a point."""
     angles = np.arctan2(polygon[:, 1] - point[1], polygon[:, 0] - point[0])
     turns = np.diff(np.append(angles, angles[0]))
     turns = (turns + np.pi) % (2.0 * np.pi) - np.pi

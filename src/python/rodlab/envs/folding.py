@@ -125,7 +125,7 @@ class Folding(RodEnv):
 
     def _act(self, action: Array) -> dict[int, Array]:
         velocity = SPEED * np.array([action[0], 0.0, action[1]])
-        # The angle grows from +x over +z, so the axis is -y.
+        # The angle increases from +x to +z, so that the axis is -y.
         rate = RATE * np.array([0.0, -action[2], 0.0])
         return {0: self.gripper.move(velocity, rate, self.period)}
 

@@ -62,7 +62,7 @@ class Gripper:
             The pose at its end.
         """
         place = self.pose[:3, 3]
-        # A gripper that begins outside its box is not pulled into it.
+        # A gripper that starts outside its box is not pulled into it.
         low, high = np.minimum(self.low, place), np.maximum(self.high, place)
         pose = np.eye(4)
         pose[:3, :3] = _orthonormal(rotation(rate * duration) @ self.pose[:3, :3])

@@ -90,7 +90,7 @@ class KnotState(RodEnv):
     def _tied(self) -> Array:
         """Return the nodes of a loose overhand knot, 81 × 3, m."""
         values = self.parameters
-        # A thicker rod of twice as many edges, so that no corners of the coarse curve overlap.
+        # Use a thicker rod with twice as many edges, so that no corners of the coarse curve overlap.
         table = {
             "experiment": "knot-tightening",
             "material": self._material(),

@@ -194,7 +194,7 @@ class PegPlacement(RodEnv):
 
 
 def _weave(points: Array) -> Array:
-    """Return a smooth curve y(x) through points of growing x, level at each of them, n × 2."""
+    """Return a smooth curve y(x), n × 2, through points with increasing x, with zero slope at each of them."""
     part = np.linspace(0.0, 1.0, 9)[:, np.newaxis]
     level = 0.5 - 0.5 * np.cos(np.pi * part)
     pieces = [

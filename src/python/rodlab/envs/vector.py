@@ -41,7 +41,7 @@ class RodVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
     """
 
     single: ClassVar[type[RodEnv]]
-    """The environment of which there are copies."""
+    """The environment that is copied."""
 
     def __init__(
         self,
@@ -159,7 +159,7 @@ class RodVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         """Step the batch through a control period, and return the failures."""
         poses: dict[int, Array] = {}
         for case, env in enumerate(self.envs):
-            # A case that waits for its reset is stepped with the others, but nothing is read of it.
+            # A case that waits for its reset is stepped with the others, but its results are ignored.
             action = np.zeros(actions.shape[1:], np.float32) if waiting[case] else actions[case]
             for clamp, pose in env.command(action).items():
                 poses.setdefault(clamp, np.empty((self.num_envs, 4, 4)))[case] = pose
