@@ -133,7 +133,7 @@ def main() -> None:
     for name, (run, ladder) in LADDERS.items():
         for edges, step in ladder:
             try:
-                # What is compiled at the first call is compiled before.
+                # Compile before the measurement what is compiled at the first call.
                 run(edges, END / SAMPLES if name == "rodlab" else step) if (edges, step) == ladder[0] else None
                 tips, cost = run(edges, step)
             except ImportError as error:

@@ -1,4 +1,4 @@
-"""The command `rodlab dataset --format`, as it is typed, and the files that it writes."""
+"""The command `rodlab dataset --format`, and the files that it writes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ COUNT = 2
 
 
 def rodlab(*words: object) -> subprocess.CompletedProcess[str]:
-    """Run the program of the package that is installed, or else the module."""
+    """Run the program of the installed package, or else the module."""
     script = Path(sys.executable).parent / "rodlab"
     program = [str(script)] if script.exists() else [sys.executable, "-m", "rodlab"]
     return subprocess.run([*program, *map(str, words)], capture_output=True, text=True, check=False)

@@ -36,7 +36,7 @@ def actions(env: envs.RodEnv, count: int, seed: int = 0) -> Any:
 
 
 def roll(env: envs.RodEnv, seed: int, count: int) -> list[bytes]:
-    """Return the bytes of all that an environment returns in some steps."""
+    """Return the bytes of all results of an environment in some steps."""
     observation, info = env.reset(seed=seed)
     result = [observation.tobytes(), json.dumps(info).encode()]
     for action in actions(env, count):
@@ -192,7 +192,7 @@ def test_a_flagellum_swims_by_its_curvature() -> None:
     assert roll(env, 3, 4) == roll(envs.FlagellumSpeed(fluid="resistive", control="curvature"), 3, 4)
     middle = {"target_polar": 0.0, "helix_radius": 0.008, "youngs_modulus": 5e6}
 
-    # A wave of curvature runs along the filament, while the head does not turn.
+    # A wave of curvature travels along the filament, while the head does not rotate.
     env.reset(seed=1, options={"parameters": middle})
     start = env.positions.mean(axis=0)
     for step in range(40):

@@ -98,7 +98,7 @@ def test_a_step_that_fails_leaves_the_state_before_it(simulation: rodlab.Simulat
     simulation.step()
     positions = simulation.positions.copy()
     time_before = simulation.time
-    # Beyond any rod.
+    # No rod can have this strain.
     simulation.forces[-1] = [1e15, 0, 0]
     with pytest.raises(rodlab.RodlabError):
         for _ in range(20):
@@ -166,7 +166,7 @@ def test_several_simulations_step_in_parallel() -> None:
 
 @pytest.fixture
 def ctrl_c():
-    """Interrupts raise exceptions, also where the tests run in the background of a shell, which ignores them."""
+    """Make interrupts raise exceptions, even if the tests run in the background of a shell, which ignores interrupts."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
@@ -195,5 +195,5 @@ def test_an_interrupt_ends_a_long_call(kind, tmp_path, ctrl_c) -> None:
         calls[kind]()
     ended = time.perf_counter()
     timer.join()
-    # A tenth of a second on a machine that does nothing else.
+    # This takes a tenth of a second on an idle machine.
     assert ended - sent[0] < 5.0

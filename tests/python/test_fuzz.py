@@ -22,7 +22,7 @@ NODES = 6
 
 
 def argument(random: random.Random) -> Any:
-    """Return a value of any kind; most are wrong wherever they go."""
+    """Return a value of any kind; most are invalid for any argument."""
     finite = random.uniform(-0.01, 0.01)
     shape = tuple(random.choice([0, 1, 2, 3, 4, NODES]) for _ in range(random.randint(0, 3)))
     array = np.array(random.choices([finite, 0.0, 1.0, -1.0], k=int(np.prod(shape)))).reshape(shape)
@@ -117,7 +117,7 @@ class Caller:
 
 
 def not_distant(time: Any) -> Any:
-    """Bring a distant time near: to run so far takes long, and is not wrong."""
+    """Limit a distant time: a long run is valid, but takes too much time."""
     is_number = isinstance(time, (int, float, np.number, np.ndarray)) and np.ndim(time) == 0
     is_distant = is_number and np.isfinite(float(time)) and time > 0.02
     return 0.02 if is_distant else time
@@ -131,7 +131,7 @@ def is_tried(name: str) -> bool:
 
 
 def test_random_calls_raise_and_never_crash(tmp_path, monkeypatch) -> None:
-    # `save` of a scene writes a file of a random name.
+    # `save` of a scene writes a file with a random name.
     monkeypatch.chdir(tmp_path)
     random_numbers = random.Random(20240607)
     raised = 0

@@ -107,7 +107,7 @@ def test_the_gradient_of_an_equilibrium_is_that_of_beams() -> None:
     simulation.find_equilibrium()
     sag = -simulation.rods["beam"].tip[2]
     derivative = simulation.gradient(MODULUS, "tip_z_m")["tip_z_m"][MODULUS]
-    # Sags are small, so that they are proportional to 1/E.
+    # Deflections are small, so that they are proportional to 1/E.
     assert derivative == pytest.approx(sag / 1e9, rel=1e-2)
     assert BENDING_STIFFNESS > 0 and sag < 0.02 * LENGTH
 

@@ -96,7 +96,7 @@ def test_results_are_tables_and_arrays(tmp_path) -> None:
     assert nodes.positions.shape == (5, 9, 3)
     assert nodes.angles.shape == (5, 9)
     assert nodes.rods == {"beam": slice(0, 9)}
-    # The same bits, whether read from one table or the other.
+    # Both tables give identical bits.
     assert nodes.positions[:, -1, 2].tolist() == series["tip_z_m"].tolist()
     assert result.summary()["status"].tolist() == ["finished"]
     opened = rodlab.results(tmp_path / "out")

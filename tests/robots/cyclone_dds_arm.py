@@ -1,6 +1,6 @@
 """An arm of two joints behind an action server of ROS 2 on Cyclone DDS: follows its trajectory, tells its joints at
 100 Hz. A service is two topics whose messages begin with the name of the request, as the middleware of ROS 2 on
-Cyclone DDS has it. On this machine only. Arguments: the domain, and the name under which the arm lives.
+Cyclone DDS has it. On this machine only. Arguments: the domain, and the name of the arm.
 `cyclone_dds_cell.py` adds a gripper and a camera."""
 
 import os
@@ -217,13 +217,13 @@ class Service:
         return [sample for sample in self.reader.take(10) if sample.sample_info.valid_data]
 
 
-# A fault of the server, by the environment: false-end (it reports success at once, and the arm stands still), false-cancel (it confirms
-# a cancellation, and the arm moves on), flood (the arm stands still after 2 s, with 5,000 reports a second).
+# A fault of the server, by the environment: false-end (it reports success at once, while the arm stands still), false-cancel (it confirms
+# a cancellation, while the arm keeps moving), flood (the arm stands still after 2 s, with 5,000 reports a second).
 FAULT = os.environ.get("ARM_FAULT")
 
 
 class Arm:
-    """Joints that reports name, which goals move those of `joints`, and where they are."""
+    """Reported joints with their positions; goals move the joints in `joints`."""
 
     def __init__(self, joints, reported):
         action = "follow_joint_trajectory"
@@ -273,7 +273,7 @@ class Arm:
             self.position.update(zip(self.trajectory.joint_names, points[self.reached].positions))
             self.reached += 1
         if self.reached == 0:
-            # A goal that begins later leads the joints to its first point.
+            # If the first point is later than zero, the joints move to it first.
             part = elapsed / due.seconds()
             for joint, place in zip(self.trajectory.joint_names, points[0].positions):
                 self.position[joint] = self.first[joint] + part * (place - self.first[joint])
@@ -298,7 +298,7 @@ class Arm:
         self.ended = (ended, status)
 
     def tell(self):
-        """Results are told to who asks for them, before the end or after it."""
+        """Send results to the clients that have requested them, before or after the end."""
         for one in list(self.asked):
             if self.ended is not None and list(one.goal_id) == self.ended[0]:
                 self.asked.remove(one)
@@ -318,7 +318,7 @@ class Arm:
 
 
 def run(*parts):
-    """Lets all parts live at 100 Hz."""
+    """Update all parts at 100 Hz."""
     print("ready", flush=True)
     while True:
         begin = time.monotonic()

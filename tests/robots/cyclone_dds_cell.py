@@ -1,6 +1,6 @@
 """A gantry with a gripper and a camera behind ROS 2 on Cyclone DDS, on this machine only: the arm of `cyclone_dds_arm.py`, an action
-server of control_msgs/GripperCommand whose fingers stall on a rod, and a camera that sends the same PNG file again and again.
-Arguments: the domain, the name under which all of it lives, the PNG file, and the radius of the rod, m."""
+server of control_msgs/GripperCommand whose fingers stall on a rod, and a camera that sends the same PNG file repeatedly.
+Arguments: the domain, the common name of all parts, the PNG file, and the radius of the rod, m."""
 
 import sys
 import time
@@ -64,7 +64,7 @@ class CompressedImage(IdlStruct, typename="sensor_msgs.msg.dds_.CompressedImage_
 
 
 class Gripper:
-    """Closes to the diameter of the rod, where its fingers stall: then it aborts the goal, as ros2_control does by default."""
+    """A gripper whose fingers stall at the diameter of the rod. It then aborts the goal, as ros2_control does by default."""
 
     def __init__(self, arm):
         self.arm = arm

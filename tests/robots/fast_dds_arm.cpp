@@ -1,6 +1,6 @@
-// An arm of two joints behind an action server of ROS 2 on Fast DDS: follows its trajectory, tells its joints at 100 Hz.
-// An answer names its request in the parameters beside the message, as the middleware of ROS 2 on Fast DDS has it.
-// On this machine only. Arguments: the domain, and the name under which the arm lives.
+// An arm of two joints behind an action server of ROS 2 on Fast DDS: follows its trajectory, and reports its joints at 100 Hz.
+// An answer identifies its request in parameters outside the message, as in the middleware of ROS 2 on Fast DDS.
+// Runs on this machine only. Arguments: the domain, and the name of the arm.
 
 #include <algorithm>
 #include <array>
@@ -27,7 +27,7 @@
 using namespace eprosima::fastdds::dds;
 using namespace eprosima::fastrtps::rtps;
 
-/// A message in CDR, little-endian, with the four bytes in front that say so.
+/// A message in CDR, little-endian, after the four bytes that state this encoding.
 using Bytes = std::vector<uint8_t>;
 using Identifier = std::vector<uint8_t>;
 constexpr size_t FRONT = 4;
@@ -156,7 +156,7 @@ struct Service {
         SampleInfo info;
         if (reader->take_next_sample(&request.bytes, &info) != ReturnCode_t::RETCODE_OK || !info.valid_data) return false;
         request.identity = info.sample_identity;
-        // Clients of ROS 2 name the reader of their answers here.
+        // Clients of ROS 2 give the reader of their answers here.
         const GUID_t &named = info.related_sample_identity.writer_guid();
         if (named != GUID_t::unknown()) request.identity.writer_guid() = named;
         return true;
@@ -190,7 +190,7 @@ struct Goal {
             point.time += 1e-9 * reader.get<uint32_t>();
             points.push_back(point);
         }
-        // No joints of several degrees of freedom, no points of theirs, four kinds of tolerances, none of them, a time.
+        // No multi-DOF joints, none of their points, four kinds of tolerances (all empty), a time.
         reader.header();
         for (int k = 0; k < 2 + 4 + 2; k++) {
             if (reader.get<uint32_t>() != 0) throw std::runtime_error("more than a trajectory");
@@ -218,12 +218,12 @@ int main(int, char **arguments) {
         writer("rt/" + name + "/joint_states", "sensor_msgs::msg::dds_::JointState_", BEST_EFFORT_RELIABILITY_QOS);
 
     std::map<std::string, double> position{{"right_j0", 0.0}, {"right_j1", 0.0}, {"right_k1", 0.0}};
-    std::vector<Goal> goals;                  // one at most
-    std::vector<Request> asked;               // for results
-    std::map<Identifier, int> ended;          // with which status
+    std::vector<Goal> goals;                  // at most one
+    std::vector<Request> asked;               // requests for results
+    std::map<Identifier, int> ended;          // final status of each goal
     std::chrono::steady_clock::time_point begin;
     size_t reached = 0;
-    std::array<double, 2> first{};            // where the joints were when it came
+    std::array<double, 2> first{};            // joint positions when the goal arrived
     int feedbacks = 0;
     auto end = [&](int status) {
         ended[goals[0].identifier] = status;
@@ -245,7 +245,7 @@ int main(int, char **arguments) {
                     first = {position["right_j0"], position["right_j1"]};
                 }
             } catch (const std::exception &error) {
-                // It has no sense here; a server of ROS 2 is silent, too.
+                // This request makes no sense here; a server of ROS 2 ignores it, too.
                 fprintf(stderr, "a goal cannot be read: %s\n", error.what());
             }
         while (get_result.take(request)) asked.push_back(request);
@@ -262,7 +262,7 @@ int main(int, char **arguments) {
             const Goal &goal = goals[0];
             const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
             if (reached == 0) {
-                // A goal that begins later leads the joints to its first point.
+                // If the first point is later than zero, the joints move to it first.
                 const double part = std::min(1.0, elapsed.count() / std::max(1e-9, goal.points[0].time));
                 for (int k = 0; k < 2; k++) position[goal.joints[k]] = first[k] + part * (goal.points[0].positions[k] - first[k]);
             }

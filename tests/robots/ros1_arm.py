@@ -1,6 +1,6 @@
-"""An arm of two joints behind actionlib's own action server: follows its trajectory, reports its joints at 100 Hz. A camera
+"""An arm of two joints behind actionlib's own action server: follows its trajectory, and reports its joints at 100 Hz. A camera
 above it sees a dark rod, 200 pixels long, as pixels and as PNG files. With ARM_FAULT=false-end in the environment it reports success at
-once and stands still; with ARM_FAULT=false-cancel it confirms a cancellation and moves on."""
+once and stands still; with ARM_FAULT=false-cancel it confirms a cancellation, but keeps moving."""
 
 import bisect
 import os
@@ -54,7 +54,7 @@ def look():
 
 class Arm:
     def __init__(self):
-        # Times and points of the trajectory under way, from where the joints were, and when it began.
+        # Times and points of the current trajectory, initial joint positions, and its start.
         self.motion = None
         self.server = actionlib.SimpleActionServer(
             "/robot/limb/right/follow_joint_trajectory", FollowJointTrajectoryAction, self.follow, auto_start=False
@@ -91,7 +91,7 @@ class Arm:
         feedbacks = 0
         while not rospy.is_shutdown():
             if self.server.is_preempt_requested():
-                # The next goal, if there is one, leads on from where the joints are then.
+                # The next goal, if there is one, starts from the joint positions at that time.
                 if FAULT != "false-cancel" and not self.server.is_new_goal_available():
                     self.motion = None
                 print("preempted", flush=True)
@@ -107,7 +107,7 @@ class Arm:
 
 
 def at(time, times, points):
-    """Joints at a time, straight between the points."""
+    """Joint positions at a time, linearly interpolated."""
     after = bisect.bisect_right(times, time)
     if after in (0, len(times)):
         return points[min(after, len(times) - 1)]

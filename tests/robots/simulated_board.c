@@ -43,14 +43,14 @@ static void on_byte(struct avr_irq_t *irq, uint32_t value, void *unused)
 {
     uint8_t byte = value;
     if (write(terminal, &byte, 1) != 1) {
-        /* A line loses what nobody reads. */
+        /* A line loses bytes that are not read. */
     }
 }
 
 static void on_xon(struct avr_irq_t *irq, uint32_t value, void *unused) { may_send = true; }
 static void on_xoff(struct avr_irq_t *irq, uint32_t value, void *unused) { may_send = false; }
 
-/* The simulator's own sleep would wait for the wall clock once more. */
+/* The simulator's own sleep would wait for the wall clock a second time. */
 static void no_sleep(avr_t *avr, avr_cycle_count_t cycles) {}
 
 static double now(void)
@@ -120,7 +120,7 @@ int main(int count, char **arguments)
             char ignored;
             if (poll(&input, 1, 0) > 0 && read(0, &ignored, 1) <= 0)
                 return 0;
-            /* Not faster than the clock on the wall. */
+            /* Do not run faster than the wall clock. */
             double ahead = avr->cycle / 16e6 - (now() - start);
             if (ahead > 0)
                 usleep(1e6 * ahead);
