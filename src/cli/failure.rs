@@ -59,7 +59,7 @@ impl Failure {
         standard_error::report(&self.in_words(colour));
     }
 
-    /// The message, with a line break at the end of each line.
+    /// The message, ending with a line break.
     pub(super) fn in_words(&self, colour: bool) -> String {
         match self {
             Self::Scenario(errors) => errors.iter().map(|error| error.render(colour)).collect(),

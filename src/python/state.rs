@@ -19,7 +19,7 @@ pub struct Saved {
     pub intervened: bool,
 }
 
-/// All that influences the future of a simulation. It can be pickled.
+/// All data that determine the future of a simulation. Can be pickled.
 #[pyclass(frozen, module = "rodlab._rodlab")]
 pub struct State {
     pub saved: Saved,

@@ -15,7 +15,7 @@ const TIP_LOADED: Expectation = Expectation::new("θ'' = −α cos θ", "Bisshop
 const RELAXED: Expectation =
     Expectation::new("rest of damped motion = equilibrium", "static solution");
 
-/// Ratio γ of weight to bending stiffness at which the thesis compares the released codes.
+/// Ratio γ of weight to bending stiffness for which the released codes were compared.
 const GAMMA: f64 = 15.696;
 
 /// Checks the shapes of heavy and tip-loaded cantilevers, their order of convergence, and the end

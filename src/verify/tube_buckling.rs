@@ -72,7 +72,7 @@ impl RodInTube {
 fn snake_on_path() -> Result<Check, GroupError> {
     let prepared = prepared(include_str!("scenes/tube.toml"), &[])?;
     let rod = RodInTube::of(&prepared);
-    // The parameter is the shortening: at the end of the path it is a millimetre of a metre.
+    // At the end of the path, at parameter 1, the rod of a metre is shortened by a millimetre.
     let shortening = 1e-3 * critical_on_path(&prepared.scene, 1.0)?;
     let name =
         "rod pushed into a horizontal tube: push at which it begins to snake, by continuation";

@@ -1,6 +1,6 @@
-"""An arm of two joints behind an action server of ROS 2 on Cyclone DDS: follows its trajectory, tells its joints at
-100 Hz. A service is two topics whose messages begin with the name of the request, as the middleware of ROS 2 on
-Cyclone DDS has it. On this machine only. Arguments: the domain, and the name of the arm.
+"""An arm of two joints behind an action server of ROS 2 on Cyclone DDS: follows its trajectory, and reports its joints
+at 100 Hz. A service is two topics whose messages begin with the identifier of the request, as in the middleware of
+ROS 2 on Cyclone DDS. Runs on this machine only. Arguments: the domain, and the name of the arm.
 `cyclone_dds_cell.py` adds a gripper and a camera."""
 
 import os

@@ -97,7 +97,7 @@ pub struct PlanReport {
     pub place_quaternion: [f64; 4],
     /// Largest step of a joint between points of the path, rad or m.
     pub largest_jump: f64,
-    /// Least distance to anything else, m; 0.2 stands for 0.2 or more.
+    /// Least distance to anything else, m; 0.2 means 0.2 or more.
     pub least_clearance_m: f64,
     /// Smallest singular value of the Jacobian.
     pub least_distance_to_singularity: f64,

@@ -26,7 +26,7 @@ pub struct TieMotion {
     pub whole: JointTrajectory,
     /// Numbers of the path of the first arm.
     pub report: PlanReport,
-    /// Least distance of the arms from each other and from anything else, m; 0.2 stands for 0.2 or
+    /// Least distance of the arms from each other and from anything else, m; 0.2 means 0.2 or
     /// more.
     pub least_clearance: f64,
     /// The frame of the patterns in the cell.

@@ -27,7 +27,7 @@ pub struct TieRecord {
     pub motion: PlanReport,
     /// Duration of all motions from the first laying on, without grips, s.
     pub duration_s: f64,
-    /// Least distance of both arms from each other and from anything else, m; 0.2 stands for 0.2
+    /// Least distance of both arms from each other and from anything else, m; 0.2 means 0.2
     /// or more.
     pub least_clearance_m: f64,
     /// Outcome of the knot.
