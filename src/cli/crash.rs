@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn a_panic_is_told_as_a_fault_of_the_program() {
+    fn a_panic_is_reported_as_a_fault_of_the_program() {
         let text = in_words("index out of bounds", "src/mechanics/scene.rs:220:31");
         assert!(text.contains("a fault of rodlab"), "{text}");
         assert!(text.contains("please report"), "{text}");

@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_that_cannot_be_drawn_are_refused_with_what_can() {
+    fn impossible_sizes_are_rejected_with_the_allowed_ones() {
         let arguments = |width, font_size| FigureArguments {
             format: vec![Format::Pdf, Format::Svg, Format::Pdf],
             width: Some(width),

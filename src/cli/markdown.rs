@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn paragraphs_are_wrapped_by_what_is_seen() {
+    fn paragraphs_are_wrapped_by_their_visible_width() {
         let paragraph = "`code` ".repeat(40);
         let text = for_terminal(&paragraph);
         let longest = text.lines().map(visible_length).max();

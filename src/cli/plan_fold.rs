@@ -219,7 +219,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_fold_along_the_diagonal_is_refused_unless_it_is_asked_for_as_a_strip() {
+    fn a_diagonal_fold_must_be_requested_as_a_strip() {
         let words = crease("diagonal").unwrap_err();
         assert!(
             words.contains("triangle") && words.contains("diagonal-strip"),

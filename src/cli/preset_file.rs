@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_that_is_nearly_one_of_a_preset_is_refused_with_it() {
+    fn a_misspelt_preset_is_rejected_with_the_similar_name() {
         let error = resolve(PresetKind::Rod, "gren_vps".into())
             .unwrap_err()
             .to_string();

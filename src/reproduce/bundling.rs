@@ -333,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn ids_say_what_is_run() {
+    fn ids_describe_the_runs() {
         let bundling = Bundling {
             flagella: 3,
             model: ContactModel::Ipc,

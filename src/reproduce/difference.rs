@@ -73,7 +73,7 @@ mod tests {
     use nalgebra::Vector3;
 
     #[test]
-    fn differences_are_means_in_radii_as_far_as_both_runs_go() {
+    fn differences_are_means_in_radii_while_both_runs_last() {
         let output = |time: f64, shift: f64| NodePositions {
             time,
             positions: vec![Vector3::zeros(), Vector3::new(0.0, shift, 0.0)],

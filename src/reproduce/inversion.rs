@@ -222,7 +222,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn runs_are_scenarios_of_the_numbers_asked_for() {
+    fn runs_have_the_requested_numbers() {
         let run = Inversion::of_figure_3_5(false)[4];
         let prepared = run.prepare();
         let observer = prepared

@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn the_loop_is_turned_up() {
+    fn the_loop_is_rotated_upright() {
         let braid = (0..10).map(|k| Vector3::new(0.01 * f64::from(k), 0.0, 1e-3));
         let arch = (0..10).map(|k| Vector3::new(0.01 * f64::from(k), 0.01, -0.02));
         let positions: Vec<Vector3> = braid.chain(arch).collect();

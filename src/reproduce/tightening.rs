@@ -320,7 +320,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ids_say_what_is_run() {
+    fn ids_describe_the_runs() {
         let runs = Tightening::of_figure_2_7(false);
         assert_eq!(
             runs[2].id(),

@@ -279,7 +279,7 @@ lower="-9" upper="9" | lower="2" upper="3" | joint `m`: its limits, 2 to 3, leav
 "#;
 
 #[test]
-fn faulty_urdfs_are_refused_with_the_name_of_what_is_wrong() {
+fn faulty_urdfs_are_rejected_with_the_faulty_part() {
     for case in FAULTS.trim().lines() {
         let [good, bad, expected] = *case.split('|').map(str::trim).collect::<Vec<_>>() else {
             panic!("{case}");

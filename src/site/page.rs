@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_words_of_a_page_are_those_that_are_read() {
+    fn the_search_text_of_a_page_is_its_visible_text() {
         let page = render(
             "a.md",
             "# `run` a <b>\n\nForces & *moments*\n\n| x |\n|---|\n| 1 |\n",

@@ -188,7 +188,7 @@ mod tests {
     const SUM: Expectation = Expectation::new("1 + 1", "Peano 1889");
 
     #[test]
-    fn a_number_that_is_not_a_number_fails() {
+    fn nan_fails_a_check() {
         let sum = SUM.of("sum", "").relative(2.0, f64::NAN, 1.0);
         assert_eq!(sum.verdict(), Verdict::Fail);
         assert_eq!(Check::not_run("sums", "no pencil").verdict(), Verdict::Fail);

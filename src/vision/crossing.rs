@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn many_arms_are_paired_all_the_same() {
+    fn many_arms_are_paired_greedily() {
         let arms: Vec<Departure> = (0..12)
             .map(|index| {
                 let angle = 30.0 * f64::from(index);

@@ -21,7 +21,7 @@ fn picture(strokes: &[([[f64; 2]; 2], [u8; 3])]) -> RgbImage {
 }
 
 #[test]
-fn strands_of_one_hue_that_cross_under_another_go_straight_on() {
+fn strands_of_one_hue_that_cross_under_another_continue_straight() {
     for beside in [0.0, 4.0, 7.0] {
         let picture = picture(&[
             ([[40.0, 20.0], [160.0, 100.0]], RED),

@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn residuals_say_how_far_off_the_pairs_are() {
+    fn residuals_measure_the_errors_of_the_pairs() {
         let [mount, _] = mount_and_target();
         let hands = hands();
         let mut targets: Vec<Isometry3<f64>> = hands.iter().map(seen).collect();

@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn strands_that_run_on_each_other_are_two() {
+    fn strands_that_run_side_by_side_are_two() {
         let found = ends(&together(), |_| [50.0, 0.0, 0.0]);
         assert_eq!(found.len(), 2, "{found:?}");
         for [left, right] in found {

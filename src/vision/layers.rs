@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn strands_of_two_hues_are_parted_and_what_mixes_between_is_none() {
+    fn strands_of_two_hues_are_separated_without_a_mixed_one() {
         // Half red and half green is yellow.
         let (picture, mask) = stripes([[205, 70, 60], [150, 130, 60], [60, 170, 90]]);
         let masks = layers(&picture, &mask, 20, 5).expect("two layers");

@@ -323,7 +323,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stroke_is_one_branch_as_long_as_it_is() {
+    fn a_stroke_is_one_branch_with_its_length() {
         let mask = strokes(120, 80, 9.0, &[&[[15.0, 15.0], [100.0, 60.0]]]);
         let skeleton = Skeleton::new(&mask);
         assert_eq!(skeleton.branches.len(), 1);

@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn a_shadow_on_what_the_edge_bounds_is_not_taken_for_it() {
+    fn a_shadow_inside_an_edge_is_not_detected_as_the_edge() {
         let mut picture = picture(0.0, 80.0);
         for (u, v) in (0..200).flat_map(|u| (90..100).map(move |v| (u, v))) {
             picture.put_pixel(u, v, Rgb([70; 3]));

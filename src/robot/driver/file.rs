@@ -160,7 +160,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_an_own_log_is_overwritten() {
+    fn only_logs_of_the_same_joints_are_overwritten() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log");
         let joints = ["a".to_owned(), "b".to_owned()];

@@ -220,7 +220,7 @@ impl Driver for Simulated {
 }
 
 #[test]
-fn an_arm_that_began_late_on_a_fast_clock_is_not_late_for_good() {
+fn an_arm_that_starts_late_on_a_fast_clock_may_catch_up() {
     let there = ramp(0.1);
     let mut and_back = ramp(0.1);
     for (there, back) in (51..=100).zip((0..50).rev()) {

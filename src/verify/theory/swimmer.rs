@@ -102,7 +102,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn many_waves_swim_as_one_without_ends() {
+    fn the_ends_do_not_matter_for_many_waves() {
         let filament = |waves: f64| Swimmer {
             length: 0.04 * waves,
             bending_stiffness: 8e-7,

@@ -60,7 +60,7 @@ fn limits_of_mimic_joints_bound_the_joint_they_follow() {
 }
 
 #[test]
-fn the_sawyer_stands_where_the_samples_of_three_libraries_say() {
+fn the_hand_of_the_sawyer_agrees_with_three_libraries() {
     let path = file("../shared/facts/sawyer_fk_samples.csv");
     let Ok(mut samples) = csv::Reader::from_path(&path) else {
         eprintln!("SKIPPED: {} is not there", path.display());

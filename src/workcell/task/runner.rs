@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_reached_is_recorded_where_a_step_fails_or_is_not_begun() {
+    fn progress_is_recorded_if_a_step_fails_or_does_not_start() {
         let (cell, folder) = (gantry(), tempfile::tempdir().unwrap());
         let asked = Shared::new(0);
         let run = |most: usize| {

@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn a_report_names_what_lies_and_where_the_hand_is() {
+    fn a_report_gives_the_laid_length_and_the_place_of_the_hand() {
         let hand = hand(None, Some([0.1, 0.2, 0.03]));
         let laid = LaidLength {
             laid_m: Some(0.12),

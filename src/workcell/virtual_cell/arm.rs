@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn an_arm_comes_to_the_last_point_and_is_behind_by_latency_and_lag() {
+    fn an_arm_reaches_the_last_point_with_latency_and_lag() {
         let (behind, ended) = follow(&mut arm(), &ramp(2.0));
         assert_eq!(ended, Ended::There);
         // 5 cm/s with a delay of 40 ms: 2 mm; slightly less in steps of 5 ms.
@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn a_goal_that_comes_in_motion_is_joined_without_a_stop() {
+    fn a_goal_that_arrives_in_motion_is_followed_without_a_stop() {
         let (mut arm, whole) = (arm(), ramp(2.0));
         arm.take(whole.clone(), 0.0).unwrap();
         let after = |time: f64| {
@@ -345,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frozen_joint_does_not_come_to_the_end() {
+    fn a_frozen_joint_does_not_reach_the_end() {
         let mut arm = arm();
         arm.take(ramp(2.0), 0.0).unwrap();
         for step in 1..=200 {

@@ -108,7 +108,7 @@ fn result_of(id: &str) -> impl Fn(&Value) -> bool {
 }
 
 #[test]
-fn connections_that_are_not_used_take_no_place_from_others() {
+fn unused_connections_do_not_block_other_clients() {
     attacked(|address| {
         // Incomplete handshakes and random bytes.
         let starts: [&[u8]; 2] = [b"GET / HTTP/1.1\r\nHost: x", &[0xff; 64]];
@@ -129,7 +129,7 @@ fn connections_that_are_not_used_take_no_place_from_others() {
 }
 
 #[test]
-fn floods_and_nonsense_do_not_keep_others_waiting() {
+fn floods_and_invalid_messages_do_not_block_other_clients() {
     attacked(|address| {
         let is_over = AtomicBool::new(false);
         std::thread::scope(|scope| {

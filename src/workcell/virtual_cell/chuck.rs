@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rod_between_chuck_and_hand_is_the_helix_until_theory_has_it_lose_stability() {
+    fn a_rod_between_chuck_and_hand_is_a_helix_up_to_the_theoretical_limit() {
         for direction in [[1.0, 1.0, -1.0], [1.0, 0.3, 0.6]] {
             let critical = critical_distance(&Helix::from(direction)).unwrap().distance;
             let errors = errors_along(direction, &[0.9, 1.05].map(|part| part * critical));

@@ -282,7 +282,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn goals_of_both_versions_say_the_same() {
+    fn goals_of_both_versions_are_equivalent() {
         let body = json!({ "trajectory": { "joint_names": ["a"], "points": [
             { "positions": [0.5], "time_from_start": { "secs": 1, "nsecs": 500_000_000 } } ] } });
         let one = json!({ "op": "publish", "topic": "/arm/goal",
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused_in_words() {
+    fn invalid_messages_are_rejected_with_a_reason() {
         let long = "x".repeat(300);
         let throttled = json!({ "op": "subscribe", "topic": "/clock", "throttle_rate": -1 });
         for (message, expected) in [

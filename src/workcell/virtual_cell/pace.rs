@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_answer_counts_and_what_was_never_sent_does_not() {
+    fn the_last_answer_counts_and_unknown_times_are_ignored() {
         let mut pace = Pace::new(1.0);
         assert_eq!(pace.ping(1.0), None);
         let [first, second] = [2.0, 3.0].map(|now| pace.ping(now).unwrap());

@@ -378,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn a_free_end_lies_where_a_person_lays_it() {
+    fn a_free_end_lies_at_its_given_place() {
         let supply = short_rods();
         let hand = hand(&supply, 0.0);
         let supply = supply.with_free_end([0.395, 0.104]);
@@ -456,7 +456,7 @@ mod tests {
     }
 
     #[test]
-    fn two_hands_on_one_rod_lead_what_each_holds() {
+    fn two_hands_on_one_rod_each_move_their_own_node() {
         let (_, first, mut rod) = hanging(0.7, 0.0);
         lead(&mut rod, 5e-3, |_| first);
         let free = rod.nodes()[0];
@@ -565,7 +565,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_that_cannot_hold_a_hanging_rod_is_told_so() {
+    fn a_hand_that_cannot_hold_a_hanging_rod_gets_the_reason() {
         let supply = short_rods();
         let far = raised(0.3) * hand(&supply, 0.0);
         let tipped =

@@ -360,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_under_the_edge_stops_it() {
+    fn a_layer_under_the_edge_stops_it() {
         let mut sheet = sheet();
         let edge = edge_of(&sheet);
         sheet.take(&edge, 0.0).unwrap();

@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_above_is_seen_in_perspective_from_below_and_casts_a_shadow() {
+    fn a_raised_part_is_seen_in_perspective_and_casts_a_shadow() {
         // The sheet is folded over at its middle, 16 cm above the table.
         let mut nodes: Vec<Vector3> = flat()[..=10].to_vec();
         let half_circle = (1..=20).map(|k| {

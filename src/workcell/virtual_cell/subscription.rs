@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn what_waits_is_bounded() {
+    fn waiting_messages_are_bounded() {
         let mut greedy = subscribed(3_600_000, usize::MAX);
         (0..1000).for_each(|_| drop(greedy.take("x")));
         assert_eq!(greedy.waiting.len(), MOST_WAITING);

@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn zeros_repeated_behind_a_frame_are_noticed() {
+    fn repeated_zeros_after_a_frame_are_detected() {
         for sequence in 0..=255 {
             for data in 0..=255 {
                 let plain = [sequence, 2, data];
@@ -107,7 +107,7 @@ mod tests {
         }
 
         #[test]
-        fn a_changed_byte_is_noticed(data in prop::collection::vec(any::<u8>(), 0..24), at: prop::sample::Index, flip in 1..=255u8) {
+        fn a_changed_byte_is_detected(data in prop::collection::vec(any::<u8>(), 0..24), at: prop::sample::Index, flip in 1..=255u8) {
             let mut stuffed = encode(7, 2, &data);
             stuffed.pop();
             let index = at.index(stuffed.len());

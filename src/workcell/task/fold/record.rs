@@ -96,7 +96,7 @@ mod tests {
     use crate::task::fold::score::look;
 
     #[test]
-    fn what_was_not_seen_is_reported_as_not_seen() {
+    fn missing_measurements_are_reported_as_not_seen() {
         let looks = vec![look(1, 0.25, Some(0.028)), look(2, 0.324, None)];
         let record = FoldRecord {
             cell: "cell".into(),

@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn a_free_end_under_the_edge_has_no_place_and_the_fold_no_length() {
+    fn a_hidden_free_end_has_no_slide_and_the_fold_no_length() {
         // The path was replanned for a slide of 28 mm, so that the edge reaches 28 mm beyond its
         // target, wherever the free end is now.
         let looks = [

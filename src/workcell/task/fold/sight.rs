@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sheet_of_another_size_is_told_and_a_lifted_edge_leaves_the_table_bare() {
+    fn a_sheet_of_another_size_is_rejected_and_a_lifted_edge_leaves_the_table_bare() {
         let sight = sight(Crease::Half);
         let known = frame(0.0);
         let small = picture(&sight, &known, 0.17, 0.0);

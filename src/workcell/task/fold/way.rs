@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn a_part_that_is_planned_anew_begins_where_the_hand_is_and_ends_as_much_farther() {
+    fn a_replanned_part_starts_at_the_hand_and_ends_farther_by_the_slide() {
         let mut way = a4(5);
         let planned = way.hands(3);
         way.replan(3, 4e-3).unwrap();

@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn a_knot_is_known_by_its_crossings_where_they_are_seen() {
+    fn a_knot_is_identified_from_visible_crossings() {
         let seen = |over: [bool; 3], confidence: [f64; 3]| {
             let passes = [0, 1, 2].map(|k| (over[k], confidence[k]));
             trefoil(passes).knot()

@@ -89,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn who_has_come_first_rests() {
+    fn the_arm_that_finishes_first_rests() {
         let cell = crate::test_cells::cell("two_gantries");
         let homes = [0, 1].map(|arm: usize| cell.arms[arm].home.clone());
         let mut both = TwoArms::from(&cell, [0, 1], homes.clone());
