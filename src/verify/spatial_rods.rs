@@ -217,8 +217,8 @@ const SPRING_RADIUS: f64 = 20e-3;
 /// Pitch divided by 2π, m.
 const SPRING_RISE: f64 = 15e-3 / TAU;
 
-/// Curvature and torsion of a right-handed helix of radius a and pitch 2πb: a/(a² + b²) and b/(a²
-/// + b²).
+/// Curvature and torsion of a right-handed helix of radius a and pitch 2πb: a/(a² + b²) and
+/// b/(a² + b²).
 fn curvature_and_torsion(radius: f64, rise: f64) -> [f64; 2] {
     [radius, rise].map(|part| part / (radius * radius + rise * rise))
 }

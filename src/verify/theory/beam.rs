@@ -30,9 +30,9 @@ pub fn fixed_free_wave_number(mode: usize) -> f64 {
 
 /// Angular frequency, rad/s, of a mode of a rod with clamped ends under tension (e.g. Timoshenko,
 /// Vibration Problems in Engineering): EI w⁗ − T w″ = μ ω² w has the solutions w = e^{±αx},
-/// e^{±iβx} with α² − β² = T/EI and μ ω² = EI α² β². Clamped ends require 2αβ (1 − cosh αL cos βL)
-/// + (α² − β²) sinh αL sin βL = 0. Limits are the frequency of the string, (nπ/L) √(T/μ), and that
-/// of the beam.
+/// e^{±iβx} with α² − β² = T/EI and μ ω² = EI α² β². Clamped ends require 2αβ (1 − cosh αL cos
+/// βL) + (α² − β²) sinh αL sin βL = 0. Limits are the frequency of the string, (nπ/L) √(T/μ), and
+/// that of the beam.
 pub fn stretched_frequency(
     mode: usize,
     tension: f64,
