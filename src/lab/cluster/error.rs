@@ -71,7 +71,7 @@ pub enum ClusterError {
 }
 
 impl ClusterError {
-    /// Whether it is certain that there is no job.
+    /// Whether the failure proves that no job was submitted.
     pub fn is_refusal(&self) -> bool {
         !matches!(self, Self::NoNumber { .. } | Self::Io { .. })
     }

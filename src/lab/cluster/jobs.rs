@@ -14,7 +14,7 @@ pub const LOGS: &str = "slurm";
 /// The jobs that run the cases of a results directory.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Jobs {
-    /// Number of tasks; a later job may run some of them again, never others.
+    /// Number of tasks. A later job may repeat some of these tasks; it never adds tasks.
     pub tasks: usize,
     /// Numbers of the jobs in the order in which they were submitted.
     pub jobs: Vec<u64>,
@@ -53,7 +53,8 @@ impl Jobs {
     pub(super) fn write(&self, directory: &Path) -> Result<(), ClusterError> {
         let path = directory.join(JOBS);
         let text = serde_json::to_string_pretty(self).expect("jobs have string keys only");
-        // The number of a job must not be lost to a crash between two writes: aside first, then in place.
+        // A crash between two writes must not lose a job number: write a second file, then rename
+        // it.
         let aside = directory.join(format!("{JOBS}.new"));
         fs::write(&aside, text + "\n")
             .and_then(|()| fs::rename(&aside, &path))

@@ -81,7 +81,7 @@ pub fn tasks(jobs: &[u64]) -> Result<BTreeMap<usize, Task>, ClusterError> {
     Ok(tasks)
 }
 
-/// The tasks of one line of `scontrol --oneliner`: those that wait share a line.
+/// The tasks of one line of `scontrol --oneliner`. Waiting tasks share a line.
 fn parse(job: u64, line: &str) -> Vec<Task> {
     let fields: BTreeMap<&str, &str> = line
         .split_whitespace()

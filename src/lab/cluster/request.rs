@@ -17,7 +17,7 @@ pub struct Request {
     pub account: Option<String>,
     /// Tasks that run at a time.
     pub array_limit: Option<u32>,
-    /// Further options of `sbatch`, a line each, such as `--constraint=avx2`.
+    /// Further options of `sbatch`, one per line, such as `--constraint=avx2`.
     pub extra: Vec<String>,
     /// Lines of shell before the program starts, such as `module load gcc`.
     pub prologue: Vec<String>,
@@ -58,7 +58,7 @@ impl Request {
             .collect()
     }
 
-    /// Parts of the script that the user gives, with their names: each must be a single line.
+    /// Parts of the script that come from the user, with their names: each must be a single line.
     pub(super) fn lines(&self) -> Vec<(&'static str, &str)> {
         let options = [
             ("name of the job", Some(&self.name)),
@@ -80,7 +80,8 @@ impl Request {
     }
 }
 
-/// A name as one word of an option: what Slurm could read as the end of the word is replaced by `_`.
+/// A name as one word of an option. Characters that Slurm could read as the end of the word become
+/// `_`.
 fn one_word(name: &str) -> String {
     let is_plain = |character: char| character.is_alphanumeric() || "._-+=@:".contains(character);
     let word: String = name

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 /// Seconds before its time limit at which Slurm signals a task, so that it writes its checkpoints.
 const WARNING_SECONDS: u32 = 60;
-/// Number of times that a task requeues itself. It does so only after progress, or after it was killed;
-/// a task that is killed at once each time must end, too.
+/// Number of times that a task requeues itself. It does so only after progress, or after it was
+/// killed. The limit ends a task that is killed at once each time.
 const MOST_RESTARTS: u32 = 100;
 
 /// The program that the tasks run.
@@ -25,9 +25,10 @@ pub struct Program {
 
 /// The script that runs the given tasks (counted from 1).
 ///
-/// Task K runs the K-th share of the cases. A task that receives the signal before its time limit writes checkpoints
-/// and puts itself into the queue again; so does one whose program was killed. A cancelled task writes
-/// checkpoints, if Slurm leaves it the time, and is not queued again.
+/// Task K runs the K-th share of the cases. A task that receives the signal before its time limit
+/// writes checkpoints and puts itself into the queue again; so does a task whose program was
+/// killed. A cancelled task writes checkpoints, if Slurm leaves it the time, and is not queued
+/// again.
 ///
 /// # Errors
 /// [`ClusterError::NotOneLine`] where a name or an option would break a line of the script, [`ClusterError::NotOneWord`] where
@@ -98,7 +99,8 @@ exit $code
     ))
 }
 
-/// Refuses text that would add lines to the script: line breaks, and in paths of `#SBATCH` lines quotes.
+/// Rejects text that would add lines to the script: line breaks, and quotes in paths of `#SBATCH`
+/// lines.
 fn refuse_breaks(program: &Program, request: &Request) -> Result<(), ClusterError> {
     let directory = program.directory.display().to_string();
     let paths = [
@@ -133,7 +135,8 @@ fn refuse_breaks(program: &Program, request: &Request) -> Result<(), ClusterErro
     }
 }
 
-/// A path with the numbers of job and task, as Slurm reads it: quoted, since it may hold blanks, a percent sign twice.
+/// A path with the numbers of job and task, as Slurm reads it. The path is quoted since it may
+/// contain blanks; each percent sign is doubled.
 fn log_pattern(folder: &Path) -> String {
     let folder = folder.display().to_string();
     format!("\"{}/%A_%a.log\"", folder.replace('%', "%%"))
@@ -144,7 +147,7 @@ fn quoted(path: &Path) -> String {
     format!("'{}'", path.display().to_string().replace('\'', r"'\''"))
 }
 
-/// Growing numbers as Slurm writes them: `1-3,7`.
+/// Ascending numbers as Slurm writes them: `1-3,7`.
 fn ranges(tasks: &[usize]) -> String {
     let mut parts: Vec<[usize; 2]> = Vec::new();
     for task in tasks {

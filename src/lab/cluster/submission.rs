@@ -7,8 +7,8 @@ use std::fs;
 use std::io::Write;
 use std::process::{Command, Stdio};
 
-/// Submits a job array of the given tasks (counted from 1, growing), adds it to `jobs` and records them in
-/// the results directory; returns the number of the job.
+/// Submits a job array of the given tasks (counted from 1, ascending), adds it to `jobs` and
+/// records them in the results directory; returns the number of the job.
 ///
 /// # Errors
 /// [`ClusterError::Missing`] or [`ClusterError::Failed`] with the message of `sbatch`; then nothing is recorded.
@@ -48,7 +48,7 @@ fn sbatch(script: &str) -> Result<u64, ClusterError> {
         .spawn()
         .map_err(missing)?;
     if let Some(mut input) = child.stdin.take() {
-        // It may fail before it has read everything, and then prints the reason.
+        // `sbatch` may fail before it has read the whole script, and then prints the reason.
         let _ = input.write_all(script.as_bytes());
     }
     let output = child.wait_with_output().map_err(missing)?;
@@ -56,7 +56,7 @@ fn sbatch(script: &str) -> Result<u64, ClusterError> {
     if !output.status.success() {
         return Err(failed(&String::from_utf8_lossy(&output.stderr)));
     }
-    // `number` or, between clusters, `number;cluster`.
+    // The output is `number` or, between clusters, `number;cluster`.
     let number = said.trim().split(';').next().unwrap_or_default();
     number.parse().map_err(|_| ClusterError::NoNumber {
         said: said.trim().to_owned(),
