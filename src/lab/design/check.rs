@@ -8,33 +8,37 @@ use rodlab_engine::mechanics::scene::{Scene, Start};
 
 /// Residual of equilibria, over the forces of the rod.
 pub const FORCE_TOLERANCE: f64 = 1e-11;
-/// Displacement of the perturbed start, over the length of the rod, and its direction.
+/// Displacement of the perturbed start, over the length of the rod, and the direction of the
+/// displacement.
 const PERTURBATION: f64 = 0.01;
 const DIRECTION: [f64; 3] = [0.6, 0.48, 0.64];
-/// Distance over the length below which both starts lead to the same equilibrium.
+/// Distance, over the length of the rod, below which two equilibria count as the same.
 const SAME: f64 = 1e-6;
 
 /// The equilibria of the scenario with the designed rod.
 pub struct Check {
-    /// Largest distance of a node from the curve, m, and the mean of all.
+    /// Largest and mean distance of a node from the curve, m.
     pub distance: f64,
     pub mean_distance: f64,
-    /// The largest distance from a displaced start; none where that leads to no equilibrium.
+    /// Largest distance from the curve of the equilibrium reached from a displaced start; none if
+    /// there is no such equilibrium.
     pub from_displaced_start: Option<f64>,
-    /// Directions in which the energy falls; none with friction and rigid contact.
+    /// Number of directions in which the energy falls; none with friction and rigid contact.
     pub unstable_directions: Option<usize>,
     /// The rod in equilibrium.
     pub nodes: Vec<Vector3>,
-    /// Tangent and first director of the clamp at its start, if one holds a frame there, and of its first edge.
+    /// Tangent and first director: of the clamp at the start of the rod, if it holds a frame
+    /// there, and of the first edge.
     pub wall: Option<[Vector3; 2]>,
     pub first_edge: [Vector3; 2],
 }
 
 impl Check {
-    /// Finds them for a run, a rod and its wanted nodes, on which the run begins or not.
+    /// Finds the equilibria of a run and compares a rod with its wanted nodes. `begins_there`:
+    /// whether the run starts on these nodes.
     ///
     /// # Errors
-    /// There is no equilibrium.
+    /// No equilibrium was found.
     pub fn new(
         run: &PreparedRun,
         rod: usize,
@@ -57,7 +61,7 @@ impl Check {
         let mut simulation = Simulation::new(&run.scene, &parameters)?;
         let start = simulation.as_start();
         simulation.find_equilibrium()?;
-        // An unstable equilibrium on the curve is left by the search.
+        // The search leaves an unstable equilibrium on the curve.
         let mut beside = run.scene.clone();
         if !begins_there {
             beside.start = Some(simulation.as_start());
@@ -82,7 +86,7 @@ impl Check {
         })
     }
 
-    /// What limits the design, for a rod of a length, m.
+    /// Limitations of the design of a rod with this length, m.
     pub fn remarks(&self, length: f64) -> Vec<String> {
         let mut remarks = Vec::new();
         if self.unstable_directions.is_some_and(|count| count > 0) {
@@ -116,7 +120,7 @@ fn displaced(scene: &Scene, rod: usize, first: usize, start: &Start) -> Scene {
     };
     for node in 0..=last {
         let part = node as f64 / last as f64;
-        // A clamp leaves neither a displacement nor a turn.
+        // The displacement and its slope vanish at a clamp.
         let near_start = if is_held(0) { part * part } else { 1.0 };
         let near_end = if is_held(last) {
             (1.0 - part) * (1.0 - part)

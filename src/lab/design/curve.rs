@@ -1,23 +1,25 @@
 //! The wanted curve: a cubic spline through given points, with nodes at equal distances along it.
 //!
-//! The parameter of the spline is the length of the chords. Its slopes at the two ends are those of the polynomial of third
-//! degree through the four points there; second derivatives are continuous, so that curvature and moment are.
+//! The parameter of the spline is the length of the chords. The slope at each end is that of the
+//! cubic polynomial through the four points nearest to it. Second derivatives are continuous, so
+//! curvature and moment are, too.
 
 use super::error::DesignError;
 use crate::scenario::read_polyline;
 use rodlab_engine::mechanics::Vector3;
 use std::path::Path;
 
-/// Difference of the lengths of curve and rod that is allowed, over the length of the rod.
+/// Allowed difference of the lengths of curve and rod, over the length of the rod.
 const LENGTHS: f64 = 0.01;
-/// Points at which a part of the spline is measured.
+/// Number of points per part of the spline at which arc length is computed.
 const SAMPLES: usize = 32;
 
-/// Nodes of a rod of a number of edges and a length (m) on the curve of a file, at equal distances. With a point for each node the
-/// points are the nodes, if `by_node`.
+/// Nodes at equal distances on the curve of a file, for a rod with `edges` edges and length
+/// `rod_length` (m). If `by_node`, and the file has one point for each node, the points are the
+/// nodes.
 ///
 /// # Errors
-/// Faults of the file, and a curve that is not as long as the rod.
+/// Faults of the file, or a curve whose length differs from that of the rod.
 pub fn wanted_nodes(
     file: &Path,
     edges: usize,
@@ -54,14 +56,14 @@ pub struct Spline {
     points: Vec<Vector3>,
     /// Length of the chords up to each point, m.
     chords: Vec<f64>,
-    /// Derivatives over it at each point.
+    /// Derivatives over the length of the chords at each point.
     slopes: Vec<Vector3>,
     /// Arc length at each of [`SAMPLES`] points of every part, m.
     lengths: Vec<f64>,
 }
 
 impl Spline {
-    /// The spline through at least two points, of which no neighbours coincide.
+    /// The spline through at least two points. No neighbours may coincide.
     pub fn new(points: &[Vector3]) -> Self {
         let mut chords = vec![0.0];
         for pair in points.windows(2) {
@@ -114,7 +116,7 @@ impl Spline {
             .collect()
     }
 
-    /// Its point at a length of the chords within a part.
+    /// Point of the spline at a length of the chords within a part.
     fn at(&self, part: usize, chord: f64) -> Vector3 {
         let width = self.chords[part + 1] - self.chords[part];
         let u = (chord - self.chords[part]) / width;
@@ -125,7 +127,7 @@ impl Spline {
     }
 }
 
-/// Slopes with which second derivatives are continuous.
+/// Slopes for which second derivatives are continuous.
 fn slopes(points: &[Vector3], chords: &[f64]) -> Vec<Vector3> {
     let count = points.len();
     let near = count.min(4);
@@ -133,7 +135,7 @@ fn slopes(points: &[Vector3], chords: &[f64]) -> Vec<Vector3> {
     let last = end_slope(&points[count - near..], &chords[count - near..], near - 1);
     let mut slopes = vec![first; count];
     slopes[count - 1] = last;
-    // The tridiagonal system, by elimination from the first point on.
+    // Solves the tridiagonal system by elimination from the first point on.
     let mut factors = vec![0.0; count];
     for k in 1..count - 1 {
         let [before, after] = [k, k + 1].map(|end| chords[end] - chords[end - 1]);
@@ -150,7 +152,7 @@ fn slopes(points: &[Vector3], chords: &[f64]) -> Vec<Vector3> {
     slopes
 }
 
-/// Derivative at one of up to four points of the polynomial through them.
+/// Derivative of the polynomial through up to four points, at one of them.
 fn end_slope(points: &[Vector3], chords: &[f64], at: usize) -> Vector3 {
     let mut slope = Vector3::zeros();
     for (k, point) in points.iter().enumerate() {

@@ -12,7 +12,7 @@ pub enum DesignError {
     /// The scenario is wrong.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// A curve or a key that does not suit.
+    /// A curve or a key that cannot be used.
     #[error("{0}")]
     Input(String),
     /// No natural shape holds the curve.

@@ -6,7 +6,8 @@ use rodlab_files::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// The three curves in the plane of the two axes along which they extend most; z is vertical where it is one of them.
+/// The three curves in the plane of the two axes along which they extend most. If one of these is
+/// z, it is vertical.
 pub fn design_figure(designed: &Design) -> Figure {
     let extent = |axis: usize| {
         let values = designed.nodes().iter().flatten().map(|node| node[axis]);

@@ -12,16 +12,17 @@ use std::path::{Path, PathBuf};
 
 /// The result in numbers.
 pub const RESULT: &str = "design.json";
-/// The scenario with what was found.
+/// The designed scenario.
 pub const DESIGNED: &str = "designed.toml";
 /// Natural strains of the nodes, for the key `natural_shape` of a rod.
 pub const NATURAL: &str = "natural.csv";
-/// Nodes as wanted, in equilibrium, and without stress or before the design.
+/// Nodes of the wanted curve, in equilibrium, and without stress or before the design.
 pub const NODES: &str = "nodes.csv";
 /// The three curves as a figure.
 pub const FIGURE: &str = "design.svg";
 
-/// Writes all files into a directory, which is made if it is missing, each whole or not at all. Returns their paths.
+/// Writes all files into a directory, which is created if it is missing. Each file is written
+/// completely or not at all. Returns their paths.
 ///
 /// # Errors
 /// A file that cannot be written.

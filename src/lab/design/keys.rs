@@ -1,13 +1,14 @@
-//! The numbers that keys name: themselves, the components of a vector, the pose of a clamp.
+//! Numbers of a key: the key itself, the components of a vector, or the pose of a clamp.
 
 use super::error::DesignError;
 use crate::scenario::{CaseSet, Hold, ScenarioError};
 
-/// Where a clamp is held, and how it is turned there.
+/// Keys of the position and the rotation of a clamp.
 const OFFSET: &str = "offset";
 const ROTATION: &str = "rotation";
 
-/// The dotted keys of all numbers that `vary` names, and the scenario, which states each of them.
+/// Resolves `vary` into the dotted keys of single numbers. Also returns the scenario with all of
+/// them stated.
 ///
 /// # Errors
 /// Keys without numbers, and numbers that are named twice.
@@ -32,7 +33,7 @@ pub fn numeric_keys(
     Ok((stated, keys))
 }
 
-/// The keys of the pose of a clamp that it holds, or the key itself.
+/// The keys of the pose that the clamp holds, or the key itself.
 fn vectors(scenario: &CaseSet, key: &str) -> Result<Vec<String>, DesignError> {
     let steps: Vec<&str> = key.split('.').collect();
     let ["clamps", number, rest @ ..] = steps.as_slice() else {
@@ -72,7 +73,7 @@ fn vectors(scenario: &CaseSet, key: &str) -> Result<Vec<String>, DesignError> {
     }
 }
 
-/// The scenario with a value of a key that it leaves to its default.
+/// The scenario with the value of a key stated that it leaves to its default.
 fn with_default(scenario: CaseSet, key: &str) -> Result<CaseSet, DesignError> {
     let (vector, _) = split(key);
     if !components_of(&scenario, vector)?.is_empty() || scenario.number(key)?.is_some() {
@@ -94,7 +95,7 @@ fn with_default(scenario: CaseSet, key: &str) -> Result<CaseSet, DesignError> {
     Ok(scenario.changed(&[change])?)
 }
 
-/// The fault of a key without a number: unknown ones are found by setting them.
+/// The error for a key without a number. Setting the key detects unknown keys.
 fn no_number(scenario: &CaseSet, key: &str) -> DesignError {
     match scenario.scenario_with(&[(key, 1.0)]) {
         Err(error) => error.into(),
@@ -104,7 +105,7 @@ fn no_number(scenario: &CaseSet, key: &str) -> DesignError {
     }
 }
 
-/// A key without the number of a component at its end.
+/// Splits the number of a component off the end of a key.
 fn split(key: &str) -> (&str, bool) {
     match key.rsplit_once('.') {
         Some((vector, axis)) if axis.parse::<usize>().is_ok() => (vector, true),
@@ -112,7 +113,7 @@ fn split(key: &str) -> (&str, bool) {
     }
 }
 
-/// The key itself, where it is a number, or its components.
+/// The key itself if it is a number, else its components.
 fn components(scenario: &CaseSet, key: &str) -> Result<Vec<String>, DesignError> {
     if scenario.number(key)?.is_some() {
         return Ok(vec![key.to_owned()]);

@@ -1,7 +1,8 @@
-//! Inverse design: what makes a given curve the equilibrium of a rod.
+//! Inverse design: finds parameters for which a given curve is the equilibrium of a rod.
 //!
-//! The natural shape along the rod does so in closed form; the page `design` of the guide has the equations, the recursion is that of
-//! [`rodlab_engine::mechanics::statics`]. A few numbers, such as poses of clamps and loads, are those with which the equilibrium is closest.
+//! A natural shape along the rod has a closed form: the page `design` of the guide has the
+//! equations, [`rodlab_engine::mechanics::statics`] the recursion. A few numbers, such as poses of
+//! clamps and loads, are fitted so that the equilibrium is closest to the curve.
 //!
 //! | file | what |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! From a scenario, a curve and a few keys to the values with which the equilibrium is closest to the curve.
+//! Fits a few keys of a scenario so that its equilibrium is closest to a curve.
 
 use super::check::{Check, FORCE_TOLERANCE};
 use super::curve::{length, wanted_nodes};
@@ -16,9 +16,9 @@ use rodlab_engine::mechanics::dynamics::Simulation;
 use rodlab_engine::mechanics::scene::RodDescription;
 use serde::Serialize;
 
-/// Distance over the length up to which the curve is met.
+/// Distance, over the length, up to which the curve counts as met.
 const MET: f64 = 1e-8;
-/// Root mean square distance over the length that is not made smaller.
+/// Root mean square distance, over the length, below which the fit stops.
 const NEGLIGIBLE: f64 = 1e-11;
 
 /// A key with the value that was found.
@@ -30,11 +30,11 @@ pub struct DesignedKey {
     pub value: f64,
     /// The SI unit; empty where it has none.
     pub unit: String,
-    /// The value of the scenario.
+    /// The value in the given scenario.
     pub start: f64,
 }
 
-/// Values of keys and their check.
+/// Fitted values of keys and their check.
 #[derive(Clone, Debug, Serialize)]
 pub struct DesignedNumbers {
     /// Name of the rod.
@@ -47,40 +47,42 @@ pub struct DesignedNumbers {
     pub natural_length_m: f64,
     /// The keys.
     pub keys: Vec<DesignedKey>,
-    /// Whether the curve is met, to 1e-8 of the length.
+    /// Whether the equilibrium meets the curve, to 1e-8 of the length.
     pub met: bool,
     /// Largest distance of a node in equilibrium from the wanted curve, m.
     pub distance_m: f64,
-    /// The same over the length.
+    /// Largest distance over the length.
     pub distance_over_length: f64,
     /// Mean distance of the nodes, m.
     pub mean_distance_m: f64,
-    /// The same over the length.
+    /// Mean distance over the length.
     pub mean_distance_over_length: f64,
-    /// Root mean square distance in each coordinate with the values of the scenario, m.
+    /// Root mean square distance in each coordinate with the given values of the scenario, m.
     pub distance_before_m: f64,
-    /// Largest distance of the equilibrium that a displaced start leads to, m; none where it leads to none.
+    /// Largest distance from the curve of the equilibrium reached from a displaced start, m; none
+    /// if there is no such equilibrium.
     pub distance_from_displaced_start_m: Option<f64>,
-    /// Directions in which the energy of the equilibrium falls: 0 where it is stable; none with friction and rigid contact.
+    /// Number of directions in which the energy of the equilibrium falls: 0 if it is stable; none
+    /// with friction and rigid contact.
     pub unstable_directions: Option<usize>,
     /// Derivatives computed.
     pub iterations: usize,
-    /// Whether no step decreases the distances any more.
+    /// Whether no step decreases the distances any further.
     pub converged: bool,
     /// What limits the design.
     pub remarks: Vec<String>,
     /// The scenario with the values.
     #[serde(skip)]
     pub scenario_toml: String,
-    /// Nodes of the wanted curve, in equilibrium, and in that before the design, m.
+    /// Nodes of the wanted curve, of the equilibrium, and of the equilibrium before the design, m.
     #[serde(skip)]
     pub nodes: [Vec<Vector3>; 3],
 }
 
-/// Finds the values of `keys`, which `scenario` states, and checks them by the equilibrium.
+/// Finds the values of `keys`, all stated in `scenario`, and checks them with the equilibrium.
 ///
 /// # Errors
-/// [`DesignError`]: a curve that does not fit the rod, and a start without equilibrium.
+/// [`DesignError`]: a curve that does not fit the rod, or a start without equilibrium.
 pub fn numbers(
     request: &Request<'_>,
     scenario: &CaseSet,
@@ -178,7 +180,7 @@ pub fn numbers(
     Ok(designed)
 }
 
-/// A fault of a key, which identification names by its own option.
+/// An error of the identification, with the name of this command's option.
 fn of_vary(error: IdentifyError) -> DesignError {
     match error {
         IdentifyError::Input(message) => {
@@ -251,7 +253,7 @@ fn data(request: &Request<'_>, rod: &RodDescription, wanted: &[Vector3]) -> Data
     }
 }
 
-/// A change of a quantity that matters to a rod of a length, m, by its unit.
+/// A change of a quantity that has a noticeable effect on a rod of a length (m), by its unit.
 fn size(unit: &str, rod: &RodDescription, length: f64) -> f64 {
     let [one, other] = rod.stiffness.bending;
     let moment = one.min(other) / length;

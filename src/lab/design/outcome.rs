@@ -1,4 +1,4 @@
-//! What was found, by the way that suits the keys.
+//! Inverse design with the method that fits the keys.
 
 use super::error::DesignError;
 use super::keys::numeric_keys;
@@ -19,7 +19,7 @@ pub enum Design {
 }
 
 impl Design {
-    /// The scenario with what was found.
+    /// The designed scenario.
     pub fn scenario_toml(&self) -> &str {
         match self {
             Self::Shape(designed) => &designed.scenario_toml,
@@ -36,10 +36,11 @@ impl Design {
     }
 }
 
-/// Finds what is wanted, and checks it by the equilibrium of the scenario.
+/// Designs the requested keys and checks them with the equilibrium of the scenario.
 ///
 /// # Errors
-/// [`DesignError`]: a curve that does not fit the rod, keys that do not suit, and a curve that no natural shape holds.
+/// [`DesignError`]: a curve that does not fit the rod, keys that cannot be used, or a curve that
+/// no natural shape holds.
 pub fn design(
     request: &Request<'_>,
     goes_on: &(dyn Fn() -> bool + Sync),

@@ -1,4 +1,4 @@
-//! From a scenario and a curve to the natural strains, and their check.
+//! Computes natural strains from a scenario and a curve, and checks them.
 
 use super::check::Check;
 use super::curve::{length, wanted_nodes};
@@ -13,7 +13,7 @@ use rodlab_engine::mechanics::scene::NaturalStrains;
 use rodlab_engine::mechanics::statics::natural_strains;
 use serde::Serialize;
 
-/// Natural curvature times radius from which the theory of slender rods is inaccurate.
+/// Product of natural curvature and radius above which the theory of slender rods is inaccurate.
 const SLENDER: f64 = 0.1;
 
 /// A natural shape and its check.
@@ -31,21 +31,23 @@ pub struct Designed {
     pub length_before_m: f64,
     /// Largest distance of a node in equilibrium from the wanted curve, m.
     pub distance_m: f64,
-    /// The same over the length.
+    /// Largest distance over the length.
     pub distance_over_length: f64,
-    /// The same of the equilibrium that a displaced start leads to, m; none where it leads to none.
+    /// Largest distance from the curve of the equilibrium reached from a displaced start, m; none
+    /// if there is no such equilibrium.
     pub distance_from_displaced_start_m: Option<f64>,
-    /// Directions in which the energy of the equilibrium falls: 0 where it is stable; none with friction and rigid contact.
+    /// Number of directions in which the energy of the equilibrium falls: 0 if it is stable; none
+    /// with friction and rigid contact.
     pub unstable_directions: Option<usize>,
     /// Largest natural curvature, 1/m.
     pub natural_curvature_per_m: f64,
-    /// The same times the radius.
+    /// Largest natural curvature times the radius.
     pub curvature_times_radius: f64,
     /// Largest natural twist, rad/m.
     pub natural_twist_rad_per_m: f64,
-    /// Largest strain of stretching in the wanted shape.
+    /// Largest stretching strain in the wanted shape.
     pub stretching_strain: f64,
-    /// Largest force that is not in balance in the wanted shape, N.
+    /// Largest unbalanced force in the wanted shape, N.
     pub residual_n: f64,
     /// What limits the design.
     pub remarks: Vec<String>,
@@ -60,10 +62,12 @@ pub struct Designed {
     pub nodes: [Vec<Vector3>; 3],
 }
 
-/// Finds the natural shape of the rod that `key` names and checks it by the equilibrium of the scenario.
+/// Finds the natural shape of the rod that `key` names and checks it with the equilibrium of the
+/// scenario.
 ///
 /// # Errors
-/// [`DesignError`]: a curve that does not fit the rod, a key that does not suit, and a curve that no natural shape holds.
+/// [`DesignError`]: a curve that does not fit the rod, a key that cannot be used, or a curve that
+/// no natural shape holds.
 pub fn natural_shape(request: &Request<'_>, key: &str) -> Result<Designed, DesignError> {
     let loaded = request.scenario.scenario_with(&[])?;
     let mut scenario = loaded.scenario.clone();
@@ -149,7 +153,7 @@ fn remarks(designed: &Designed, stability: Vec<String>) -> Vec<String> {
     remarks
 }
 
-/// The rod of the key of a natural shape.
+/// The rod whose natural shape a key sets.
 pub fn named_rod(key: &str) -> Option<&str> {
     let parts: Vec<&str> = key.split('.').collect();
     match parts.as_slice() {
@@ -158,7 +162,7 @@ pub fn named_rod(key: &str) -> Option<&str> {
     }
 }
 
-/// The number of the rod that a key names, among those of the scenario.
+/// Index of the rod that a key names, among the rods of the scenario.
 fn rod_of(key: &str, scenario: &Scenario) -> Result<usize, DesignError> {
     let fault = |what: &str| {
         let names: Vec<String> = (scenario.rods.iter())
@@ -187,7 +191,7 @@ fn prepared(loaded: &Loaded, scenario: &Scenario) -> Result<PreparedRun, DesignE
     Ok(experiment::prepare(scenario).map_err(|issues| loaded.locate(issues))?)
 }
 
-/// Row by row as the keys of a scenario.
+/// Natural strains as columns of the keys of a scenario.
 fn strains(natural: &NaturalStrains) -> Strains {
     let mut arc_length = vec![0.0];
     for length in &natural.lengths {

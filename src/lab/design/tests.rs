@@ -76,7 +76,7 @@ fn a_level_beam_needs_the_curvature_of_its_weight() {
     let expected = weight * length * length / (2.0 * stiffness);
     let ratio = found.natural_curvature_per_m / expected;
     assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
-    // Without loads it bends upwards.
+    // Without loads the rod bends upwards.
     let tip = found.nodes[2][100];
     assert!(tip.z > 0.005 && tip.y.abs() < 1e-9, "{tip}");
 }
@@ -99,7 +99,7 @@ fn curves_in_space_with_one_and_two_clamps_are_equilibria_of_their_files() {
         );
         assert!(found.distance_over_length < 1e-8, "{found:?}");
         assert!(found.distance_from_displaced_start_m.unwrap() < 1e-8 * length);
-        // The scenario that is written has the same natural shape and equilibrium.
+        // The written scenario has the same natural shape and equilibrium.
         let again = case_set_from_text("wire", &found.scenario_toml, Path::new("")).unwrap();
         let loaded = again.scenario_with(&[]).unwrap();
         let run = crate::experiment::prepare(&loaded.scenario).unwrap();
@@ -187,7 +187,7 @@ fn shape_of(scenario: &str) -> String {
     text
 }
 
-/// Numbers for the curve of the same scenario with other numbers.
+/// Fits `vary` of a scenario to the equilibrium of `truth`.
 fn numbers(scenario: &str, truth: &str, vary: &[&str]) -> DesignedNumbers {
     let Design::Numbers(found) = found(scenario, &shape_of(truth), vary).unwrap() else {
         panic!("a shape was designed");
