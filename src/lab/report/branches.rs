@@ -1,4 +1,4 @@
-//! Branch of a path of equilibria of each output of a run.
+//! Branch of a path of equilibria to which each output of a run belongs.
 
 use rodlab_files::results::{BRANCH, ResultsError, read_branches};
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 /// Quantity along the axis of a path of equilibria in place of time.
 pub(super) const PARAMETER: &str = "Path parameter";
 
-/// The numbers of the branches, output after output.
+/// The number of the branch of each output, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Branches(Vec<usize>);
 
@@ -31,12 +31,12 @@ impl Branches {
         known.copied().unwrap_or_default()
     }
 
-    /// Whether there are several.
+    /// Whether there are several branches.
     pub fn are_several(&self) -> bool {
         self.0.iter().any(|branch| *branch != self.0[0])
     }
 
-    /// Points of a curve, output after output, broken where one branch ends and another begins.
+    /// Points of a curve, one per output, broken between branches.
     pub fn broken(&self, points: Vec<(f64, Option<f64>)>) -> Vec<(f64, Option<f64>)> {
         let mut curve = Vec::with_capacity(points.len());
         for (output, point) in points.into_iter().enumerate() {

@@ -1,7 +1,8 @@
-//! Bodies that rods carry, for pictures: where their nodes are, turned as the rods run there.
+//! Bodies carried by rods, for pictures: at their nodes, and turned with the rods.
 //!
-//! Results hold positions of nodes, not how bodies are turned about the rod: pictures turn them the shortest way from where
-//! they were placed. Spheres and disks show no difference.
+//! Results hold positions of nodes but not the rotation of bodies about the rod. Pictures turn
+//! each body from its initial pose by the smallest rotation that follows the rod. Spheres and
+//! disks show no difference.
 
 use super::rod_places::{node_at, nodes_of};
 use crate::scenario::{BodyShape, Scenario};
@@ -16,7 +17,7 @@ use std::f64::consts::TAU;
 /// Corners of a disk.
 const AROUND: usize = 48;
 
-/// Radius of the ball that a point mass is drawn as, over that of its rod.
+/// Radius of the ball that represents a point mass, over the radius of its rod.
 const POINT: f64 = 2.0;
 
 /// A body with a shape, or a point mass.
@@ -24,15 +25,15 @@ const POINT: f64 = 2.0;
 pub struct CarriedBody {
     /// Its node.
     node: usize,
-    /// The nodes before and after it along the rod as far as there are any, among all nodes.
+    /// The nodes before and after it along the rod, where they exist, among all nodes.
     between: [usize; 2],
     /// Its surface in the frame of directors and tangent, m.
     triangles: Vec<[Vector3; 3]>,
-    /// Tangent and first director as placed.
+    /// Initial tangent and first director.
     placed: [Vector3; 2],
 }
 
-/// Bodies that the rods of a scenario carry; its nodes were placed at `start`.
+/// Bodies that the rods of a scenario carry. `start`: the initial positions of its nodes.
 pub fn carried_bodies(
     scenario: Option<&Scenario>,
     rods: &[RodRecord],
@@ -66,7 +67,7 @@ pub fn carried_bodies(
 }
 
 impl CarriedBody {
-    /// Its pose with the nodes at these positions.
+    /// Pose of the body with the nodes at these positions.
     fn pose(&self, positions: &[Vector3]) -> Pose {
         let along = positions[self.between[1]] - positions[self.between[0]];
         let [from, director] = self.placed;
@@ -89,7 +90,7 @@ impl CarriedBody {
         }
     }
 
-    /// The body as the 3-D page shows it, with the nodes at the positions of each output.
+    /// The body for the 3-D page, with the nodes at the positions of each output.
     pub fn in_motion<'a>(&self, outputs: impl Iterator<Item = &'a [Vector3]>) -> MovieObstacle {
         MovieObstacle {
             triangles: self.triangles.clone(),
@@ -102,7 +103,7 @@ impl CarriedBody {
     }
 }
 
-/// The surface of a shape around a centre, m; the tangent is z.
+/// The surface of a shape around a centre, m. The tangent is z.
 fn surface(shape: &BodyShape, centre: Option<[f64; 3]>) -> Vec<[Vector3; 3]> {
     let mut triangles = surface_about_origin(shape);
     if let Some(centre) = centre.map(Vector3::from) {

@@ -1,4 +1,5 @@
-//! Folders of the cases of a results directory: a single run is one case, a sweep has a folder for each.
+//! Folders of the cases of a results directory: a single run is one case; a sweep has a folder for
+//! each case.
 
 use rodlab_files::results::{ResultsError, SUMMARY, Table};
 use std::fs;
@@ -10,7 +11,7 @@ const CASES: &str = "cases";
 /// A case of a results directory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CaseFolder {
-    /// Id of the case; that of the directory for a single run.
+    /// Id of the case; for a single run the id of the directory.
     pub name: String,
     /// Folder of its files.
     pub path: PathBuf,
@@ -21,7 +22,7 @@ pub struct CaseFolder {
 /// The cases of a results directory in the order of its `summary.csv`, then by id.
 ///
 /// # Errors
-/// [`ResultsError::Io`] or [`ResultsError::Damaged`] where folder or summary cannot be read.
+/// [`ResultsError::Io`] or [`ResultsError::Damaged`] if the folder or the summary cannot be read.
 pub fn case_folders(directory: &Path) -> Result<Vec<CaseFolder>, ResultsError> {
     let cases = directory.join(CASES);
     if !cases.is_dir() {

@@ -1,6 +1,7 @@
 //! Springs between nodes, for pictures: thin straight threads.
 //!
-//! Results do not record when a spring broke: those that may break are not drawn, nor those that only turn rods.
+//! Results do not record when a spring broke, so springs that may break are not drawn. Springs
+//! that only apply torques are not drawn either.
 
 use super::rod_places::{node_at, nodes_of};
 use crate::scenario::{JointKind, Scenario};
@@ -12,7 +13,7 @@ use std::f64::consts::TAU;
 
 /// Sides of a thread.
 const AROUND: usize = 6;
-/// Its radius, of that of the thinner of the rods that it ties.
+/// Radius of the thread, over the radius of the thinner rod that it ties.
 const THINNESS: f64 = 0.4;
 
 /// A spring between two nodes.
@@ -45,7 +46,8 @@ pub fn drawn_springs(scenario: Option<&Scenario>, rods: &[RodRecord]) -> Vec<Dra
 }
 
 impl DrawnSpring {
-    /// The axes of the thread, the third as long as it is, and where it begins, with the nodes at these positions.
+    /// The axes of the thread and its first end, with the nodes at these positions. The third axis
+    /// has the length of the thread.
     fn placed(&self, positions: &[Vector3]) -> [Vector3; 4] {
         let [from, to] = self.nodes.map(|node| positions[node]);
         let along = to - from;
@@ -68,7 +70,7 @@ impl DrawnSpring {
         }
     }
 
-    /// The spring as the 3-D page shows it, with the nodes at the positions of each output.
+    /// The spring for the 3-D page, with the nodes at the positions of each output.
     pub fn in_motion<'a>(&self, outputs: impl Iterator<Item = &'a [Vector3]>) -> MovieObstacle {
         let matrix = |positions: &[Vector3]| {
             let mut matrix = [0.0; 16];
@@ -86,7 +88,7 @@ impl DrawnSpring {
         }
     }
 
-    /// Its surface with the nodes at the origin and at a unit of length along z.
+    /// Surface of the spring from the origin to a unit of length along z.
     fn triangles(&self) -> Vec<[Vector3; 3]> {
         let corner = |k: usize, z: f64| {
             let (sine, cosine) = libm::sincos(TAU * (k % AROUND) as f64 / AROUND as f64);

@@ -16,7 +16,7 @@ pub struct FilmRequest {
     pub case: Option<String>,
     /// Name of the rod that the camera follows.
     pub follow: Option<String>,
-    /// Settings of the film; the followed rod is found by its name.
+    /// Settings of the film. The followed rod is found by its name.
     pub options: FilmOptions,
 }
 
@@ -37,7 +37,7 @@ pub enum MovieError {
     /// The directory shows no rods in motion.
     #[error(transparent)]
     View(#[from] ViewError),
-    /// A sweep has several cases, and none was chosen, or one that does not exist.
+    /// A sweep has several cases, and the user chose none, or one that does not exist.
     #[error("{reason}; choose one of its {} cases with --case: {}", cases.len(), first_few(cases))]
     NoCase {
         /// Reason why no case is chosen.
@@ -130,17 +130,18 @@ impl Format {
     }
 }
 
-/// Most outputs that a film reads.
+/// Maximum number of outputs that a film reads.
 const MOST_OUTPUTS: usize = 20_000;
-/// Beginning of the folder that pictures are written to until all are there.
+/// Prefix of the temporary folder for pictures.
 const UNFINISHED: &str = ".rodlab-unfinished-";
 
 /// Writes a film of a results directory. The ending of `to` sets its format; a name without one is a folder for pictures.
 ///
-/// `watch` is called with the number of pictures done and that of all, and returns whether to continue.
+/// `watch` is called with the number of pictures done and the total number, and returns whether to
+/// continue.
 ///
 /// # Errors
-/// [`MovieError`]; the film is whole or untouched.
+/// [`MovieError`]. The film is written completely or not at all.
 pub fn write_film(
     directory: &Path,
     to: &Path,
@@ -173,7 +174,7 @@ pub fn write_film(
     })
 }
 
-/// The case that was asked for, or the only one.
+/// The requested case, or the only one.
 fn case_of(directory: &Path, case: Option<&str>) -> Result<CaseFolder, MovieError> {
     let mut folders = case_folders(directory)?;
     let names = || folders.iter().map(|folder| folder.name.clone()).collect();
@@ -234,7 +235,8 @@ fn write_mp4(
     Err(MovieError::WithoutVideo(to.to_owned()))
 }
 
-/// Writes pictures into a folder of their own, which takes the place of an earlier one once all are there.
+/// Writes pictures into a temporary folder, which replaces an earlier one when all pictures are
+/// written.
 fn write_pictures(
     to: &Path,
     film: &Film,
@@ -247,7 +249,7 @@ fn write_pictures(
     };
     let beside = to.parent().filter(|parent| !parent.as_os_str().is_empty());
     let beside = beside.unwrap_or(Path::new("."));
-    // It removes itself where the film is not completed.
+    // The folder removes itself if the film is not completed.
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
@@ -269,7 +271,7 @@ fn write_pictures(
     Ok(bytes)
 }
 
-/// Checks that a folder is not there yet, or holds nothing but pictures of an earlier film.
+/// Checks that a folder does not exist yet, or holds only pictures of an earlier film.
 fn check_own_folder(to: &Path) -> Result<(), MovieError> {
     let not_own = |found: String| MovieError::NotOwn {
         directory: to.to_owned(),

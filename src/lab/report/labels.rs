@@ -2,7 +2,7 @@
 
 use crate::experiment::unit;
 
-/// Endings of column names and their units; longer ones first.
+/// Suffixes of column names and their units; longer ones first.
 const UNITS: [(&str, &str); 17] = [
     ("_rad_per_s", "rad/s"),
     ("_rad_per_m", "rad/m"),
@@ -23,7 +23,7 @@ const UNITS: [(&str, &str); 17] = [
     ("_j", "J"),
 ];
 
-/// Units of scenario files that take prefixes, and the prefixes, small ones first.
+/// Units of scenario files that take prefixes, and the prefixes in ascending order.
 const PREFIXES: [(&str, &[(&str, f64)]); 4] = [
     ("m", &[("µm", 1e-6), ("mm", 1e-3), ("m", 1.0)]),
     (
@@ -44,13 +44,14 @@ pub(super) struct Quantity {
     pub name: String,
     /// Its unit; empty for a pure number.
     pub unit: String,
-    /// The size of that unit in the unit of the column.
+    /// The size of that unit, in the unit of the column.
     pub size: f64,
 }
 
 impl Quantity {
-    /// The quantity of a column with these values: `min_distance_m` is the min distance in m, the key
-    /// `rods.beam.radius` the radius of beam, in mm where it has the size of millimetres.
+    /// The quantity of a column with these values. `min_distance_m` becomes the min distance in m;
+    /// the key `rods.beam.radius` becomes the radius of beam, in mm if its values are of that
+    /// size.
     pub fn of(column: &str, values: impl Iterator<Item = f64>) -> Self {
         if !column.contains('.') {
             let known = UNITS
@@ -72,7 +73,7 @@ impl Quantity {
             .replace("^3", "³");
         let largest = values.map(f64::abs).fold(0.0, f64::max);
         let prefixes = PREFIXES.iter().find(|(known, _)| *known == unit);
-        // A part of a metre or a second is easier to read than hundreds of the next prefix.
+        // A fraction of a metre or a second is easier to read than hundreds of the next prefix.
         let fitting = prefixes.and_then(|(_, prefixes)| {
             let fits = |(_, size): &&(&str, f64)| largest >= if *size == 1.0 { 0.1 } else { *size };
             prefixes.iter().rev().find(fits).or(prefixes.first())
@@ -100,7 +101,7 @@ impl Quantity {
         }
     }
 
-    /// A cell of the column with its name, as a legend shows it.
+    /// A cell of the column with the name of the quantity, as shown in a legend.
     pub fn with_value(&self, cell: &str) -> String {
         let Self { name, unit, size } = self;
         let space = if unit.is_empty() { "" } else { " " };

@@ -8,15 +8,16 @@ use rodlab_engine::mechanics::scene::Obstacle;
 use rodlab_engine::mechanics::system::obstacle_poses;
 use rodlab_files::figure::{Body, MovieObstacle};
 
-/// Most triangles of an obstacle that pictures show.
+/// Maximum number of triangles of an obstacle in pictures.
 const MOST_TRIANGLES: usize = 200_000;
 
-/// The obstacles of a scenario; none where it could not be read.
+/// The obstacles of a scenario; none if the scenario could not be read.
 pub fn obstacles_of(scenario: Option<&Scenario>) -> Vec<Obstacle> {
     scenario.map(place_obstacles).unwrap_or_default()
 }
 
-/// Surfaces of obstacles at time zero, as triangles; of endless ones the part near `points`.
+/// Surfaces of obstacles at time zero, as triangles. Of infinite surfaces only the part near
+/// `points`.
 pub fn surfaces<'a>(
     obstacles: &[Obstacle],
     points: impl Iterator<Item = &'a Vector3> + Clone,
@@ -32,7 +33,7 @@ pub fn surfaces<'a>(
         .collect()
 }
 
-/// Obstacles as the 3-D page shows them at these times, s.
+/// Obstacles for the 3-D page at these times, s.
 pub fn movie_obstacles<'a>(
     obstacles: &[Obstacle],
     times: &[f64],
@@ -56,7 +57,7 @@ pub fn movie_obstacles<'a>(
         .collect()
 }
 
-/// Obstacles as figures show them at a time, s.
+/// Obstacles for figures at a time, s.
 pub fn bodies_at(obstacles: &[Obstacle], surfaces: &[Vec<[Vector3; 3]>], time: f64) -> Vec<Body> {
     let poses = obstacle_poses(obstacles, time);
     let placed = obstacles.iter().zip(surfaces).zip(&poses);

@@ -21,12 +21,12 @@ pub enum ViewError {
         .0.display()
     )]
     NoNodes(PathBuf),
-    /// The experiment has a page of its own, but not of these results.
+    /// The experiment has a page of its own, but these results do not.
     #[error("`{}` has {reason}", directory.display())]
     NoPage {
         /// The directory.
         directory: PathBuf,
-        /// What the directory contains, and why that makes no page.
+        /// Contents of the directory, and why they make no page.
         reason: &'static str,
     },
     /// A file could not be read or written.
@@ -41,17 +41,18 @@ pub struct WrittenPage {
     pub cases: usize,
     /// Size of the file.
     pub bytes: usize,
-    /// Whether outputs were left out to keep it small.
+    /// Whether outputs were left out to keep the page small.
     pub thinned: bool,
 }
 
-/// Writes the page of a results directory to the file `to`, which holds everything it needs.
+/// Writes the page of a results directory to the file `to`, which is self-contained.
 ///
-/// Of each case at most `largest_count` outputs are shown, evenly spread. Cases without positions are left
-/// out. `done`: called after each case with the number done and the number of all.
+/// At most `largest_count` outputs of each case are shown, evenly spaced. Cases without positions
+/// are left out. `done` is called after each case with the number of cases done and the total
+/// number.
 ///
 /// # Errors
-/// [`ViewError`]; the file is whole or untouched.
+/// [`ViewError`]. The file is written completely or not at all.
 pub fn write_page(
     directory: &Path,
     to: &Path,
@@ -61,7 +62,8 @@ pub fn write_page(
     write_page_that_reloads(directory, to, largest_count, None, done)
 }
 
-/// [`write_page`] of a run in progress; `reload`: seconds after which the page loads itself again, if it does.
+/// Writes the page of a run in progress, see [`write_page`]. `reload`: seconds after which the
+/// page reloads itself, if it does.
 ///
 /// # Errors
 /// As [`write_page`].
@@ -137,10 +139,10 @@ fn no_page(directory: &Path, reason: &'static str) -> ViewError {
     }
 }
 
-/// The manifest of a directory that shows rods in motion.
+/// The manifest of a directory with rods in motion.
 ///
 /// # Errors
-/// [`ViewError`] where it shows anything else, or nothing.
+/// [`ViewError`] if it holds anything else, or nothing.
 pub(super) fn rods_in_motion(directory: &Path) -> Result<Manifest, ViewError> {
     let (manifest, page) = page_of(directory)?;
     match page {

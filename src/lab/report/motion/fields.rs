@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use rodlab_files::figure::{Field, MovieRod};
 use rodlab_files::results::{NodeForces, NodePositions};
 
-/// The fields of a run. Twist and contact force are in `node_forces.csv` only; without it the speed is that
-/// between the outputs.
+/// The fields of a run. Only `node_forces.csv` has twist and contact force; without it the speed
+/// is computed from the positions of consecutive outputs.
 pub(super) fn fields(
     rods: &[MovieRod],
     outputs: &[NodePositions],
@@ -39,8 +39,9 @@ fn field(name: &str, unit: &str, signed: bool, values: Vec<Vec<f64>>) -> Field {
     }
 }
 
-/// Curvature at each node, 1/m: κ = 2 tan(φ/2)/l̄ with the angle φ between the edges that meet there and
-/// their mean length l̄ (Bergou et al. 2008); that of the neighbour at the ends of open rods.
+/// Curvature at each node, 1/m: κ = 2 tan(φ/2)/l̄ with the angle φ between the edges that meet at
+/// the node and their mean length l̄ (Bergou et al. 2008). The ends of open rods have the
+/// curvature of their neighbours.
 fn curvatures(rods: &[MovieRod], positions: &[Vector3<f64>]) -> Vec<f64> {
     let mut curvatures = Vec::with_capacity(positions.len());
     let mut rest = positions;
@@ -71,7 +72,7 @@ fn curvatures(rods: &[MovieRod], positions: &[Vector3<f64>]) -> Vec<f64> {
     curvatures
 }
 
-/// Speed of each node since the output before, m/s; at the first output until the next.
+/// Mean speed of each node since the previous output, m/s; at the first output until the next.
 fn mean_speeds(outputs: &[NodePositions]) -> Vec<Vec<f64>> {
     let between = |before: &NodePositions, after: &NodePositions| -> Vec<f64> {
         let span = after.time - before.time;

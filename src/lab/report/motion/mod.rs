@@ -1,4 +1,4 @@
-//! A case of a results directory in motion: the data for the 3-D page and films.
+//! The motion of a case of a results directory: the data for the 3-D page and films.
 
 mod fields;
 mod parameters;
@@ -32,17 +32,19 @@ pub(super) struct CaseMotion {
     path: PathBuf,
     manifest: Manifest,
     branches: Option<Branches>,
-    /// Number of each output among all of the run, and its positions.
+    /// Index of each shown output among all outputs, and its positions.
     outputs: Vec<(usize, NodePositions)>,
     forces: Option<Vec<NodeForces>>,
-    /// Results of an older version may not be understood as a scenario any more; the rods still are.
+    /// `None` if the scenario is of an older version that cannot be read any more. The rods are
+    /// still shown.
     scenario: Option<Scenario>,
     /// Whether outputs were left out.
     pub thinned: bool,
 }
 
 impl CaseMotion {
-    /// Reads at most `largest_count` outputs of a case, evenly spread; `None` where it wrote no positions.
+    /// Reads at most `largest_count` outputs of a case, evenly spaced; `None` if it wrote no
+    /// positions.
     pub fn read(
         folder: &CaseFolder,
         root: &Manifest,
@@ -124,7 +126,8 @@ impl CaseMotion {
         case
     }
 
-    /// The same with colour fields, columns to plot, and places of contact.
+    /// Rods, planes and bodies in motion, with colour fields, columns to plot, and places of
+    /// contact.
     pub fn with_numbers(&self) -> Result<MovieCase, ResultsError> {
         let mut case = self.scene();
         let outputs: Vec<NodePositions> = self
@@ -183,7 +186,7 @@ impl CaseMotion {
     }
 }
 
-/// `count` of the items, the first and the last among them.
+/// Selects `count` of the items, with the first and the last.
 fn evenly_spread<T>(items: Vec<T>, count: usize) -> Vec<T> {
     let last = items.len() - 1;
     let mut wanted = (0..count).map(|k| k * last / (count - 1).max(1)).peekable();
@@ -194,7 +197,8 @@ fn evenly_spread<T>(items: Vec<T>, count: usize) -> Vec<T> {
     spread.collect()
 }
 
-/// Places where surfaces are within the distance tolerance of the contact model of each other, at each output.
+/// Places where the gap between surfaces is below the distance tolerance of the contact model, at
+/// each output.
 fn contacts(
     rods: &[MovieRod],
     outputs: &[NodePositions],

@@ -2,10 +2,11 @@
 
 use toml::Value;
 
-/// Longer values are cut; their beginning identifies them.
+/// Length at which values are cut; their beginning identifies them.
 const LONGEST: usize = 60;
 
-/// Every key of a scenario with its value, keys dotted; empty where the text is not TOML.
+/// Every key of a scenario with its value. Keys are dotted; the list is empty if the text is not
+/// TOML.
 pub(super) fn flattened(scenario: &str) -> Vec<(String, String)> {
     let mut pairs = Vec::new();
     if let Ok(table) = scenario.parse::<toml::Table>() {

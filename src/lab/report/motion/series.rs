@@ -1,17 +1,17 @@
-//! Data that can be plotted beside the motion: the columns of `series.csv` at the outputs that are shown.
+//! Data to plot beside the motion: the columns of `series.csv` at the shown outputs.
 
 use crate::report::labels::Quantity;
 use rodlab_files::figure::MovieSeries;
 use rodlab_files::results::{NodePositions, ResultsError, SERIES, Table};
 use std::path::Path;
 
-/// Columns that describe the progress of the run, not its findings.
+/// Columns that describe the progress of the run, not its results.
 const EFFORT: [&str; 4] = ["time_s", "step_s", "steps", "fluid_iterations"];
 
-/// The columns that hold numbers and vary, at the outputs with these numbers among all.
+/// The numeric columns that vary, at the shown outputs.
 ///
-/// Of a path of equilibria outputs follow each other, row by row; those of a motion are found by their time, for rows
-/// may be more than outputs.
+/// On a path of equilibria each row belongs to one output, in the same order. In a motion there
+/// may be more rows than outputs, so rows are found by their time.
 pub(super) fn series(
     folder: &Path,
     shown: &[(usize, NodePositions)],

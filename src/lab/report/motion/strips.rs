@@ -1,4 +1,5 @@
-//! Rods that are drawn with the width of their cross-section: those of a rectangle, and sheets that are folded.
+//! Rods that are drawn with the width of their cross-section: rods with a rectangular section, and
+//! folded sheets.
 
 use crate::experiment::FoldingTables;
 use crate::scenario::{CrossSection, Rod, Scenario};
@@ -7,10 +8,10 @@ use rodlab_engine::mechanics::rod::transport::any_normal;
 use rodlab_files::figure::Strip;
 use rodlab_files::results::RodRecord;
 
-/// Name of the rod that is a sheet in an experiment that folds one.
+/// Name of the rod that is the sheet of a folding experiment.
 const SHEET: &str = "sheet";
 
-/// The strip that a rod is drawn as; `None` for a tube. `placed`: its nodes at the first output.
+/// The strip that represents a rod; `None` for a tube. `placed`: its nodes at the first output.
 pub(super) fn strip_of(
     record: &RodRecord,
     described: Option<&Rod>,
@@ -31,7 +32,7 @@ pub(super) fn strip_of(
             record.closed,
         ));
     }
-    // A sheet is folded in the plane of x and z.
+    // A sheet folds in the plane of x and z.
     let tables = scenario?.experiment.tables::<FoldingTables>()?;
     let paper = &tables.folding.paper;
     let is_sheet = described.is_none() && record.name == SHEET;

@@ -6,7 +6,7 @@ use rodlab_files::figure::{Curve, Figure, LinePlot, Look, line_plots};
 use rodlab_files::results::{BRANCH, BranchKind, BranchRow, read_branches};
 use std::path::Path;
 
-/// A quantity over the parameter.
+/// A quantity plotted over the parameter.
 type Column = fn(&BranchRow) -> f64;
 
 const STABLE: &str = "stable";
@@ -46,7 +46,8 @@ fn branch_plots(rows: &[BranchRow]) -> Vec<LinePlot> {
         .collect()
 }
 
-/// The points that `shows` picks; the curve is broken between branches and where points are left out.
+/// The points for which `shows` returns true. The curve is broken between branches and where
+/// points are left out.
 fn curve(name: &str, rows: &[BranchRow], column: Column, shows: fn(&BranchRow) -> bool) -> Curve {
     let mut points: Vec<(f64, Option<f64>)> = Vec::new();
     for stretch in rows.chunk_by(|a, b| a.branch == b.branch && shows(a) == shows(b)) {

@@ -4,15 +4,17 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_files::figure::{RodCurve, Snapshot};
 use std::ops::RangeInclusive;
 
-/// Distance from the line through the ends of a rod up to which a node counts as part of its straight ends, in radii.
+/// Distance from the line through both ends of a rod, in radii, up to which a node belongs to a
+/// straight end.
 const STRAIGHT: f64 = 3.0;
-/// Largest extent of the bent part over the distance of the ends in a close-up. A longer part is seen well in the whole rod.
+/// Largest ratio of the extent of the bent part to the distance of the ends for which a close-up
+/// is drawn. A longer part is clearly visible in a picture of the whole rod.
 const LONGEST: f64 = 0.4;
-/// Length of straight rod shown on either side of the bent part, over the length of that part between its ends.
+/// Length of straight rod shown on either side of the bent part, over the length of the bent part.
 const BESIDE: f64 = 0.3;
 
-/// Cuts most of the straight ends off a single rod that is bent only between them, such as a knot that is pulled tight;
-/// returns whether they were cut. All snapshots show the same length.
+/// Cuts most of the straight ends off a single rod that is bent only in between, such as a tight
+/// knot. Returns whether the ends were cut. All snapshots show the same length.
 pub fn cut_straight_ends(snapshots: &mut [Snapshot]) -> bool {
     let windows: Option<Vec<[f64; 2]>> = snapshots.iter().map(window).collect();
     let Some(windows) = windows.filter(|windows| !windows.is_empty()) else {
@@ -33,15 +35,15 @@ pub fn cut_straight_ends(snapshots: &mut [Snapshot]) -> bool {
         };
         let axis = (rod.points[rod.points.len() - 1] - rod.points[0]).normalize();
         let centre = rod.points[0] + middle * axis;
-        // Each in the middle of its picture, regardless of its position along the rod.
+        // Each is centred in its picture, regardless of its position along the rod.
         let shown = rod.points[first..=last].iter();
         rod.points = shown.map(|point| point - centre).collect();
     }
     true
 }
 
-/// Where the bent part of the only rod begins and ends along the line through the ends of the rod, m; `None` if the rod is
-/// not straight on both sides of a short part.
+/// Start and end of the bent part of the only rod, along the line through the ends of the rod, m;
+/// `None` if the rod is not straight on both sides of a short part.
 fn window(snapshot: &Snapshot) -> Option<[f64; 2]> {
     let [rod] = &snapshot.rods[..] else {
         return None;
@@ -69,7 +71,7 @@ fn bent_part(rod: &RodCurve) -> Option<RangeInclusive<usize>> {
     (!rod.closed && !rod.held).then_some(begin..=end)
 }
 
-/// Places of nodes along the line from the first to the last, m.
+/// Coordinates of nodes along the line from the first to the last, m.
 fn places_along(points: &[Vector3]) -> Vec<f64> {
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return Vec::new();
@@ -85,7 +87,7 @@ fn places_along(points: &[Vector3]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// A rod along x with a loop of a radius in its middle.
+    /// A rod along x with a circular loop in its middle.
     fn looped(radius: f64) -> Snapshot {
         let straight = |k: usize| Vector3::new(0.01 * k as f64, 0.0, 0.0);
         let ring = (0..=40).map(|k| {

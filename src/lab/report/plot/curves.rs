@@ -1,4 +1,4 @@
-//! Rows of a table as curves, a curve for each group of rows.
+//! Rows of a table as curves, one for each group of rows.
 
 use crate::report::labels::Quantity;
 use rodlab_files::figure::{Curve, Look};
@@ -15,7 +15,7 @@ pub(super) struct Grouping {
 }
 
 impl Grouping {
-    /// Rows with the same cells in `columns` are a group; without columns all rows are one.
+    /// Groups rows with equal cells in `columns`. Without columns all rows are one group.
     pub fn of(table: &Table, columns: &[&str]) -> Self {
         let cells: Vec<Vec<&str>> = columns
             .iter()
@@ -59,7 +59,8 @@ pub(super) fn in_unit(numbers: Vec<Option<f64>>, quantity: &Quantity) -> Vec<Opt
     numbers.into_iter().map(shown).collect()
 }
 
-/// The curves of (x, y) by group, marked at the points, which come in the order of x; rows without x are left out.
+/// The curves of (x, y) by group, marked at the points and sorted by x. Rows without x are left
+/// out.
 pub(super) fn curves(x: &[Option<f64>], y: &[Option<f64>], grouping: &Grouping) -> Vec<Curve> {
     let curve = |(group, name): (usize, &String)| {
         let rows = (0..x.len()).filter(|row| grouping.groups[*row] == group);
@@ -71,14 +72,14 @@ pub(super) fn curves(x: &[Option<f64>], y: &[Option<f64>], grouping: &Grouping) 
     grouping.names.iter().enumerate().map(curve).collect()
 }
 
-/// Number of unlike cells of a column, empty ones not counted.
+/// Number of distinct cells of a column; empty cells are not counted.
 pub(super) fn value_count(table: &Table, column: &str) -> usize {
     let cells = table.column(column).into_iter().flatten();
     let unlike: BTreeSet<&str> = cells.filter(|cell| !cell.is_empty()).collect();
     unlike.len()
 }
 
-/// Whether a column holds more than one value.
+/// Whether a column holds more than one distinct value.
 pub(super) fn varies(table: &Table, column: &str) -> bool {
     value_count(table, column) > 1
 }

@@ -1,4 +1,4 @@
-//! Custom figure: any column over any other, from `summary.csv` or `series.csv`.
+//! Custom figure of columns of `summary.csv` or `series.csv`.
 
 use super::PlotError;
 use super::curves::{Grouping, curves, in_unit, quantity, varies};
@@ -12,23 +12,24 @@ use std::path::Path;
 /// Columns and axes of a custom figure.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CustomFigure {
-    /// Column along the horizontal axis; without it `time_s` of a series, the first parameter of a sweep.
+    /// Column of the horizontal axis. The default is `time_s` for a series, and the first
+    /// parameter for a sweep.
     pub x: Option<String>,
-    /// Columns to be drawn, one plot above the other.
+    /// Columns to draw, one plot above the other.
     pub y: Vec<String>,
-    /// Column of `summary.csv` whose every value gets a curve.
+    /// Column of `summary.csv`; each of its values has its own curve.
     pub group: Option<String>,
-    /// Scales of the axes, horizontal and vertical; chosen by the numbers where there is none.
+    /// Scales of the horizontal and the vertical axis. `None` chooses the scale by the numbers.
     pub scales: Option<[AxisScale; 2]>,
 }
 
 /// A custom figure.
 ///
-/// Columns are looked for in `summary.csv`, where each case is a point, then in `series.csv`, where each case
-/// is a curve.
+/// Columns are looked up first in `summary.csv`, where each case is a point, then in `series.csv`,
+/// where each case is a curve.
 ///
 /// # Errors
-/// [`PlotError`] where columns are unknown, not numbers, or of different tables.
+/// [`PlotError`] if columns are unknown, not numeric, or from different tables.
 pub fn custom_figure(directory: &Path, figure: &CustomFigure) -> Result<Figure, PlotError> {
     let summary_path = directory.join(SUMMARY);
     let summary = summary_path
@@ -118,7 +119,7 @@ struct Series {
     /// Name of its curve.
     name: String,
     table: Table,
-    /// Its branches, where it followed a path of equilibria.
+    /// Branches of the case, if it followed a path of equilibria.
     branches: Option<Branches>,
 }
 
@@ -157,7 +158,7 @@ fn all_series(
         });
     }
     if series.is_empty() {
-        // Reading it reports the fault.
+        // The later reading of the file reports the fault.
         series.push(Series {
             name: String::new(),
             table: Table::read(&directory.join(SERIES))?,

@@ -1,11 +1,11 @@
-//! Why a figure is not drawn.
+//! Errors of figures.
 
 use crate::experiment::FigureError;
 use crate::scenario::{ScenarioError, did_you_mean};
 use rodlab_files::results::ResultsError;
 use std::path::PathBuf;
 
-/// Why a figure is not drawn.
+/// Reason why a figure is not drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
     /// The directory holds no results.
@@ -35,7 +35,7 @@ pub enum PlotError {
         first_table: &'static str,
         /// Another column.
         second: String,
-        /// The file that contains the second one.
+        /// The file that contains the other column.
         second_table: &'static str,
     },
     /// The scenario of the results could not be read.

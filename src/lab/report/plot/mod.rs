@@ -33,17 +33,17 @@ use sweep::sweep_figure;
 
 /// Snapshots in a figure.
 const SNAPSHOTS: usize = 4;
-/// Rods that a legend names, at most.
+/// Maximum number of rods in a legend.
 const NAMED_RODS: usize = 12;
 
 /// Draws the figures of a results directory into it and returns their paths.
 ///
-/// `rods`: the rods at up to four times, evenly spread over the run; needs `nodes.csv`.
-/// `series`: energies, contacts, distance and iterations over time; needs more than one output.
-/// `sweep`: outcomes over the swept parameters; needs a `summary.csv` in which a number is swept.
-/// `branch`: displacement and energy over the parameter of a path of equilibria; needs `branch.csv`.
-/// Then those of its kind of experiment, see [`Kind::figures`](crate::experiment::Kind::figures).
-/// Works during a run, and on the files of an interrupted one.
+/// `rods`: the rods at up to four times, evenly spaced over the run; needs `nodes.csv`. `series`:
+/// energies, contacts, distance and iterations over time; needs more than one output. `sweep`:
+/// outcomes over the swept parameters; needs a `summary.csv` in which a number is swept. `branch`:
+/// displacement and energy over the parameter of a path of equilibria; needs `branch.csv`. The
+/// kind of experiment may add figures, see [`Kind::figures`](crate::experiment::Kind::figures).
+/// The results may be those of a run that is in progress or was interrupted.
 ///
 /// # Errors
 /// [`PlotError::NotResults`], or [`PlotError::Results`] or [`PlotError::Scenario`] where files cannot be read or
@@ -90,10 +90,11 @@ pub fn plot_results(directory: &Path, options: &FigureOptions) -> Result<Vec<Pat
     Ok(written)
 }
 
-/// Writes a figure in all formats asked for, side by side; returns the paths. The ending of `path` does not matter.
+/// Writes a figure in all requested formats, side by side; returns the paths. The suffix of `path`
+/// is ignored.
 ///
 /// # Errors
-/// [`ResultsError::Io`], [`ResultsError::NotOwn`] where something else than a picture has its name.
+/// [`ResultsError::Io`], [`ResultsError::NotOwn`] if another kind of file has the same name.
 pub fn write_figure(
     path: &Path,
     figure: &Figure,
@@ -119,7 +120,8 @@ pub fn write_in_formats(
     formats.iter().map(write).collect()
 }
 
-/// The rods at up to four times, evenly spread over the run, with the planes and the names of the rods.
+/// The rods at up to four times, evenly spaced over the run, with the planes and the names of the
+/// rods.
 ///
 /// # Errors
 /// [`ResultsError::Io`] or [`ResultsError::Damaged`] where `nodes.csv` or `branch.csv` cannot be read.
@@ -127,7 +129,7 @@ pub fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figure, Resu
     let rods = &manifest.rods;
     let outputs = read_nodes(directory, rods.iter().map(|rod| rod.nodes).sum())?;
     let branches = Branches::read(directory)?;
-    // Results of an older version may not be understood as a scenario any more; the rods still are.
+    // A scenario of an older version may not be readable any more. The rods are still drawn.
     let scenario = from_text(&manifest.name, &manifest.scenario, directory, &[]);
     let scenario = scenario.ok().map(|loaded| loaded.scenario);
     let held = |rod: &RodRecord| {
@@ -192,7 +194,8 @@ pub fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figure, Resu
     }))
 }
 
-/// The time of an output, or its place on a path of equilibria; nothing where there is only one.
+/// Label of an output: its time, or its position on a path of equilibria; empty for a single
+/// output.
 fn title(time: f64, output: usize, outputs: usize, branches: Option<&Branches>) -> String {
     let rounded = (time * 1e3).round() / 1e3;
     match branches {
@@ -205,7 +208,7 @@ fn title(time: f64, output: usize, outputs: usize, branches: Option<&Branches>) 
     }
 }
 
-/// Up to `count` of the items, from the first to the last.
+/// Up to `count` of the items, with the first and the last.
 fn evenly_spread<T>(items: &[T], count: usize) -> impl Iterator<Item = &T> {
     let count = count.min(items.len());
     let last = items.len().saturating_sub(1);
@@ -274,7 +277,7 @@ mod tests {
             assert!(path.ends_with(format!("own.{ending}")));
             assert!(std::fs::read(path).unwrap().starts_with(head));
         }
-        // Once more over its own files.
+        // A second time, over its own files.
         write_figure(&path, &figure, &options).unwrap();
     }
 

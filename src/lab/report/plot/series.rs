@@ -7,8 +7,8 @@ use rodlab_files::results::SeriesRow;
 /// A column of the series.
 type Column = fn(&SeriesRow) -> Option<f64>;
 
-/// Energies in one plot, then contacts, distance and iterations; columns that are always zero or empty are left out. Curves of a
-/// path of equilibria are broken between its branches.
+/// Energies in one plot, then contacts, distance and iterations. Columns that are always zero or
+/// empty are left out. Curves of a path of equilibria are broken between branches.
 pub(super) fn series_plots(series: &[SeriesRow], branches: Option<&Branches>) -> Vec<LinePlot> {
     let energies: [(&str, Column); 6] = [
         ("kinetic", |row| Some(row.kinetic_energy_j)),

@@ -5,10 +5,10 @@ use crate::report::case_folders::parameter_columns;
 use rodlab_files::figure::{AxisScale, Figure, LinePlot, PlotStyle, styled_line_plots};
 use rodlab_files::results::{SummaryRow, Table};
 
-/// Outcomes in a figure, at most; more are asked for by name.
+/// Maximum number of outcomes in a figure; the user can request others by name.
 const OUTCOMES: usize = 6;
 
-/// Outcomes that describe the computational work; they are drawn last.
+/// Outcomes that describe the computational cost; they are drawn last.
 const EFFORT: [&str; 6] = [
     "simulated_time_s",
     "steps",
@@ -18,10 +18,10 @@ const EFFORT: [&str; 6] = [
     "fluid_iterations_mean",
 ];
 
-/// Draws every outcome that varies over the swept number of most values, a curve for each value of the other
-/// parameters; `None` where no number is swept or no outcome varies.
+/// Draws every outcome that varies over the swept number with the most values, with one curve for
+/// each combination of the other parameters. `None` if no number is swept or no outcome varies.
 ///
-/// Axes are logarithmic where their numbers are positive and range over more than a decade.
+/// Axes are logarithmic if their numbers are positive and span more than a decade.
 pub(super) fn sweep_figure(summary: &Table) -> Option<Figure> {
     let parameters: Vec<&str> = parameter_columns(summary)
         .filter(|key| varies(summary, key))
@@ -44,7 +44,7 @@ pub(super) fn sweep_figure(summary: &Table) -> Option<Figure> {
             !known.contains(column) && is_numeric(summary, column) && varies(summary, column)
         })
         .partition(|column| EFFORT.contains(column));
-    // Columns of probes or of the experiment precede the columns that every run has.
+    // Columns of probes or of the experiment come before the columns that every run has.
     let of_every_run = SummaryRow::columns();
     outcomes.sort_by_key(|column| of_every_run.iter().any(|known| known == column));
     outcomes.extend(effort);
@@ -77,7 +77,7 @@ fn fitting_scale(plot: &LinePlot) -> AxisScale {
     AxisScale::fitting(points.filter_map(|(_, y)| *y))
 }
 
-/// Whether a column holds numbers, and no words.
+/// Whether a column holds numbers and no text.
 fn is_numeric(table: &Table, column: &str) -> bool {
     let cells = table.column(column).into_iter().flatten();
     let mut cells = cells.filter(|cell| !cell.is_empty()).peekable();
@@ -115,7 +115,8 @@ mod tests {
             assert!(svg.contains(word), "{word}");
         }
         assert!(!svg.contains("Constant") && !svg.contains("status"));
-        // Discs, closed by a full turn, are the marks of the first curve: two in each plot and one in the legend.
+        // Disks, closed by a full turn, mark the first curve: two in each plot and one in the
+        // legend.
         assert_eq!(svg.matches("0Z\" fill=\"#0072b2\"").count(), 2 + 2 + 1);
         assert!(svg.find("Peak force").unwrap() < svg.find("Steps").unwrap());
     }
