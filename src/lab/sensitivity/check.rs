@@ -1,6 +1,7 @@
-//! Differences of whole runs, for comparison with derivatives.
+//! Differences of whole runs, to check derivatives.
 //!
-//! Central differences with 2h and with h = 10⁻³ p are extrapolated, (4 D(h) − D(2h))/3, which leaves an error of fourth order.
+//! Central differences D with steps h = 10⁻³ p and 2h are extrapolated, (4 D(h) − D(2h))/3, with
+//! an error of fourth order.
 
 use super::chosen::{Chosen, rates};
 use super::error::SensitivityError;
@@ -8,12 +9,13 @@ use super::problem::{Key, Problem, Source};
 use crate::run::{Mode, PreparedRun};
 use rodlab_engine::mechanics::dynamics::Simulation;
 
-/// h over the size of a value.
+/// h over the absolute value of the number.
 const RELATIVE_STEP: f64 = 1e-3;
-/// The same over ε, for values that are 0.
+/// h over ε, for numbers that are 0.
 const STEPS: f64 = 1e3;
 
-/// Derivatives of the probes at the end of a run, by differences of four runs for each key: a list for each key.
+/// Derivatives of the probes at the end of a run, from the differences of four runs for each key:
+/// a list for each key.
 ///
 /// # Errors
 /// See [`SensitivityError`].

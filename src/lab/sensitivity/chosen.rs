@@ -6,16 +6,16 @@ use crate::run::{Observer, PreparedRun, Sample};
 use crate::scenario::did_you_mean;
 use rodlab_engine::mechanics::dynamics::{Exchange, Simulation};
 
-/// The columns that are asked for.
+/// The requested columns.
 pub(super) struct Chosen {
-    /// Numbers of the columns among those of all probes.
+    /// Indices of the columns among the columns of all probes.
     numbers: Vec<usize>,
     /// Their names.
     pub(super) columns: Vec<String>,
 }
 
 impl Chosen {
-    /// The columns of the probes with these names, or with these columns.
+    /// The columns with these names, and those of the probes with these names.
     ///
     /// # Errors
     /// [`SensitivityError::Probe`], and [`SensitivityError::Unsuitable`] where the scenario has no probes.
@@ -59,10 +59,10 @@ impl Chosen {
         })
     }
 
-    /// Checks that all columns depend on shapes and velocities alone.
+    /// Checks that all columns depend only on shapes and velocities.
     ///
     /// # Errors
-    /// [`SensitivityError::Key`] with the first that does not.
+    /// [`SensitivityError::Key`] for the first column that does not.
     pub(super) fn check_shape(&self, run: &PreparedRun) -> Result<(), SensitivityError> {
         let probes = probes_of(run)?;
         let of_columns = probes.quantities().zip(probes.columns_of_each());
@@ -81,7 +81,8 @@ impl Chosen {
         Ok(())
     }
 
-    /// The values in a simulation of `run`, which may have other places to measure from than others.
+    /// The values of the columns in a simulation of `run`. Its places of measurement may differ
+    /// from those of the other runs.
     pub(super) fn values(
         &self,
         run: &PreparedRun,
@@ -109,7 +110,7 @@ fn probes_of(run: &PreparedRun) -> Result<&Probes, SensitivityError> {
     ))
 }
 
-/// Differences of values over a number.
+/// Difference of each value, divided by a number.
 pub(super) fn rates(plus: &[Option<f64>], minus: &[Option<f64>], over: f64) -> Vec<Option<f64>> {
     let pairs = plus.iter().zip(minus);
     pairs

@@ -1,4 +1,4 @@
-//! What cannot be differentiated.
+//! Errors of derivatives.
 
 use crate::scenario::ScenarioError;
 use rodlab_engine::mechanics::dynamics::{SimulationError, sensitivity};
@@ -6,7 +6,7 @@ use rodlab_engine::mechanics::dynamics::{SimulationError, sensitivity};
 /// Reason why there are no derivatives.
 #[derive(Debug, thiserror::Error)]
 pub enum SensitivityError {
-    /// The scenario is wrong, or one with a key changed a little.
+    /// The scenario, or a copy with a slightly changed key, is wrong.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
     /// A key that does not suit.

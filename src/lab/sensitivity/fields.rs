@@ -10,10 +10,10 @@ use rodlab_engine::mechanics::scene::Scene;
 use rodlab_files::figure::{Curve, Figure, LinePlot, Look, line_plots};
 use std::fmt::Write;
 
-/// Most curves that a plot distinguishes.
+/// Maximum number of curves that are distinguishable in a plot.
 const MOST_CURVES: usize = 8;
 
-/// A quantity that each node of a rod, or each edge, has.
+/// A quantity of each node or each edge of a rod.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Field {
     /// Natural curvatures about the first and the second director, 1/m.
@@ -62,7 +62,7 @@ impl Field {
         Self::ALL.into_iter().find(|field| field.name() == name)
     }
 
-    /// Its unit; relative changes have none.
+    /// Unit of the field; relative changes have none.
     pub fn unit(self) -> Option<&'static str> {
         match self {
             Self::NaturalCurvature => Some("1/m"),
@@ -73,7 +73,7 @@ impl Field {
         }
     }
 
-    /// Endings of its components.
+    /// Suffixes of the components.
     fn endings(self) -> &'static [&'static str] {
         match self {
             Self::NaturalCurvature | Self::BendingStiffness => &["_1", "_2"],
@@ -82,7 +82,7 @@ impl Field {
         }
     }
 
-    /// Derivatives over its components at a node.
+    /// Derivatives over the components at a node.
     fn at(self, gradient: &Gradient, node: usize) -> Vec<f64> {
         match self {
             Self::NaturalCurvature => gradient.natural_curvature[node].to_vec(),
@@ -115,7 +115,8 @@ pub struct FieldDerivatives {
     pub steps: u64,
 }
 
-/// Derivatives over the fields at one node, where they change in one part of the motion.
+/// Derivatives over the fields at one node, for a change of the fields during one part of the
+/// motion.
 #[derive(Clone, Debug)]
 pub struct FieldRow {
     /// Number of the part.
@@ -124,14 +125,16 @@ pub struct FieldRow {
     pub rod: String,
     /// Node of the rod.
     pub node: usize,
-    /// Its distance from the start of the rod as placed, m.
+    /// Distance of the node from the start of the rod as placed, m.
     pub arc_length: f64,
     /// Derivatives of each column: a list for each component.
     pub derivatives: Vec<Vec<f64>>,
 }
 
-/// Differentiates probes of a scenario, at its end, over fields along its rods. `of` names probes or their columns; all of them where it is
-/// empty. The motion is divided into `parts` of the same length, and fields are changed in one of them each. It runs while `goes_on`.
+/// Differentiates probes of a scenario, at its end, over fields along its rods. `of` names probes
+/// or their columns; an empty list means all. The motion is divided into `parts` parts of equal
+/// duration; each row of derivatives belongs to a change of the fields in one part. The
+/// computation stops if `goes_on` returns false.
 ///
 /// # Errors
 /// See [`SensitivityError`].
@@ -191,7 +194,7 @@ pub fn field_derivatives(
             _ => end * part as f64 / parts as f64,
         })
         .collect();
-    // Rounding errors of the time do not move a step to the next part.
+    // Rounding errors of the time do not move a step into the next part.
     let mut limits: Vec<f64> = ends.iter().map(|end| end * (1.0 + 1e-12)).collect();
     if let Some(last) = limits.last_mut() {
         *last = f64::INFINITY;
@@ -255,13 +258,14 @@ fn rows(
 }
 
 impl FieldDerivatives {
-    /// Sum over all nodes and parts: the derivative of a column over a component that is the same everywhere.
+    /// Sum over all nodes and parts: the derivative of a column over a component that is uniform
+    /// in space and time.
     pub fn sum(&self, component: usize, column: usize) -> f64 {
         let rows = self.rows.iter();
         rows.map(|row| row.derivatives[component][column]).sum()
     }
 
-    /// The row with the largest derivative of a column over a component; `None` where all are zero.
+    /// The row with the largest derivative of a column over a component; `None` if all are zero.
     pub fn largest(&self, component: usize, column: usize) -> Option<&FieldRow> {
         let size = |row: &FieldRow| row.derivatives[component][column].abs();
         let rows = self.rows.iter().filter(|row| size(row) > 0.0);
@@ -295,7 +299,8 @@ impl FieldDerivatives {
         text
     }
 
-    /// The derivatives along the rods, a plot for each component; `None` where there are more curves than a plot distinguishes.
+    /// The derivatives along the rods, a plot for each component; `None` if a plot would have too
+    /// many curves.
     pub fn figure(&self) -> Option<Figure> {
         let mut series: Vec<(usize, &str)> = Vec::new();
         for row in &self.rows {

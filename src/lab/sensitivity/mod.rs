@@ -1,9 +1,11 @@
-//! Derivatives of what a scenario measures over its keys.
+//! Derivatives of the measured quantities of a scenario over its keys.
 //!
-//! A [`Problem`] is a scenario with some of its keys, each of them also set to a little more and a little less. [`Problem::follow`] runs
-//! it with the derivatives of its state ([`rodlab_engine::mechanics::dynamics::sensitivity`]) to given times, and shows them to a
-//! function: a fit of parameters reads the positions of its markers there. [`derivatives`] does so for the probes of the scenario, at its
-//! outputs, and [`differences`] by whole runs with other values, for comparison.
+//! A [`Problem`] is a scenario and some of its keys, each with two neighbours of slightly larger
+//! and smaller value. [`Problem::follow`] runs it to given times with the derivatives of its state
+//! ([`rodlab_engine::mechanics::dynamics::sensitivity`]) and calls a function there; a fit of
+//! parameters, for example, reads the positions of its markers. [`derivatives`] computes
+//! derivatives of the probes at the outputs. [`differences`] computes them from whole runs with
+//! other values, for comparison.
 //!
 //! | file | what |
 //! |---|---|

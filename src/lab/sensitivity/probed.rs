@@ -5,7 +5,7 @@ use super::error::SensitivityError;
 use super::problem::{Key, Moment, Problem, Source};
 use std::fmt::Write;
 
-/// Passes at most until ε suits.
+/// Maximum number of passes to find a suitable ε.
 const PASSES: usize = 3;
 
 /// Values of probes and their derivatives over keys, in SI units.
@@ -26,13 +26,14 @@ pub struct Derivatives {
 pub struct Row {
     /// Time, s.
     pub time: f64,
-    /// Value of each column; `None` where there is none.
+    /// Value of each column; `None` if it is undefined.
     pub values: Vec<Option<f64>>,
     /// Derivative of each column over each key: a list for each key.
     pub derivatives: Vec<Vec<Option<f64>>>,
 }
 
-/// Differentiates probes of a scenario over its keys at its outputs. `of` names probes or their columns; all of them where it is empty.
+/// Differentiates probes of a scenario over its keys at its outputs. `of` names probes or their
+/// columns; an empty list means all.
 ///
 /// # Errors
 /// See [`SensitivityError`].
@@ -44,7 +45,8 @@ pub fn derivatives(
     derivatives_at(source, of, keys, None, &|| true)
 }
 
-/// The same at given times, s, in their order, by default at the outputs, while `goes_on`; an equilibrium has one row whatever they are.
+/// Computes [`derivatives`] at given times (s, ascending; by default the outputs), until `goes_on`
+/// returns false. An equilibrium has one row, whatever the times.
 ///
 /// # Errors
 /// See [`SensitivityError`].
@@ -79,7 +81,7 @@ pub fn derivatives_at(
     })
 }
 
-/// Checks that a scenario has the derivatives of [`derivatives`], without a step.
+/// Checks that a scenario has the derivatives of [`derivatives`], without computing a step.
 ///
 /// # Errors
 /// See [`SensitivityError`].
@@ -117,7 +119,8 @@ fn row(chosen: &Chosen, problem: &Problem<'_>, moment: &Moment<'_>) -> Row {
 }
 
 impl Derivatives {
-    /// Relative change of a column over the relative change of a key, (p/y) dy/dp, in a row; `None` where the column has no value or is 0.
+    /// Relative change of a column per relative change of a key, (p/y) dy/dp, in a row; `None` if
+    /// the column is 0 or undefined.
     pub fn elasticity(&self, row: &Row, key: usize, column: usize) -> Option<f64> {
         let derivative = row.derivatives[key][column]?;
         let value = row.values[column].filter(|value| *value != 0.0)?;

@@ -8,18 +8,19 @@ use rodlab_engine::mechanics::dynamics::IntegrationParameters;
 use rodlab_engine::mechanics::dynamics::sensitivity::{Sensitivity, Variation};
 use rodlab_engine::mechanics::fluid::FluidModel;
 
-/// Reads a scenario with further overrides, `key=value` each.
+/// Function that reads a scenario with further overrides, `key=value` each.
 pub type Source<'a> = &'a dyn Fn(&[String]) -> Result<Loaded, ScenarioError>;
 
-/// Sizes of ε. With larger ones the truncation errors would show, with smaller ones the rounding errors.
+/// Sizes of ε. Larger ones cause truncation errors, smaller ones rounding errors.
 struct Steps {
     /// ε over the size of a value.
     relative: f64,
-    /// The same at most, where a value has little effect.
+    /// Upper bound of ε over the size of a value, used if the value has little effect.
     largest: f64,
     /// ε of a value that is 0, in its SI unit, before its effect is known.
     first: f64,
-    /// Differences of neighbours (rad) outside of which another ε is better, and those that it is chosen for.
+    /// Range of differences of the neighbours (rad) within which ε is kept, and the difference for
+    /// which a new ε is chosen.
     amplitudes: [f64; 2],
     best_amplitude: f64,
 }
@@ -31,7 +32,7 @@ const STEPS: Steps = Steps {
     amplitudes: [5e-7, 2e-4],
     best_amplitude: 1e-5,
 };
-/// Those for the flow of regularized Stokeslets, whose operator is stored in single precision.
+/// Sizes for the flow of regularized Stokeslets, whose operator is stored in single precision.
 const STEPS_IN_FLOW: Steps = Steps {
     relative: 2e-3,
     largest: 5e-3,
@@ -49,11 +50,12 @@ impl Steps {
     }
 }
 
-/// Tolerances of Newton's method at most: derivatives have the relative error of the motion itself.
+/// Upper bounds of the tolerances of Newton's method: derivatives have the relative error of the
+/// motion itself.
 const FORCE_TOLERANCE: f64 = 1e-10;
 const DISPLACEMENT_TOLERANCE: f64 = 1e-8;
 
-/// A key over which is differentiated.
+/// A key to differentiate over.
 #[derive(Clone, Debug)]
 pub struct Key {
     /// The dotted key.
@@ -62,13 +64,13 @@ pub struct Key {
     pub value: f64,
     /// The SI unit, where it has one.
     pub unit: Option<String>,
-    /// ε: the neighbours have the value plus and minus this.
+    /// ε: the values of the two neighbours are the value plus and minus ε.
     pub step: f64,
-    /// The runs with these values.
+    /// The runs of the two neighbours.
     neighbours: [PreparedRun; 2],
 }
 
-/// A scenario with the keys over which is differentiated.
+/// A scenario with the keys to differentiate over.
 pub struct Problem<'a> {
     source: Source<'a>,
     base: PreparedRun,
@@ -86,10 +88,11 @@ pub struct Moment<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// Reads a scenario with each of the keys changed a little.
+    /// Reads a scenario, and for each key two neighbours with a slightly changed value.
     ///
     /// # Errors
-    /// [`SensitivityError`] for a scenario without derivatives, and for a key that is no number, or changes more than numbers.
+    /// [`SensitivityError`] for a scenario without derivatives, and for a key that is not a
+    /// number, or that changes more than numbers.
     pub fn new(source: Source<'a>, keys: &[String]) -> Result<Self, SensitivityError> {
         let loaded = source(&[])?;
         let base = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
@@ -133,7 +136,7 @@ impl<'a> Problem<'a> {
         &self.keys[key].neighbours
     }
 
-    /// Times of the outputs of the run, s; of an equilibrium the start.
+    /// Times of the outputs of the run, s; for an equilibrium only the start.
     pub fn output_times(&self) -> Vec<f64> {
         let times = match self.base.mode {
             Mode::Dynamic { end, .. } => OutputTimes::new(self.base.output.interval, end),
@@ -145,7 +148,7 @@ impl<'a> Problem<'a> {
     /// The run with a key set to a value.
     ///
     /// # Errors
-    /// [`SensitivityError`] where that is not allowed, or changes the steps.
+    /// [`SensitivityError`] if the value is not allowed, or changes the steps.
     pub fn run_with(&self, key: &str, value: f64) -> Result<PreparedRun, SensitivityError> {
         let loaded = (self.source)(&[format!("{key}={value:?}")])?;
         let run = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
@@ -186,7 +189,7 @@ impl<'a> Problem<'a> {
         ])
     }
 
-    /// Parameters of the steps: those of the run with tolerances that leave no trace in derivatives.
+    /// Parameters of the steps: those of the run, with tolerances tight enough for derivatives.
     pub fn integration(&self) -> IntegrationParameters {
         let own = self.base.integration;
         IntegrationParameters {
@@ -196,8 +199,9 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Runs to the given times, s, in their order, while `goes_on`, and shows each moment to `observe`; an equilibrium is one moment.
-    /// Returns the largest difference of the neighbours of each key from the run, rad.
+    /// Runs to the given times (s, ascending) until `goes_on` returns false, and passes each
+    /// moment to `observe`; an equilibrium is one moment. Returns for each key the largest
+    /// difference of its neighbours from the run, rad.
     ///
     /// # Errors
     /// The errors of the run, steps that have no derivative, and [`SensitivityError::Interrupted`].
@@ -242,10 +246,10 @@ impl<'a> Problem<'a> {
         Ok(keys.map(|key| sensitivity.amplitude(key)).collect())
     }
 
-    /// The simulation at the start, with its neighbours.
+    /// The simulation with its neighbours at the start.
     ///
     /// # Errors
-    /// What has no derivative in its scene.
+    /// Elements of the scene without derivatives.
     pub(super) fn start(&self) -> Result<Sensitivity, SensitivityError> {
         let variation = |key: &Key| {
             let [plus, minus] = &key.neighbours;
@@ -262,8 +266,8 @@ impl<'a> Problem<'a> {
         )?)
     }
 
-    /// Chooses another ε for keys whose neighbours were too far away or too near, given [`Self::follow`]'s differences; returns
-    /// whether there are any.
+    /// Chooses another ε for keys whose neighbours were too far away or too near, from the
+    /// differences that [`Self::follow`] returned. Returns whether any ε changed.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -294,7 +298,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// The fault of a key at which there is no number: those of unknown keys are found by setting them.
+/// The error for a key without a number. Setting the key detects unknown keys.
 fn no_number(source: Source<'_>, key: &str) -> SensitivityError {
     match source(&[format!("{key}=1.0")]) {
         Err(error) => error.into(),

@@ -1,4 +1,4 @@
-//! Derivatives of probes against differences of whole runs, and what is refused.
+//! Tests derivatives of probes against differences of whole runs, and rejected requests.
 
 use super::*;
 use crate::experiment::from_text;
@@ -208,7 +208,7 @@ fn fields_of_parts_of_a_motion_have_rows_of_their_own() {
     );
     assert_eq!(lines.len(), 1 + 4 * 13);
     assert!(lines[1].starts_with("0.025,beam,0,0.0,"), "{}", lines[1]);
-    // The last node is where it is after a quarter of the motion.
+    // The sum for the last node does not depend on the number of parts.
     let whole = field_derivatives(&source, &owned(&["tip_z_m"]), &fields, 1, &|| true).unwrap();
     assert!((found.sum(2, 0) / whole.sum(2, 0) - 1.0).abs() < 1e-12);
     // A push early on has had more time.
