@@ -1,4 +1,4 @@
-//! States of all cases of a sweep, and the tables of the whole.
+//! States of all cases of a sweep, and the tables of the whole sweep.
 
 use super::outcome::CaseCounts;
 use crate::scenario::{Case, CaseSet, Parameter};
@@ -11,12 +11,12 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Least time between two writings of the tables while cases run.
+/// Least time between two writes of the tables while cases run.
 const INTERVAL: Duration = Duration::from_secs(1);
-/// Cases whose tables are written within half a second: each takes up to 50 µs. Those of larger sweeps are written at the
-/// end, or by `rodlab gather`.
+/// Maximum number of cases whose tables are written during the sweep, in about half a second: each
+/// case takes up to 50 µs. Tables of larger sweeps are written at the end, or by `rodlab gather`.
 const QUICKLY_PUBLISHED: usize = 10_000;
-/// Least ratio of the time between two writings to the time that one takes.
+/// Least ratio of the time between two writes to the duration of a write.
 const PAUSE_FACTOR: u32 = 50;
 
 /// States of the cases as last read by this process.
@@ -28,12 +28,12 @@ pub(super) struct CaseTable<'a> {
 }
 
 struct State {
-    /// Records of cases that will not change any more unless this process changes them.
+    /// Records of cases that only this process can still change.
     settled: BTreeMap<String, CaseRecord>,
     next_writing: Instant,
 }
 
-/// The record of the case in a directory; `None` where it was not started.
+/// The record of the case in a directory; `None` if it was not started.
 ///
 /// # Errors
 /// [`ResultsError::Altered`] where files of a finished case are missing or changed, see [`check_quickly`].
@@ -48,7 +48,7 @@ pub(super) fn record_in(directory: &Path) -> Result<Option<CaseRecord>, ResultsE
 }
 
 impl<'a> CaseTable<'a> {
-    /// An empty table of cases. `manifest` is that of the whole directory.
+    /// An empty table of cases. `manifest` is that of the whole sweep.
     pub fn new(directory: &'a SweepDirectory, case_set: &CaseSet, manifest: Manifest) -> Self {
         Self {
             directory,
@@ -108,10 +108,10 @@ impl<'a> CaseTable<'a> {
         counts
     }
 
-    /// Writes the tables if that was not done lately, and does not take long.
+    /// Writes the tables if the last write was long enough ago. Does nothing for a large sweep.
     pub fn publish_if_due(&self, cases: &[Case]) -> Result<(), ResultsError> {
         if cases.len() > QUICKLY_PUBLISHED {
-            // A request to stop would have to wait for them.
+            // A request to stop would have to wait for the tables.
             return Ok(());
         }
         {
@@ -130,8 +130,8 @@ impl<'a> CaseTable<'a> {
         written
     }
 
-    /// The same for a sweep that was stopped, unless it is so large that this would take longer than a second. Returns
-    /// whether the tables were written.
+    /// Writes the tables of a stopped sweep, unless the sweep is so large that this would take
+    /// longer than a second. Returns whether the tables were written.
     pub fn publish_if_quick(&self, cases: &[Case]) -> Result<bool, ResultsError> {
         let quick = cases.len() <= QUICKLY_PUBLISHED;
         if quick {
@@ -140,7 +140,7 @@ impl<'a> CaseTable<'a> {
         Ok(quick)
     }
 
-    /// Writes summary, timings and manifest of the whole, rows in the order of `cases`.
+    /// Writes summary, timings and manifest of the whole sweep, with rows in the order of `cases`.
     pub fn publish(&self, cases: &[Case]) -> Result<(), ResultsError> {
         self.write(cases, Some(jiff::Timestamp::now()))?;
         let counts = self.counts(cases);
@@ -151,7 +151,8 @@ impl<'a> CaseTable<'a> {
     }
 
     fn write(&self, cases: &[Case], end: Option<jiff::Timestamp>) -> Result<(), ResultsError> {
-        // The tables are read and written before another process reads: the last writer has all records.
+        // No other process reads the tables between this read and write, so the last writer has
+        // all records.
         self.directory.write_alone(|path| {
             let mut rows = Vec::with_capacity(cases.len());
             let mut records = Vec::with_capacity(cases.len());
@@ -171,7 +172,8 @@ impl<'a> CaseTable<'a> {
             write_sweep_summary(path, &keys, &rows)?;
             let timings = records.iter().map(|(id, record)| (*id, record.usage()));
             write_timings(path, &timings.collect::<Vec<_>>())?;
-            // The record of the first process that started here; others may have read the scenario from this directory.
+            // The record of the process that started the sweep; others may have read the scenario
+            // from this directory.
             let first = Manifest::read(path)?.unwrap_or_else(|| self.manifest.clone());
             let mut manifest = Manifest {
                 name: first.name,

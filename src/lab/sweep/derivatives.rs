@@ -6,10 +6,10 @@ use crate::sensitivity::{SensitivityError, derivatives_at, refuse_unsuitable};
 use rodlab_files::results::{NamedValues, SeriesRow, Value};
 use serde::{Deserialize, Serialize};
 
-/// Checks that a case has the derivatives that the sweep asks for.
+/// Checks that a case has the derivatives that the sweep requests.
 ///
 /// # Errors
-/// The reason why it has none, at their place in the scenario.
+/// The reason why there are no derivatives, at their place in the scenario.
 pub(super) fn check(
     case_set: &CaseSet,
     index: usize,
@@ -20,7 +20,7 @@ pub(super) fn check(
     };
     let source = |more: &[String]| case_set.changed_scenario(index, searched, more);
     refuse_unsuitable(&source, &asked.of, &asked.to).map_err(|error| match error {
-        // The case itself is right: the fault is one of the keys, which was set to its neighbours.
+        // The case itself is valid: the fault is in a key whose value was changed by ε.
         SensitivityError::Scenario(ScenarioError(faults)) => {
             let fault = faults.into_iter().next().map(|located| located.issue);
             let message = fault.as_ref().map(ToString::to_string).unwrap_or_default();
@@ -39,7 +39,8 @@ pub(super) struct CaseDerivatives {
 }
 
 impl CaseDerivatives {
-    /// Computes the derivatives that the sweep asks for, while `goes_on`; a failure becomes a remark. `None` where it was stopped.
+    /// Computes the requested derivatives. A failure becomes a remark; `None` if `goes_on`
+    /// returned false.
     pub fn of_case(
         asked: &SweptDerivatives,
         source: &Source<'_>,

@@ -1,10 +1,10 @@
-//! Why a sweep could not be run.
+//! Errors of sweeps.
 
 use crate::scenario::ScenarioError;
 use rodlab_files::results::ResultsError;
 use std::path::PathBuf;
 
-/// Why a sweep could not start, or was aborted.
+/// Reason why a sweep could not start or was aborted.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// The scenario is wrong, or one of the values.
@@ -28,7 +28,7 @@ pub enum SweepError {
     /// The system could not start the threads.
     #[error("cannot start the threads of the cases: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// A search has no outcome to read.
+    /// The outcome that a search needs is missing.
     #[error("there is no column `{column}` to search by; there are {known}")]
     UnknownObjective {
         /// The requested column.

@@ -1,4 +1,4 @@
-//! Signs of life of the leases of this process.
+//! Heartbeat of the leases of this process.
 
 use rodlab_files::results::{HEARTBEAT, Lease};
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ use std::thread::JoinHandle;
 /// The leases that this process holds, by case.
 pub(super) type HeldLeases = Arc<Mutex<BTreeMap<String, Lease>>>;
 
-/// Touches the leases from time to time until it is dropped.
+/// Touches the leases periodically until it is dropped.
 pub(super) struct Heartbeat {
     stop: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
@@ -36,7 +36,7 @@ impl Drop for Heartbeat {
     fn drop(&mut self) {
         drop(self.stop.take());
         if let Some(thread) = self.thread.take() {
-            // It panics only after another thread did, which is reported there.
+            // The thread panics only after another one did, which is reported there.
             let _ = thread.join();
         }
     }

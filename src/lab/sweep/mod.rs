@@ -9,9 +9,9 @@
 //! | `search` | bisection and golden section over an outcome |
 //! | `objective` | the outcome that a search reads |
 //!
-//! The authoritative record of a case is the manifest in its own directory; the tables of the whole directory are rebuilt
-//! from it each time. So a sweep may be killed at any moment, and several processes, of one machine
-//! or of many, may work on one directory.
+//! The authoritative record of a case is the manifest in its own directory; the tables of the
+//! whole sweep are rebuilt from these manifests each time. So a sweep may be killed at any moment,
+//! and several processes, on one or many machines, may work on one directory.
 
 mod case_table;
 mod derivatives;
@@ -45,19 +45,20 @@ use workers::Workers;
 /// Options of a sweep, apart from its cases.
 #[derive(Clone, Debug)]
 pub struct SweepOptions {
-    /// Options of the run of a case; its directory, `force` and time limit are those of the whole sweep.
+    /// Options of the run of a case. The directory, `force` and the time limit apply to the whole
+    /// sweep.
     pub run: RunOptions,
-    /// Cases at a time; they share the threads of the program.
+    /// Number of cases to run at a time; they share the threads of the program.
     pub jobs: NonZeroUsize,
-    /// The share of the cases that is run.
+    /// The share of the cases to run.
     pub shard: Shard,
-    /// Run cases again that failed before.
+    /// Whether to run cases again that failed before.
     pub retry_failed: bool,
-    /// Start no further case after one that failed.
+    /// Whether to start no further case after a failure.
     pub fail_fast: bool,
 }
 
-/// A share of the cases: every `of`-th, from number `number` on.
+/// A share of the cases: every `of`-th case, starting at `number`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     /// Number of the share, counted from 1.
@@ -70,7 +71,7 @@ impl Shard {
     /// All cases.
     pub const WHOLE: Self = Self { number: 1, of: 1 };
 
-    /// Indices of the cases of this share, `count` being that of all cases.
+    /// Indices of the cases of this share among `count` cases.
     pub fn indices(self, count: usize) -> impl Iterator<Item = usize> {
         (self.number - 1..count).step_by(self.of)
     }
@@ -78,13 +79,13 @@ impl Shard {
 
 /// Runs the remaining cases of a sweep.
 ///
-/// Idempotent: finished cases are left alone, interrupted ones are continued from their checkpoints; failed
-/// ones are left alone, too, unless they are to be tried again. Cases that other processes work on are waited
-/// for, and taken over if those processes die.
+/// Idempotent: finished cases are skipped and interrupted ones resume from their checkpoints.
+/// Failed cases are skipped too, unless the options ask to retry them. Cases that other processes
+/// work on are waited for, and resumed here if those processes die.
 ///
 /// # Errors
-/// [`SweepError`] where the sweep could not begin, or its directory could not be written. Cases that failed
-/// are not an error here: [`SweepOutcome`] counts them.
+/// [`SweepError`] if the sweep could not begin, or its directory could not be written. A failed
+/// case is not an error here: [`SweepOutcome`] counts failures.
 pub fn run_sweep(case_set: &CaseSet, options: &SweepOptions) -> Result<SweepOutcome, SweepError> {
     let cases = all_cases(case_set);
     refuse_repeated(&cases)?;
@@ -98,7 +99,7 @@ pub fn run_sweep(case_set: &CaseSet, options: &SweepOptions) -> Result<SweepOutc
         None => workers.run_all(&cases)?,
     }
     drop(heartbeat);
-    // The following work can be repeated: from here on signals end the program at once.
+    // The remaining work can be repeated: from here on signals end the program at once.
     interruption.leave_unattended();
     let all = all_and_found(case_set, cases, directory.path())?;
     let published = if workers.stops() {
@@ -118,7 +119,7 @@ pub fn run_sweep(case_set: &CaseSet, options: &SweepOptions) -> Result<SweepOutc
         tables_are_old: matches!(published, Ok(false)),
         ..workers.outcome(share)
     };
-    // The error that ended the sweep takes precedence over errors that followed from it.
+    // The error that ended the sweep takes precedence over its consequences.
     if let Some(fault) = workers.into_fault() {
         return Err(fault.into());
     }
@@ -129,7 +130,7 @@ pub fn run_sweep(case_set: &CaseSet, options: &SweepOptions) -> Result<SweepOutc
     Ok(outcome)
 }
 
-/// The cases that were, or are to be, run, and the findings of searches.
+/// The cases that were or will be run, and the findings of searches.
 fn all_and_found(
     case_set: &CaseSet,
     cases: Vec<Case>,
@@ -144,7 +145,7 @@ fn all_and_found(
     }
 }
 
-/// Makes the directory of a sweep whose cases other processes are to run.
+/// Creates the directory of a sweep whose cases other processes will run.
 ///
 /// # Errors
 /// As [`run_sweep`].
@@ -189,7 +190,7 @@ fn all_cases(case_set: &CaseSet) -> Vec<Case> {
         .collect()
 }
 
-/// Estimated cost of a case, by a trial.
+/// Estimated cost of a case, from a trial run.
 ///
 /// # Errors
 /// The faults of its scenario.
@@ -205,11 +206,11 @@ fn prepared(loaded: &Loaded) -> Result<PreparedRun, ScenarioError> {
     prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))
 }
 
-/// Prepares cases in which each value of each key occurs, so that a bad one is found before anything is run;
-/// returns the first.
+/// Prepares enough cases that each value of each key occurs, so that a bad value is found before
+/// any case runs. Returns the first case.
 ///
 /// # Errors
-/// All faults of the first faulty one of these cases.
+/// All faults of the first faulty case.
 pub fn check_every_value(case_set: &CaseSet) -> Result<PreparedRun, ScenarioError> {
     let check = |index: usize| {
         let from = case_set.search().map(|search| search.from);
@@ -274,7 +275,7 @@ fn first_manifest(
     }
 }
 
-/// Brings summary, timings and manifest of a sweep's directory up to date with its cases, and counts them.
+/// Updates the summary, timings and manifest of a sweep's directory, and counts its cases.
 ///
 /// # Errors
 /// [`SweepError`] where the directory holds no sweep, or cannot be read or written.
@@ -296,8 +297,8 @@ pub fn gather(directory: &Path) -> Result<SweepOutcome, SweepError> {
     })
 }
 
-/// States of the cases of a sweep's directory, in the order of the sweep; of a search, those that were started.
-/// Nothing is written.
+/// States of the cases in a sweep's directory, in the order of the sweep; for a search, only the
+/// started ones. Nothing is written.
 ///
 /// # Errors
 /// [`SweepError`] where the directory holds no sweep, or cannot be read.

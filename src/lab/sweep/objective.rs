@@ -1,4 +1,5 @@
-//! The outcome of a case that a search reads: a column of its summary, or the end of one of its series.
+//! The outcome of a case that a search reads: a column of its summary, or the last value of one of
+//! its series.
 
 use super::SweepError;
 use rodlab_files::finite;

@@ -11,8 +11,8 @@ use std::path::PathBuf;
 pub struct Found {
     /// Index of the combination of the other varied keys.
     pub index: usize,
-    /// The value of the searched key, in the unit in which the ends of the interval were typed; `None` where
-    /// the search did not finish.
+    /// The value of the searched key, in the unit of the interval in the scenario; `None` if the
+    /// search did not finish.
     pub value: Option<f64>,
     /// Ends of the last interval.
     pub interval: [f64; 2],
@@ -27,13 +27,15 @@ pub struct Found {
 pub struct SweepOutcome {
     /// The results directory.
     pub directory: PathBuf,
-    /// States of its cases, or of those of the share that was run.
+    /// Number of cases in each state, in the sweep or in the share that was run.
     pub counts: CaseCounts,
-    /// Why no further case was started, where there was a request to stop.
+    /// Reason of the request to stop, if there was one.
     pub interrupted: Option<StopRequest>,
-    /// Findings of the search for each case of the keys that are not searched; empty without a search.
+    /// Findings of the searches, one for each combination of the other varied keys; empty without
+    /// a search.
     pub found: Vec<Found>,
-    /// Whether the tables of the whole were left as they were, since the sweep was stopped and they take long to write.
+    /// Whether the tables were not updated, since the sweep was stopped and they take long to
+    /// write.
     pub tables_are_old: bool,
 }
 

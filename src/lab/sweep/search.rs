@@ -1,4 +1,5 @@
-//! Searches for the value of a key at which an outcome reaches a target (bisection) or is least (golden section).
+//! Searches for the value of a key at which an outcome reaches a target (bisection) or has its
+//! minimum (golden section).
 //!
 //! Each evaluation is a case like any other, so an interrupted search runs only the remaining evaluations.
 
@@ -23,13 +24,13 @@ pub const SEARCH_TABLE: &str = "search.csv";
 enum SearchFailure {
     /// The sweep stops.
     Stopped,
-    /// There is nothing to find, or the search cannot continue; as text.
+    /// The search has no solution, or cannot continue; with the reason.
     Explained(String),
     /// The sweep must be aborted.
     Fault(SweepError),
 }
 
-/// All evaluations and findings, both in the order of the set of cases.
+/// All evaluations and findings, in the order of the set of cases.
 pub(super) struct Searched {
     /// The cases that were evaluated.
     pub cases: Vec<Case>,
@@ -37,10 +38,11 @@ pub(super) struct Searched {
     pub found: Vec<Found>,
 }
 
-/// A search and its evaluations: the number of the searched key, and its case.
+/// The finding of a search and its evaluations: the value of the searched key, and the case.
 type Traced = (Found, Vec<(f64, Case)>);
 
-/// Makes the search for the cases of the other keys in the share of this process; [`replay`] returns the findings.
+/// Searches for each combination of the other keys in the share of this process. [`replay`]
+/// returns the findings.
 pub(super) fn run(workers: &Workers<'_>, search: &Search, count: usize) -> Result<(), SweepError> {
     let fault = Mutex::new(None);
     let share: Vec<usize> = workers.shard().indices(count).collect();
@@ -70,7 +72,7 @@ pub(super) fn run(workers: &Workers<'_>, search: &Search, count: usize) -> Resul
         .map_or(Ok(()), Err)
 }
 
-/// Findings of all searches, as far as their cases have been run, by this process or others.
+/// Findings of all searches, from the cases that this process or others have run so far.
 pub(super) fn replay(
     case_set: &CaseSet,
     search: &Search,
@@ -160,7 +162,7 @@ fn outcome_of(
     })
 }
 
-/// Halves the interval on which the objective passes the target.
+/// Halves the interval in which the objective crosses the target.
 fn bisect(
     search: &Search,
     interval: &mut [f64; 2],
@@ -185,7 +187,8 @@ fn bisect(
     }
 }
 
-/// Shrinks the interval around the least value; each step except the first takes one evaluation (Kiefer 1953).
+/// Shrinks the interval around the minimum. Each step except the first takes one evaluation
+/// (Kiefer 1953).
 fn golden(
     search: &Search,
     interval: &mut [f64; 2],

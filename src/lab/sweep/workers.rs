@@ -1,4 +1,4 @@
-//! Runs cases: leases, runs and records one after the other, on each of several workers.
+//! Runs cases. Each of several workers leases, runs and records one case after the other.
 
 use super::case_table::CaseTable;
 use super::derivatives::CaseDerivatives;
@@ -22,24 +22,24 @@ use std::time::{Duration, Instant};
 /// Time between two checks of cases that other processes work on.
 const WAIT: Duration = Duration::from_millis(100);
 
-/// A case by its place in the set of cases.
+/// A case and its position in the set of cases.
 #[derive(Clone, Debug)]
 pub(super) struct Job {
     /// The case.
     pub case: Case,
     /// Its index in the set of cases.
     pub index: usize,
-    /// The number of the searched key.
+    /// The value of the searched key.
     pub searched: Option<f64>,
 }
 
-/// Result of one attempt at a case.
+/// Result of an attempt to run a case.
 pub(super) enum Attempt {
-    /// The case is in this state, and this process has no further work on it.
+    /// The case is in this state, and this process has nothing left to do for it.
     Settled(Box<CaseRecord>),
     /// Another process works on it.
     Held,
-    /// It was not started, because the sweep is to stop.
+    /// The case was not started, because the sweep is about to stop.
     Stopped,
 }
 
@@ -51,11 +51,11 @@ pub(super) struct Workers<'a> {
     options: &'a SweepOptions,
     interruption: &'a Interruption,
     leased: HeldLeases,
-    /// Cases that failed before, and were tried again by this call.
+    /// Cases that failed before and that this call ran again.
     retried: Mutex<BTreeSet<String>>,
-    /// Set once no further case is to be started.
+    /// Set when no further case may start.
     stopped: AtomicBool,
-    /// Why the whole sweep must be aborted.
+    /// Reason why the whole sweep must be aborted.
     fault: OnceLock<ResultsError>,
     deadline: Option<Instant>,
     bars: MultiProgress,
@@ -85,7 +85,7 @@ impl<'a> Workers<'a> {
         }
     }
 
-    /// The leases that are held, for their signs of life.
+    /// The held leases, for their heartbeat.
     pub fn leased(&self) -> HeldLeases {
         Arc::clone(&self.leased)
     }
@@ -110,7 +110,7 @@ impl<'a> Workers<'a> {
         self.case_set
     }
 
-    /// Runs all cases of the share, and waits for those that other processes work on.
+    /// Runs all cases of the share, and waits for cases that other processes work on.
     pub fn run_all(&self, cases: &[Case]) -> Result<(), SweepError> {
         let mut left: Vec<usize> = self.options.shard.indices(cases.len()).collect();
         let bar = self.whole_bar(left.len());
@@ -147,7 +147,7 @@ impl<'a> Workers<'a> {
         Ok(())
     }
 
-    /// Runs one case, and waits where another process works on it; `None` where the sweep stops.
+    /// Runs one case, or waits for another process that works on it; `None` if the sweep stops.
     pub fn run_one(&self, job: &Job) -> Option<CaseRecord> {
         loop {
             match self.attempt(job) {
@@ -158,7 +158,7 @@ impl<'a> Workers<'a> {
         }
     }
 
-    /// Starts a case, if it is not settled and no other process has it.
+    /// Starts a case, unless it is settled or another process holds it.
     fn attempt(&self, job: &Job) -> Attempt {
         match self.try_attempt(job) {
             Ok(attempt) => attempt,
@@ -183,7 +183,7 @@ impl<'a> Workers<'a> {
             LeaseAttempt::Held(_) => return Ok(Attempt::Held),
         };
         self.lock_leases().insert(id.clone(), lease);
-        // Another process may have finished it before this one had the lease.
+        // Another process may have finished the case before this one had the lease.
         let attempt = match self.settled(&job.case) {
             Ok(Some(record)) => Ok(Attempt::Settled(Box::new(record))),
             Ok(None) => self.run_leased(job),
@@ -193,7 +193,7 @@ impl<'a> Workers<'a> {
         attempt
     }
 
-    /// The record of a case that needs no work.
+    /// The record of a case that needs no further work.
     fn settled(&self, case: &Case) -> Result<Option<CaseRecord>, ResultsError> {
         let record = self.case_table.look_up(&case.id)?;
         let again = self.options.retry_failed
@@ -216,7 +216,7 @@ impl<'a> Workers<'a> {
                 Err(RunError::Results(ResultsError::Locked { .. })) => return Ok(Attempt::Held),
                 Err(RunError::Results(error)) => return Err(error),
                 Err(RunError::Scene(error)) => self.record_invalid(job, error.to_string())?,
-                // Its end is recorded in its manifest.
+                // The manifest of the case records its end.
                 Ok(_)
                 | Err(
                     RunError::Simulation { .. }
@@ -241,7 +241,7 @@ impl<'a> Workers<'a> {
         Ok(Attempt::Settled(Box::new(record)))
     }
 
-    /// A case with its derivatives; `None` where it was stopped before these were found.
+    /// Runs a case and computes its derivatives; `None` if it was stopped before these were found.
     fn prepare(&self, job: &Job) -> Result<Option<PreparedRun>, ScenarioError> {
         let (index, searched) = (job.index, job.searched);
         let source = |more: &[String]| self.case_set.changed_scenario(index, searched, more);
@@ -256,7 +256,7 @@ impl<'a> Workers<'a> {
         Ok(Some(prepared))
     }
 
-    /// The request that stops a case at work.
+    /// The request that stops a running case.
     fn stop_of_case(&self) -> Option<StopRequest> {
         let given_up = self.fault.get().map(|_| StopRequest::Interrupt);
         self.interruption.requested().or(given_up)
@@ -301,7 +301,7 @@ impl<'a> Workers<'a> {
         self.stopped.store(true, Ordering::Relaxed);
     }
 
-    /// Whether no further case is to be started.
+    /// Whether no further case may start.
     pub fn stops(&self) -> bool {
         self.stopped.load(Ordering::Relaxed) || self.stop_request().is_some()
     }
@@ -328,7 +328,7 @@ impl<'a> Workers<'a> {
         }
     }
 
-    /// The fault for which the sweep was aborted.
+    /// The fault that aborted the sweep.
     pub fn into_fault(self) -> Option<ResultsError> {
         self.fault.into_inner()
     }
