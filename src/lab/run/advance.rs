@@ -10,27 +10,28 @@ use rodlab_files::results::Frame;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Something that advances in time; tests replace [`Simulation`] by a small double.
+/// Interface of a simulation that advances in time; tests replace [`Simulation`] by a test double.
 pub trait Advance {
-    /// All that influences the future.
+    /// The complete state: everything that determines the further steps.
     type State: Serialize + DeserializeOwned;
 
     /// Takes one step that ends no later than `until`.
     fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError>;
-    /// The same, while `goes_on` returns true; `None` where it returned false, after which a state must be restored before any other call.
+    /// Takes one step that ends no later than `until`. `None` if `goes_on` returned false; then a
+    /// state must be restored before any other call.
     fn advance_while(
         &mut self,
         until: f64,
         goes_on: &dyn Fn() -> bool,
     ) -> Result<Option<StepReport>, SimulationError>;
-    /// Finds the equilibrium, while `goes_on` returns true; `None` where it returned false.
+    /// Finds the equilibrium; `None` if `goes_on` returned false.
     fn find_equilibrium(
         &mut self,
         goes_on: &dyn Fn() -> bool,
     ) -> Result<Option<StepReport>, SimulationError>;
     /// A path of equilibria that begins at the present configuration.
     fn path(&self, plan: PathPlan) -> Result<Tracer, SimulationError>;
-    /// Goes to the next point of a path; `None` after the last.
+    /// Computes the next point of a path; `None` after the last.
     fn next_point(&mut self, path: &mut Tracer) -> Result<Option<PathPoint>, SimulationError>;
     /// Time, s.
     fn time(&self) -> f64;
@@ -38,17 +39,17 @@ pub trait Advance {
     fn energies(&self) -> Energies;
     /// The bodies that are nearest to touching; `None` if none is near.
     fn nearest(&self) -> Option<Proximity>;
-    /// Mean gap between surfaces in contact, weighted by their forces, m; `None` where nothing touches.
+    /// Mean gap between surfaces in contact, weighted by their forces, m; `None` without contact.
     fn mean_gap(&self) -> Option<f64>;
     /// Remarks for the user so far, a sentence each.
     fn remarks(&self) -> Vec<String>;
-    /// The nodes now; with velocities and forces where asked for.
+    /// The current nodes; with velocities and forces if requested.
     fn frame(&self, with_forces: bool) -> Frame;
-    /// The simulation at which observers look; `None` in a test double without one, which has no observers.
+    /// The simulation that observers measure; `None` in a test double, which has no observers.
     fn simulation(&self) -> Option<&Simulation>;
     /// The simulation on which controllers act.
     fn simulation_mut(&mut self) -> Option<&mut Simulation>;
-    /// The state, for another run to start from; `None` in a double.
+    /// The state as the start of another run; `None` in a test double.
     fn as_start(&self) -> Option<Start>;
     /// Contents of a checkpoint.
     fn state(&self) -> Self::State;

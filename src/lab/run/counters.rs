@@ -7,7 +7,7 @@ use rodlab_engine::mechanics::statics::{PathPoint, PointKind};
 use rodlab_files::results::{CaseOutcome, SeriesRow};
 use serde::{Deserialize, Serialize};
 
-/// Counters of a run: those of the whole, and those since the last row of the series.
+/// Counters of a run: of the whole run, and since the last row of the series.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counters {
     /// Counters of the whole run.
@@ -19,7 +19,7 @@ pub struct Counters {
     fluid_iterations: u64,
     last_step: Option<f64>,
     contacts: Option<usize>,
-    /// Sum of the mean gaps at the outputs with contact, m, and their number.
+    /// Sum of the mean gaps at the outputs with contact, m, and number of these outputs.
     gaps: (f64, u64),
 }
 
@@ -35,7 +35,7 @@ impl Counters {
         }
     }
 
-    /// Counts the search for an equilibrium as one step without size.
+    /// Counts the search for an equilibrium as one step without step size.
     pub fn add_equilibrium(&mut self, report: &StepReport) {
         self.add(report);
     }
@@ -54,10 +54,10 @@ impl Counters {
         }
     }
 
-    /// Records the end that an observer found.
+    /// Records that an observer ended the run.
     ///
     /// # Errors
-    /// [`SimulationError::Unphysical`] where an observer found a fault.
+    /// [`SimulationError::Unphysical`] if an observer found a fault.
     pub fn conclude_from(&mut self, findings: Vec<Finding>) -> Result<(), SimulationError> {
         for finding in findings {
             match finding {
@@ -69,7 +69,7 @@ impl Counters {
         Ok(())
     }
 
-    /// Records the energies at an output; those of the last are an outcome of the run.
+    /// Records the energies at an output; the last ones are an outcome of the run.
     pub fn note_energies(&mut self, energies: &Energies) {
         let elastic = energies.elastic();
         self.outcome.elastic_energy = Some(elastic);
@@ -210,7 +210,8 @@ mod tests {
         let mut counters = Counters::default();
         counters.note_nearest(None);
         assert_eq!(counters.outcome.minimum_distance, None);
-        // Thin rods may be nearer to each other than thick ones, and farther from touching.
+        // Two thin rods may be closer to each other than two thick rods, and still have the larger
+        // gap.
         for (distance, threshold) in [(44e-3, 22e-3), (22e-3, 22e-3), (7.9e-3, 4e-3)] {
             counters.note_nearest(Some(apart(distance, threshold)));
         }

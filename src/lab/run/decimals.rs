@@ -1,7 +1,7 @@
 //! Numbers as readable text, for scenes of any size.
 
-/// A number with the given decimals, or with a power of ten where these would show less than one digit: lengths in
-/// metres and times in seconds, in scenes of micrometres, too.
+/// A number with the given decimals, or with a power of ten if these would show less than one
+/// digit. This keeps lengths in metres and times in seconds readable in scenes of micrometres.
 pub fn decimals(number: f64, decimals: usize) -> String {
     let shown = libm::pow(10.0, 1.0 - decimals as f64);
     if number == 0.0 || number.abs() >= shown || !number.is_finite() {

@@ -1,4 +1,4 @@
-//! The state in which a run ends, as rows of its file and back.
+//! Converts the state at the end of a run to rows of its file and back.
 
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::scene::Start;
@@ -44,10 +44,10 @@ pub(super) fn rows_of(start: &Start, rods: &[RodRecord]) -> Vec<EndRow> {
     rows.collect()
 }
 
-/// The state in rows that are those of the given rods.
+/// The state in the given rows of these rods.
 ///
 /// # Errors
-/// A mismatch: other rods, other numbers of nodes, numbers that are not finite.
+/// A mismatch: other rods, other numbers of nodes, or numbers that are not finite.
 pub fn start_from(rows: &[EndRow], rods: &[RodRecord]) -> Result<Start, String> {
     refuse_other_rods(rows, rods)?;
     let vector = |x: Option<f64>, y: Option<f64>, z: Option<f64>| {

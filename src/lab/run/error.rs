@@ -5,13 +5,13 @@ use rodlab_engine::mechanics::dynamics::SimulationError;
 use rodlab_files::results::ResultsError;
 use std::path::PathBuf;
 
-/// Why a run did not reach its end.
+/// Reason why a run did not reach its end.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The scene cannot be set up; nothing was written.
+    /// The scene is invalid; nothing was written.
     #[error(transparent)]
     Scene(SimulationError),
-    /// The mechanics stopped: no convergence or a physics check failed.
+    /// The mechanics failed: no convergence, or a failed physics check.
     #[error("{source}\nresults up to there are in `{}`", directory.display())]
     Simulation {
         /// The error of the simulation.

@@ -1,5 +1,6 @@
-//! Ctrl-C, SIGTERM and a terminal that closes end a run after the current step, with a checkpoint; so does SIGUSR1, by
-//! which batch systems announce that the time limit is near.
+//! Handles stop signals. After Ctrl-C, SIGTERM or the closing of the terminal a run ends after the
+//! current step, with a checkpoint. SIGUSR1, by which batch systems announce that the time limit
+//! is near, has the same effect.
 
 use super::stop::StopRequest;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
@@ -10,24 +11,25 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Watches for a request to stop, from its creation until it is dropped.
 ///
-/// Signals end the program at once until the first call of [`requested`](Self::requested): there is nothing to save yet.
-/// After that call the caller has work to save and will stop; a second signal, which shells
-/// and wrappers often send within milliseconds of the first, then changes nothing, until all is saved.
+/// Signals end the program at once until the first call of [`requested`](Self::requested): there
+/// is nothing to save yet. After that call the caller has work to save and will stop. A second
+/// signal, which shells and wrappers often send within milliseconds of the first, then has no
+/// effect until everything is saved.
 pub struct Interruption {
     interrupted: Arc<AtomicBool>,
     time_is_up: Arc<AtomicBool>,
-    /// Whether no caller polls for requests: not yet, or no longer.
+    /// Whether the caller does not poll for requests, either not yet or no longer.
     unattended: Arc<AtomicBool>,
     handlers: Vec<SigId>,
 }
 
 /// Number of instances in this process that poll for requests.
 static ATTENDANTS: AtomicUsize = AtomicUsize::new(0);
-/// Whether one of them has received a request, and ends the program itself.
+/// Whether one of them has received a request and ends the program itself.
 static HEARD: AtomicBool = AtomicBool::new(false);
 
-/// Whether any code in this process polls for requests to stop, or has received one. Otherwise, before the first run and
-/// between two runs, there is no work that would have to be saved.
+/// Whether any code in this process polls for requests to stop, or has received one. If not, such
+/// as before the first run and between two runs, there is no work to save.
 pub fn is_attended() -> bool {
     ATTENDANTS.load(Ordering::Relaxed) > 0 || HEARD.load(Ordering::Relaxed)
 }
@@ -36,7 +38,7 @@ pub fn is_attended() -> bool {
 const EXIT_CODE: i32 = 130;
 
 impl Interruption {
-    /// Installs the handlers; where that fails, logs a warning, and signals end the program at once.
+    /// Installs the handlers. If that fails, logs a warning; signals then end the program at once.
     pub fn watch() -> Self {
         Self::install().unwrap_or_else(|error| {
             tracing::warn!("Ctrl-C will end the run without a checkpoint: {error}");
@@ -44,7 +46,7 @@ impl Interruption {
         })
     }
 
-    /// An instance that no signal reaches.
+    /// An instance that receives no signals.
     fn deaf() -> Self {
         Self {
             interrupted: Arc::default(),
@@ -85,7 +87,8 @@ impl Interruption {
 }
 
 impl Interruption {
-    /// Ends the polling for requests: later work need not be saved. A request that was received earlier remains valid.
+    /// Ends the polling for requests, because later work need not be saved. A request that was
+    /// received earlier remains valid.
     pub fn leave_unattended(&self) {
         if !self.unattended.swap(true, Ordering::Relaxed) {
             ATTENDANTS.fetch_sub(1, Ordering::Relaxed);

@@ -1,11 +1,13 @@
-//! Check that the linking of closed rods does not change.
+//! Checks that the linking of closed rods does not change.
 //!
-//! Continuous collision detection certifies every step; this is a second, independent guard. While rods do
-//! not pass through each other, two numbers are invariant under any motion, bending and twist:
+//! Continuous collision detection certifies every step; this is a second, independent check. As
+//! long as rods do not pass through each other, two numbers are invariant under any motion,
+//! bending and twist:
 //!
 //! - the linking number of every pair of closed rods, by Gauss' integral;
-//! - the linking number of a closed rod with the edge of its own material frame: its writhe and its twist in turns, added
-//!   up (Călugăreanu 1961, White 1969). It changes by two where a rod passes through itself.
+//! - the linking number of a closed rod with the edge of its own material frame: the sum of its
+//!   writhe and its twist in turns (Călugăreanu 1961, White 1969). It changes by two if the rod
+//!   passes through itself.
 
 use super::decimals::decimals;
 use super::observer::{Finding, Observer, Sample};
@@ -17,20 +19,21 @@ use rodlab_files::results::{SeriesRow, Value};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Steps between two checks, for each pair of segments over the number of nodes.
+/// Number of steps between two checks, per pair of segments and divided by the number of nodes.
 const STEPS_PER_PAIR: u64 = 4;
-/// Pairs of segments that are checked in the time in which an output is written.
+/// Number of pairs of segments that can be checked in the time needed to write an output.
 const PAIRS_PER_OUTPUT: u64 = 5000;
 
-/// Largest number of pairs of segments that are all checked: a second of work.
+/// Largest number of pairs of segments that is checked: a second of work.
 const MOST_PAIRS: u64 = 25_000_000;
 
-/// Fails a run at the first output where closed rods are linked otherwise than before.
+/// Fails a run at the first output at which the linking of closed rods has changed.
 ///
-/// A check costs 40 ns for every pair of segments, a step at least 0.3 µs for every node. Outputs that follow the last check
-/// sooner than after four steps for each pair per node are skipped, so that the guard costs at most 3 % of a run,
-/// except where the check costs no more than writing the output. Closed rods of more than seven thousand segments are
-/// left to continuous collision detection alone.
+/// A check costs 40 ns for every pair of segments, a step at least 0.3 µs for every node. The
+/// guard therefore waits four steps, for each pair per node, before it checks another output, so
+/// that it costs at most 3 % of a run. It does not wait if the check costs no more than writing
+/// the output. If closed rods have more than seven thousand segments, only continuous collision
+/// detection guards them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LinkingGuard {
     rods: Vec<ClosedRod>,
@@ -52,17 +55,18 @@ struct ClosedRod {
 /// Linking numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Linking {
-    /// Of each rod with those before it.
+    /// Linking numbers of each rod with the rods before it.
     pairs: Vec<Vec<i64>>,
-    /// Of each rod with its own frame; empty before the first frames.
+    /// Linking number of each rod with its own frame; empty before the first frames.
     own: Vec<f64>,
-    /// Pairs of segments that were checked.
+    /// Number of pairs of segments that were checked.
     looked_at: u64,
 }
 
 impl LinkingGuard {
-    /// A guard of the closed rods of a scene as they start; `None` where there is nothing to guard: no closed rod that
-    /// moves, or no contact, without which rods may pass through each other.
+    /// A guard of the closed rods of a scene, with the linking at its start. `None` if nothing can
+    /// be guarded: without contact rods may pass through each other, and rods that are all held do
+    /// not move. Also `None` for too many segments.
     pub fn of(scene: &Scene) -> Option<Self> {
         let rods: Vec<ClosedRod> = (scene.rods.iter().enumerate())
             .filter(|(_, rod)| rod.closed)
@@ -135,7 +139,8 @@ impl LinkingGuard {
                 ));
             }
         }
-        // Clamps that hold a frame may bend a rod so that writhe and twist do not add up to whole numbers.
+        // Clamps that hold a frame may bend a rod so that writhe and twist do not add up to a
+        // whole number.
         let mut own = self.seen.own.iter().zip(&now.own);
         let changed = own.position(|(before, now)| (now - before).abs() > 1.0)?;
         Some(format!(
@@ -151,7 +156,8 @@ impl Linking {
         let boxes: Vec<[Vector3; 2]> = rods.iter().map(|rod| bounds(nodes(rod))).collect();
         for (index, rod) in rods.iter().enumerate() {
             let with = |other: usize| {
-                // Curves in boxes that do not meet are not linked, nor does it change where both are held.
+                // Curves with disjoint bounding boxes are not linked. The linking of two held
+                // curves does not change.
                 let apart = rod.held && rods[other].held
                     || (0..3).any(|axis| {
                         boxes[index][0][axis] > boxes[other][1][axis]
@@ -172,7 +178,7 @@ impl Linking {
     }
 }
 
-/// Lowest and highest corner of the box around points.
+/// Lowest and highest corner of the bounding box of points.
 fn bounds(points: &[Vector3]) -> [Vector3; 2] {
     let first = [points[0]; 2];
     points.iter().fold(first, |[low, high], point| {
@@ -247,7 +253,8 @@ mod tests {
         }
     }
 
-    /// The guard of rods that pass through each other freely: with contact it begins, without contact they run.
+    /// The guard of rods that pass through each other: it exists with contact; the run has no
+    /// contact.
     fn first_failure(rods: Vec<RodDescription>, step: f64, steps: u64) -> Option<String> {
         let scene = Scene {
             rods,
@@ -309,7 +316,8 @@ mod tests {
 
     #[test]
     fn a_rod_that_passes_through_itself_is_told() {
-        // A twisted figure eight whose strands cross at the middle and are shot through each other.
+        // A twisted figure eight whose strands cross at the middle and are shot through each
+        // other.
         let eight = |height: f64| {
             closed("eight", 48, move |t| {
                 Vector3::new(0.1 * (2.0 * t).sin(), 0.1 * t.cos(), height * t.sin())

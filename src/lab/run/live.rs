@@ -1,4 +1,4 @@
-//! A run without files, whose steps another program takes.
+//! A run without files, stepped by the calling program.
 
 use super::counters::Counters;
 use super::observer::{Finding, Sample};
@@ -13,12 +13,13 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Wall time up to which a step is always finished, as in a run with files.
+/// Wall time of a step below which the next step is always finished, as in a run with files.
 const SHORT_STEP: Duration = Duration::from_millis(50);
 
 /// A simulation with the observers and controllers of its experiment.
 ///
-/// It takes the steps that [`run`](super::run()) takes, as far as they end at the same times: outputs end steps, too.
+/// Its steps are those of [`run`](super::run()), provided that they end at the same times: outputs
+/// also end steps.
 pub struct LiveRun {
     /// The simulation.
     pub simulation: Simulation,
@@ -29,7 +30,7 @@ pub struct LiveRun {
     last_step: Duration,
 }
 
-/// All that influences the future of a [`LiveRun`].
+/// Complete state of a [`LiveRun`].
 #[derive(Clone, Serialize, Deserialize)]
 pub struct LiveState {
     /// The state of the simulation.
@@ -63,18 +64,18 @@ impl LiveRun {
         self.mode
     }
 
-    /// The sentence in which an observer stated why the run is complete, if one did.
+    /// The sentence in which an observer stated why the run is complete, if it did.
     pub fn ending(&self) -> Option<&str> {
         let ending = self.counters.outcome.ending.as_ref();
         ending.map(|ending| ending.sentence.as_str())
     }
 
-    /// Takes one step that ends no later than `until`, s, while `goes_on` returns true; `None` where it returned false, and
-    /// the state is then that before the step.
+    /// Takes one step that ends no later than `until`, s. `None` if `goes_on` returned false; the
+    /// state is then that before the step.
     ///
     /// # Errors
-    /// The errors of [`Simulation::advance`], and [`SimulationError::Unphysical`] where an observer finds a fault; the
-    /// state is then that of the last accepted step.
+    /// The errors of [`Simulation::advance`], and [`SimulationError::Unphysical`] if an observer
+    /// finds a fault; the state is then that of the last accepted step.
     pub fn advance(
         &mut self,
         until: f64,
@@ -101,8 +102,9 @@ impl LiveRun {
         Ok(Some(report))
     }
 
-    /// Takes one step in each of some runs, which ends no later than the time beside it, s: see [`Self::advance`], whose result each
-    /// gets. Runs of one kind of scene are solved together (see [`Lockstep`]).
+    /// Takes one step in each of several runs. The step of a run ends no later than the time
+    /// beside it, s; its result is that of [`Self::advance`]. Runs of one kind of scene are solved
+    /// together (see [`Lockstep`]).
     pub fn advance_together(
         runs: &mut [(&mut Self, f64)],
         lockstep: &mut Lockstep,
@@ -137,7 +139,7 @@ impl LiveRun {
         results.collect()
     }
 
-    /// Counts a step, and lets observers look.
+    /// Counts a step, and calls the observers.
     fn conclude(&mut self, report: &StepReport) -> Result<(), SimulationError> {
         self.counters.add_step(report);
         let time = self.simulation.time();
@@ -146,7 +148,8 @@ impl LiveRun {
         self.counters.conclude_from(findings)
     }
 
-    /// Finds the equilibrium, while `goes_on` returns true; `None` where it returned false, and the state is then that before.
+    /// Finds the equilibrium. `None` if `goes_on` returned false; the state is then the one before
+    /// the call.
     ///
     /// # Errors
     /// The errors of [`Simulation::find_equilibrium_while`].
@@ -169,10 +172,11 @@ impl LiveRun {
         self.counters.add_point(point);
     }
 
-    /// The columns that the observers add to the series, with their values now; observers do not remember the call.
+    /// The columns that the observers add to the series, with their current values; the call does
+    /// not change the observers.
     ///
     /// # Errors
-    /// [`SimulationError::Unphysical`] where an observer finds a fault.
+    /// [`SimulationError::Unphysical`] if an observer finds a fault.
     pub fn measure(&self) -> Result<Vec<(String, Value)>, SimulationError> {
         let simulation = &self.simulation;
         let row = self.counters.clone().take_row(
@@ -232,7 +236,7 @@ impl LiveRun {
         Ok(())
     }
 
-    /// Input of observers now, and the participants.
+    /// Current input of the observers, and the participants.
     fn sample(&mut self) -> (Sample<'_>, &mut Participants) {
         let sample = Sample {
             simulation: &self.simulation,

@@ -63,15 +63,16 @@ use work::Work;
 pub struct RunOptions {
     /// The results directory.
     pub directory: PathBuf,
-    /// Start over where results exist, even those of another scenario.
+    /// Start from scratch if results exist, even those of another scenario.
     pub force: bool,
-    /// The command line, for the manifest.
+    /// The command line, recorded in the manifest.
     pub command_line: Vec<String>,
     /// Show a progress bar on standard error (only if that is a terminal).
     pub progress: bool,
-    /// The bars among which the bar of this run appears, if there are several runs.
+    /// The group of bars in which the bar of this run appears, if there are several runs.
     pub among: Option<AmongBars>,
-    /// Moment at which the run stops with a checkpoint, though not before some steps.
+    /// Moment at which the run stops with a checkpoint. The run takes a minimum number of steps
+    /// first.
     pub deadline: Option<Instant>,
     /// Wall time between checkpoints.
     pub checkpoint_every: Duration,
@@ -101,32 +102,32 @@ pub struct RunOutcome {
     pub directory: PathBuf,
     /// Whether there was anything left to do.
     pub status: RunStatus,
-    /// Steps, iterations, contacts.
+    /// Numbers of steps, iterations and contacts.
     pub case: CaseOutcome,
-    /// Wall time of this call and of the interrupted ones before it.
+    /// Wall time of this call and of the interrupted calls before it.
     pub wall_time: Duration,
     /// Main observations for the user: names and texts, a line each.
     pub highlights: Vec<(String, String)>,
 }
 
-/// Action of a successful call of [`run`].
+/// What a successful call of [`run`] did.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RunStatus {
     /// Ran from the beginning.
     Finished,
     /// Continued from the end of an interrupted call.
     Resumed {
-        /// Its progress at that time.
+        /// Progress of the earlier call.
         from: Reached,
     },
-    /// The results were there already; nothing was run.
+    /// The results existed already; nothing was run.
     AlreadyFinished,
 }
 
 /// Progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub enum Reached {
-    /// At the start: an equilibrium is found or not.
+    /// At the start, of a run that searches for an equilibrium.
     Start,
     /// Simulated time, s.
     Time(f64),
@@ -149,8 +150,8 @@ impl fmt::Display for Reached {
 
 /// Runs to the end and writes the results directory.
 ///
-/// Idempotent: finished results of the same scenario are left alone, interrupted ones are continued
-/// from their last checkpoint, bit for bit.
+/// Idempotent: finished results of the same scenario are kept, and interrupted runs resume from
+/// their last checkpoint, bit for bit.
 ///
 /// # Errors
 /// See [`RunError`].
@@ -159,15 +160,17 @@ pub fn run(prepared: &PreparedRun, options: &RunOptions) -> Result<RunOutcome, R
     run_until(prepared, options, &|| interruption.requested())
 }
 
-/// Least time for which work continues after it was set up, even past its time limit, so that each call makes progress.
+/// Minimum duration of the work after its setup, even past the time limit, so that each call makes
+/// progress.
 const LEAST: Duration = Duration::from_millis(20);
 
-/// The moment at which work that begins now is to stop.
+/// The moment at which work that begins now must stop.
 pub fn not_at_once(deadline: Instant) -> Instant {
     deadline.max(Instant::now() + LEAST)
 }
 
-/// [`run`], until `stop_requested`, which is asked between steps and during long ones.
+/// Runs like [`run`], until `stop_requested` returns a reason. It is called between steps and
+/// during long ones.
 ///
 /// # Errors
 /// See [`RunError`].
@@ -202,7 +205,8 @@ fn open_results(prepared: &PreparedRun, options: &RunOptions) -> Result<Opened, 
     )
 }
 
-/// Runs a simulation at time zero to the end of the prepared run, or until `stop_requested`, asked between steps.
+/// Runs a simulation from time zero to the end of the prepared run, or until `stop_requested`
+/// returns a reason.
 fn run_simulation(
     simulation: &mut impl Advance,
     prepared: &PreparedRun,

@@ -1,16 +1,18 @@
 //! Output times of a run.
 
-/// Output times 0, Δ, 2Δ, ..., end: products, not sums, so that they do not drift.
+/// Output times 0, Δ, 2Δ, ..., end. They are products, not sums, so that rounding errors do not
+/// accumulate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutputTimes {
-    /// Numerator and denominator of the interval, a power of ten where the interval is a short decimal:
-    /// k · 3 / 100 is the number nearest to 0.03 k; k · 0.03 need not be.
+    /// Numerator and denominator of the interval. For a short decimal the denominator is a power
+    /// of ten: k · 3 / 100 is the number nearest to 0.03 k; k · 0.03 need not be.
     interval: [f64; 2],
     end: f64,
     last: usize,
 }
 
-/// Part of an interval by which the end may miss a multiple of it and still count as one.
+/// Fraction of an interval by which the end may deviate from a multiple of the interval and still
+/// count as a multiple.
 const ROUND_OFF: f64 = 1e-9;
 
 impl OutputTimes {
@@ -51,7 +53,8 @@ impl OutputTimes {
     }
 }
 
-/// A number as a whole number over a power of ten where nine decimals suffice, else over one.
+/// A number as a fraction: a whole number over a power of ten if nine decimals suffice, else the
+/// number over one.
 fn as_fraction(number: f64) -> [f64; 2] {
     (0..=9)
         .map(|decimals| 10f64.powi(decimals))
@@ -91,7 +94,7 @@ mod tests {
 
     #[test]
     fn round_off_adds_no_tiny_last_interval() {
-        // 250 / 0.02 and the like are whole numbers up to round-off.
+        // Quotients such as 250 / 0.02 are whole numbers up to round-off.
         for (interval, end, last) in [(0.02, 250.0, 12_500), (0.1, 0.3, 3), (1.0 / 3.0, 7.0, 21)] {
             let times = OutputTimes::new(interval, end);
             assert_eq!(times.last(), last);

@@ -1,4 +1,5 @@
-//! Observers and controllers in real runs: what they add to the results, and that restarts are bit for bit.
+//! Observers and controllers in real runs: their additions to the results, and bit-for-bit
+//! restarts.
 
 use super::*;
 use crate::test_support::{quiet, run_of_scene};
@@ -16,11 +17,11 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Nodes of the rod.
 const NODES_OF_ROD: usize = 13;
-/// The node that is grasped, and its clamp: that of the scene is number 0.
+/// The grasped node, and the index of its clamp. The clamp of the scene has index 0.
 const GRASPED: usize = 9;
 
-/// Takes hold of a node, lifts and turns it, and lets it go; meanwhile a wind pushes the free end, and at last gravity
-/// is halved.
+/// Grasps a node, lifts, turns and releases it. Meanwhile a wind pushes the free end; at last
+/// gravity is halved.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Gripper {
     clamp: Option<usize>,
@@ -72,14 +73,14 @@ impl Controller for Gripper {
     }
 }
 
-/// Watches how low a node comes.
+/// Records the lowest height of a node.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Lowest {
     lowest: f64,
     samples: u64,
-    /// Ends the run below this height, m.
+    /// Height below which the run ends, m.
     ends_below: f64,
-    /// Fails the run below this height, m.
+    /// Height below which the run fails, m.
     fails_below: f64,
 }
 
@@ -260,7 +261,8 @@ fn a_grasped_node_is_where_the_gripper_is_until_it_is_let_go() {
         run_until(&cantilever(integration), &quiet(directory.path()), &|| None).unwrap();
         let nodes = rodlab_files::results::read_nodes(directory.path(), NODES_OF_ROD).unwrap();
         let height = |output: usize| nodes[output].positions[GRASPED].z;
-        // Outputs every 0.05 s: it takes hold at output 2, has lifted at output 5, lets go at output 6.
+        // Outputs every 0.05 s: it grasps at output 2, has lifted at output 5, and releases at
+        // output 6.
         assert!((height(5) - height(2) - 0.02).abs() < 1e-12);
         assert_eq!(height(6), height(5));
         let moved = (7..=10).map(|output| (height(output) - height(6)).abs());

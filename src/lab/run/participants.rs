@@ -22,7 +22,7 @@ pub(super) struct Participants {
 }
 
 impl Participants {
-    /// Those of a run, in their state at the start.
+    /// The participants of a run, in their state at the start.
     pub fn of(prepared: &PreparedRun) -> Self {
         Self {
             observers: prepared.observers.clone(),
@@ -44,7 +44,7 @@ impl Participants {
         Ok(until)
     }
 
-    /// Lets observers look that are due at `time`, at times that do not depend on those of outputs.
+    /// Calls the observers that are due at `time`, independently of the times of outputs.
     pub fn sample_if_due(&mut self, sample: &Sample<'_>, time: f64) -> Vec<Finding> {
         let observers = self.observers.iter_mut();
         let due = observers.filter(|observer| observer.is_due(time));
@@ -68,7 +68,7 @@ impl Participants {
     /// Takes over saved states.
     ///
     /// # Errors
-    /// [`ResultsError::Damaged`] where they belong to other observers or controllers.
+    /// [`ResultsError::Damaged`] if they belong to other observers or controllers.
     pub fn restore(&mut self, states: &SavedStates, directory: &Path) -> Result<(), ResultsError> {
         let damaged = |reason: String| ResultsError::Damaged {
             path: directory.to_owned(),

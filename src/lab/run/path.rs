@@ -56,7 +56,7 @@ impl PathAtWork {
         })
     }
 
-    /// Writes the row of a point at which nodes have moved by `displacement_rms`, m.
+    /// Writes the row of a point; its nodes have moved by `displacement_rms`, m.
     pub fn add(
         &mut self,
         point: &PathPoint,

@@ -23,21 +23,24 @@ pub struct PreparedRun {
     pub scene: Scene,
     /// Dynamic or static.
     pub mode: Mode,
-    /// Time integration and Newton parameters.
+    /// Parameters of time integration and Newton's method.
     pub integration: IntegrationParameters,
-    /// Files that are written, and how often.
+    /// Which files are written, and how often.
     pub output: OutputPlan,
     /// Observers in their state at the start.
     pub observers: Vec<Box<dyn Observer>>,
     /// Controllers in their state at the start.
     pub controllers: Vec<Box<dyn Controller>>,
-    /// Job that fills a table instead of moving the scene; the scene is then that of the first row.
+    /// Job that fills a table instead of moving the scene, which is then that of the first row.
     pub table: Option<Arc<dyn TableRun>>,
-    /// Names of the files that kinds of experiments add to those of every run: starting over removes them, too.
+    /// Names of the files that kinds of experiments add to those of every run. A run that starts
+    /// from scratch removes them, too.
     pub own_files: Vec<&'static str>,
-    /// Warnings about the scenario, a sentence each: logged by the run, and remarks at its end.
+    /// Warnings about the scenario, a sentence each: the run logs them, and repeats them as
+    /// remarks at its end.
     pub warnings: Vec<String>,
-    /// The file from which the scene starts, where it does not start as placed; the results hold a copy.
+    /// The file with the start state, if the scene does not start as placed. The results hold a
+    /// copy of it.
     pub start: Option<Arc<[u8]>>,
 }
 
@@ -53,7 +56,7 @@ impl PreparedRun {
 pub trait TableRun: Debug + Send + Sync {
     /// Number of rows.
     fn rows(&self) -> usize;
-    /// Computes the rows that are missing and concludes.
+    /// Computes the missing rows and finishes the table.
     ///
     /// # Errors
     /// See [`RunError`].
@@ -72,10 +75,10 @@ pub enum Mode {
     Dynamic {
         /// End of the simulated time, s.
         end: f64,
-        /// Whether the scene comes to rest at time zero first.
+        /// Whether the scene is brought to equilibrium first, at time zero.
         settles: bool,
     },
-    /// Newton's method without inertia.
+    /// Equilibrium by Newton's method without inertia.
     Static,
     /// Equilibria along a path.
     Continuation(PathPlan),

@@ -12,8 +12,8 @@ const LENGTH: u64 = 10_000;
 /// Time between redraws; steps are often far shorter.
 const REFRESH: Duration = Duration::from_millis(100);
 
-/// A bar on standard error: simulated time of the end, step size, iterations, contacts, time left; or the progress of a
-/// path.
+/// A progress bar on standard error. It shows the fraction of the simulated time, step size,
+/// iterations, contacts and the remaining time, or the progress of a path.
 pub struct Progress {
     bar: ProgressBar,
     start: f64,
@@ -21,7 +21,7 @@ pub struct Progress {
     drawn: Option<Instant>,
 }
 
-/// The bars of the runs of a sweep, and the name of this run among them.
+/// The group of bars of a sweep, and the name of this run.
 #[derive(Clone, Debug)]
 pub struct AmongBars {
     /// All bars.
@@ -31,8 +31,8 @@ pub struct AmongBars {
 }
 
 impl Progress {
-    /// A bar of its own, or among those of other runs. Nothing is drawn unless `visible`, nor where standard
-    /// error is not a terminal.
+    /// A bar of its own, or in a group with other runs. Nothing is drawn if `visible` is false or
+    /// standard error is not a terminal.
     pub fn bar(visible: bool, among: Option<&AmongBars>) -> ProgressBar {
         let template =
             |text: &str| ProgressStyle::with_template(text).expect("the template is right");
@@ -47,7 +47,7 @@ impl Progress {
         }
     }
 
-    /// A bar that is empty at `start` and full at `end`, simulated times in s or parameters, and shows `now`.
+    /// A bar from `start` to `end` (simulated times in s, or parameters) at position `now`.
     pub fn new(bar: ProgressBar, now: f64, [start, end]: [f64; 2]) -> Self {
         let progress = Self {
             bar,
@@ -56,7 +56,7 @@ impl Progress {
             drawn: None,
         };
         progress.bar.set_position(progress.position(now));
-        // The progress of an earlier call is no measure of the speed of this one.
+        // The progress of an earlier call must not affect the estimated speed.
         progress.bar.reset_eta();
         progress
     }

@@ -1,4 +1,4 @@
-//! Records of a prepared run in the results.
+//! Records about a prepared run for the results.
 
 use super::RunOptions;
 use super::participants::columns;
@@ -24,7 +24,7 @@ pub fn rod_records(prepared: &PreparedRun) -> Vec<RodRecord> {
     prepared.scene.rods.iter().map(record).collect()
 }
 
-/// Keeps a copy of the start state of the run beside its scenario, which names it.
+/// Copies the start state of the run beside its scenario, which names it.
 ///
 /// # Errors
 /// [`ResultsError::Io`].
@@ -48,7 +48,7 @@ pub fn recorder_plan(prepared: &PreparedRun) -> RecorderPlan {
     }
 }
 
-/// Surfaces of the obstacles at time zero; of endless ones the part near the rods.
+/// Surfaces of the obstacles at time zero. Of infinite surfaces only the part near the rods.
 fn obstacle_surfaces(scene: &Scene) -> ObstacleSurfaces {
     let (centre, reach) = neighbourhood(scene.rods.iter().flat_map(|rod| &rod.centreline));
     let of = |obstacle: &Obstacle| Surface::from_triangles(&obstacle.body.surface(&centre, reach));
@@ -58,7 +58,8 @@ fn obstacle_surfaces(scene: &Scene) -> ObstacleSurfaces {
     }
 }
 
-/// The manifest of a call that starts now; `earlier` is that of the call before, which it may continue.
+/// The manifest of a call that starts now. `earlier` is the manifest of the previous call, which
+/// this call may continue.
 pub fn manifest_of_call(
     prepared: &PreparedRun,
     options: &RunOptions,

@@ -1,18 +1,19 @@
 //! Trait objects that are plain values: they can be copied, saved and restored.
 
-/// Defines the trait `$object` with the methods of a boxed `$interface`, and implements it for every plain value.
+/// Defines the trait `$object` with the methods of a boxed `$interface`, and implements it for
+/// every plain value.
 macro_rules! saved_object {
     ($(#[$documentation:meta])* $object:ident for $interface:ident) => {
         $(#[$documentation])*
         pub trait $object {
-            /// Another one in the same state.
+            /// A copy in the same state.
             fn boxed(&self) -> Box<dyn $interface>;
             /// Its state for a checkpoint.
             fn save(&self) -> Vec<u8>;
             /// Takes over a state.
             ///
             /// # Errors
-            /// The fault of the bytes.
+            /// Bytes that do not decode.
             fn restore(&mut self, state: &[u8]) -> Result<(), String>;
             /// The value itself, for downcasting to its type.
             fn as_any(&self) -> &dyn Any;

@@ -1,4 +1,4 @@
-//! Why the steps of a run end early.
+//! Reasons why the steps of a run end early.
 
 use super::{Reached, RunError};
 use rodlab_engine::mechanics::dynamics::SimulationError;
@@ -14,11 +14,11 @@ pub enum StopRequest {
     TimeLimit,
 }
 
-/// Callback that is asked, between steps and during long ones, whether to stop. A request, once made, persists: callers ask
-/// for it again when they find unfinished work.
+/// Callback that returns whether to stop, called between steps and during long ones. A request
+/// persists: callers query it again when they find unfinished work.
 pub type StopRequests<'a> = &'a (dyn Fn() -> Option<StopRequest> + Sync);
 
-/// Why the steps ended early.
+/// Reason why the steps ended early.
 pub(super) enum Stop {
     Interrupted,
     TimeLimit,
@@ -48,7 +48,7 @@ impl From<ResultsError> for Stop {
 }
 
 impl Stop {
-    /// The status it gives the case.
+    /// The resulting status of the case.
     pub fn status(&self) -> CaseStatus {
         match self {
             Self::Interrupted => CaseStatus::Interrupted,
@@ -63,7 +63,7 @@ impl Stop {
         }
     }
 
-    /// The reason in words, for the record of the case.
+    /// The reason as text, for the record of the case.
     pub fn reason(&self) -> String {
         match self {
             Self::Interrupted => "interrupted".to_owned(),
@@ -73,7 +73,7 @@ impl Stop {
         }
     }
 
-    /// Whether the state of the simulation is sound, so that it may be kept.
+    /// Whether the state of the simulation is sound and may be saved.
     pub fn leaves_sound_state(&self) -> bool {
         matches!(
             self.status(),

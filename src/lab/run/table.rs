@@ -1,7 +1,7 @@
-//! A run whose result is a table of rows that do not depend on each other.
+//! A run whose result is a table of independent rows.
 //!
-//! Rows are computed in blocks, in parallel, and written in their order. An interrupted run resumes after
-//! the last block that is in the file: the table is its own checkpoint.
+//! Rows are computed in blocks, in parallel, and written in order. An interrupted run resumes
+//! after the last complete block of the file: the table is its own checkpoint.
 
 use super::prepared::{PreparedRun, TableRun};
 use super::records::manifest_of_call;
@@ -22,12 +22,13 @@ use std::path::Path;
 use std::sync::OnceLock;
 use tracing::info;
 
-/// Rows computed before the next are written. More fill the threads evenly; fewer lose less to an interruption.
+/// Rows per block. Larger blocks use the threads more evenly; smaller ones lose less work when
+/// interrupted.
 const BLOCK: usize = 256;
 
 /// Job that fills a table.
 pub trait TableJob: Debug + Send + Sync {
-    /// A row; floats read back to the same bits.
+    /// A row of the table. Floats are read back bit for bit.
     type Row: Serialize + DeserializeOwned + Send;
 
     /// Name of the file of the table.
@@ -37,7 +38,8 @@ pub trait TableJob: Debug + Send + Sync {
 
     /// Number of rows.
     fn count(&self) -> usize;
-    /// Computes a row, which records its own faults, while `goes_on` returns true; `None` where that returned false, as it then always does.
+    /// Computes a row, which records its own faults. `None` if `goes_on` returned false, which it
+    /// then always does.
     fn row(&self, index: usize, goes_on: &(dyn Fn() -> bool + Sync)) -> Option<Self::Row>;
     /// Writes files derived from the whole table; returns remarks for the user.
     ///
@@ -129,9 +131,9 @@ struct TableSession<'a, Job: TableJob> {
     meter: UsageMeter,
     earlier: Usage,
     rows: Vec<Job::Row>,
-    /// Bytes of the table that hold them at the start.
+    /// Number of bytes of the table that these rows took at the start.
     length: u64,
-    /// The table as it was written last.
+    /// The table as last written.
     mark: Option<FileMark>,
 }
 
@@ -155,7 +157,7 @@ impl<Job: TableJob> TableSession<'_, Job> {
                 .into_par_iter()
                 .map(|index| goes_on().then(|| self.job.row(index, &goes_on)).flatten())
                 .collect();
-            // Rows after one that was stopped are lost: the table has no gaps.
+            // Rows after an interrupted one are discarded, so that the table has no gaps.
             let block: Vec<Job::Row> = block.into_iter().map_while(|row| row).collect();
             for row in &block {
                 stream.write(row)?;
@@ -193,7 +195,7 @@ impl<Job: TableJob> TableSession<'_, Job> {
             ),
         };
         bar.set_position(self.rows.len() as u64);
-        // The progress of an earlier call is no measure of the speed of this one.
+        // The progress of an earlier call must not affect the estimated speed.
         bar.reset_eta();
         bar
     }
@@ -227,15 +229,15 @@ impl<Job: TableJob> TableSession<'_, Job> {
     }
 }
 
-/// The next block: whole ones lie at multiples of its size, wherever the table begins.
+/// The next block. Blocks start at multiples of their size, wherever the table begins.
 fn block_after(done: usize, count: usize) -> Range<usize> {
     done..((done / BLOCK + 1) * BLOCK).min(count)
 }
 
-/// The rows of an unfinished table; empty where it cannot be read.
+/// The rows of an unfinished table; empty if it cannot be read.
 ///
 /// # Errors
-/// [`ResultsError::Altered`] where the file differs from the one that the previous call left.
+/// [`ResultsError::Altered`] if the file has changed since the previous call.
 fn rows_so_far<Job: TableJob>(
     directory: &ResultsDirectory,
     count: usize,
@@ -247,7 +249,7 @@ fn rows_so_far<Job: TableJob>(
     let Some(unfinished) = directory.unfinished() else {
         return Ok(nothing);
     };
-    // A call that was killed has recorded no hash.
+    // A killed call has recorded no hash.
     check_files(directory.path(), &unfinished.files)?;
     let path = directory.file(Job::TABLE);
     if !path.exists() {

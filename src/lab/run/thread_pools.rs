@@ -1,17 +1,18 @@
-//! Several pieces of work at a time, each with threads of its own.
+//! Several jobs at a time, each with its own threads.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Threads of a piece of work when `jobs` of them share those of the program.
+/// Threads of a job when `jobs` of them share those of the program.
 pub fn threads_of_a_job(jobs: usize) -> usize {
     (rayon::current_num_threads() / jobs).max(1)
 }
 
-/// Calls `work` with 0, 1, ..., `count` − 1, started in this order, `jobs` at a time, until one breaks off.
+/// Calls `work` with 0, 1, ..., `count` − 1, started in this order, `jobs` at a time, until a call
+/// returns a break.
 ///
-/// Each worker has a thread pool to itself: in a common one a thread that waits for others of its own run
-/// could take up another run, and time would be counted where it was not spent.
+/// Each worker has its own thread pool. In a shared pool a thread that waits for other threads of
+/// its run could take work from another run, and its time would be attributed to the wrong run.
 ///
 /// # Errors
 /// The system could not start the threads; nothing was called.

@@ -1,9 +1,10 @@
 //! Estimated cost of a run, from a trial of its beginning.
 //!
-//! The run is started in a directory of its own, with all that it writes and observes, for two stages of half a second of
-//! processor time. The pace of the second, which continues from the checkpoint of the first, is taken for that of the rest:
-//! steps at the start may be smaller, and contacts settle. Later events that cost more, such as a first contact beyond
-//! the trial, is not foreseen; contacts double the cost of a step, or triple it.
+//! The run starts in a directory of its own, with all its outputs and observers, for two stages of
+//! half a second of processor time each. The second stage continues from the checkpoint of the
+//! first. The estimate extrapolates the pace of the second stage, since the first steps may be
+//! smaller and contacts have to settle. It does not include later events that cost more, such as a
+//! first contact after the trial; contacts double or triple the cost of a step.
 
 use super::{Mode, PreparedRun, Reached, RunError, RunOptions, StopRequest, run_until};
 use rodlab_files::results::UsageMeter;
@@ -13,12 +14,13 @@ use std::path::Path;
 use std::sync::{Mutex, mpsc};
 use std::time::{Duration, Instant};
 
-/// Processor time of a stage, and the time on the clock after which it ends regardless of the load by other programs.
+/// Processor time of a stage, and the wall time after which the stage ends even if other programs
+/// use the processor.
 const STAGE: Duration = Duration::from_millis(500);
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Time on the clock after which the whole trial is abandoned, even if it has not checked its time limit.
+/// Wall time after which the whole trial is abandoned, even if it has not checked its time limit.
 const LONGEST: Duration = Duration::from_secs(8);
-/// Time between two readings of the processor's clock.
+/// Time between two readings of the processor clock.
 const LOOK: Duration = Duration::from_millis(5);
 
 /// Estimated cost of a run.
@@ -26,11 +28,11 @@ const LOOK: Duration = Duration::from_millis(5);
 pub struct Forecast {
     /// Processor time of the whole run, s; `None` where the trial gives no estimate.
     pub processor_time: Option<f64>,
-    /// Processor time that the trial took, s.
+    /// Processor time of the trial, s.
     pub trial_time: f64,
-    /// Part of the run that the trial completed: 1 where it reached the end.
+    /// Fraction of the run that the trial completed: 1 if it reached the end.
     pub part: f64,
-    /// Why the trial ended before its time, where it failed.
+    /// Reason why the trial failed, if it did.
     pub failure: Option<String>,
 }
 
@@ -41,7 +43,7 @@ enum Stage {
     Failed(String),
 }
 
-/// Tries a run for a second, and abandons it where a step does not end.
+/// Tries a run for a second, and abandons the trial if a step does not end.
 pub fn forecast(prepared: &PreparedRun) -> Forecast {
     let unknown = |failure: Option<String>, trial_time: f64| Forecast {
         processor_time: None,
@@ -113,7 +115,7 @@ fn try_run(prepared: &PreparedRun, directory: &Path) -> Forecast {
     forecast
 }
 
-/// Begins or continues the run; also returns the processor time, s.
+/// Begins or continues the run. Also returns the processor time, s.
 fn try_stage(prepared: &PreparedRun, directory: &Path) -> (Stage, f64) {
     let options = RunOptions {
         progress: false,
@@ -145,7 +147,7 @@ fn try_stage(prepared: &PreparedRun, directory: &Path) -> (Stage, f64) {
     (stage, spent().as_secs_f64())
 }
 
-/// Part of the run that is done there.
+/// Fraction of the run that is complete at this point.
 fn part_of(prepared: &PreparedRun, reached: Reached) -> f64 {
     match (reached, prepared.mode) {
         (Reached::Rows(rows), _) => {
@@ -220,7 +222,8 @@ mod tests {
         assert_eq!(forecast.processor_time, Some(forecast.trial_time));
     }
 
-    /// The pace of steps that are all alike: ten times the time to simulate costs ten times as much, however fast this machine.
+    /// All steps have the same cost: ten times the simulated time takes ten times as long, however
+    /// fast the machine.
     #[test]
     fn a_long_run_is_extrapolated_in_proportion() {
         let [short, long] = [500.0, 5000.0].map(|end| of(FLAGELLA, &[&format!("time.end={end}")]));

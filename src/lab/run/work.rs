@@ -1,12 +1,13 @@
-//! Work in progress in this process, and whether it has received a request to stop.
+//! Registry of the work in progress in this process, and whether it has received a request to
+//! stop.
 //!
-//! Runs poll from time to time for requests to stop. A step of an enormous system may take minutes in between: this module reports to the
-//! code that asked a run to stop that the run has not received the request.
+//! Runs poll for requests to stop. A step of a very large system may take minutes between two
+//! polls. This module then reports that the run has not yet received the request.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// For each piece of work, whether it has received a request to stop.
+/// Whether each piece of work has received a request to stop.
 static AT_WORK: Mutex<Vec<Arc<AtomicBool>>> = Mutex::new(Vec::new());
 
 /// A piece of work, until it is dropped.
@@ -22,7 +23,7 @@ impl Work {
         Self { told }
     }
 
-    /// Records that it received the request; it will stop after saving its state.
+    /// Records that the work has received the request; it will stop after saving its state.
     pub fn is_told(&self) {
         self.told.store(true, Ordering::Relaxed);
     }
@@ -34,12 +35,12 @@ impl Drop for Work {
     }
 }
 
-/// A list of pointers stays valid after a panic of the thread that held it.
+/// A list of pointers stays valid after a panic of the thread that locked it.
 fn at_work() -> MutexGuard<'static, Vec<Arc<AtomicBool>>> {
     AT_WORK.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Whether there is work that has not received the request to stop, and no other work is being saved.
+/// Whether there is work in progress, and none of it has received the request to stop.
 pub fn is_deaf() -> bool {
     let at_work = at_work();
     !at_work.is_empty() && at_work.iter().all(|told| !told.load(Ordering::Relaxed))

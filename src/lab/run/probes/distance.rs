@@ -18,7 +18,8 @@ fn edges((points, closed): (&[Vector3], bool)) -> impl Iterator<Item = [&Vector3
     (0..count).map(move |k| [&points[k], &points[(k + 1) % points.len()]])
 }
 
-/// Distance of two segments: where the lines are closest, if that is within both, else from an end of one to the other.
+/// Distance of two segments: between the closest points of their lines if these are within both
+/// segments, else from an end of one segment to the other.
 fn segment_distance([a, b]: [&Vector3; 2], [c, d]: [&Vector3; 2]) -> f64 {
     let (first, second, between) = (b - a, d - c, a - c);
     let (aa, bb, ab) = (

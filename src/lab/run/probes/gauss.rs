@@ -6,15 +6,16 @@
 //! G = 1/4π ∫∫ (x − y)·(dx × dy)/|x − y|³
 //! ```
 //!
-//! is the signed area, over 4π, that the directions from points of the one to points of the other cover. For two
-//! straight segments that is a spherical quadrilateral, so that the sum over all pairs is exact (Klenin & Langowski
-//! 2000, Biopolymers 54, 307). For two closed curves G is their linking number, a whole number; for one curve and
-//! itself it is the writhe.
+//! is the signed area, over 4π, that is covered by the directions from points of one curve to
+//! points of the other. For two straight segments this area is a spherical quadrilateral, so the
+//! sum over all pairs is exact (Klenin & Langowski 2000, Biopolymers 54, 307). For two closed
+//! curves G is their linking number, a whole number; for one curve and itself it is the writhe.
 
 use rodlab_engine::mechanics::Vector3;
 use std::f64::consts::PI;
 
-/// Writhe of a polyline; closed ones are given without their first point at the end. An open one is not closed for it.
+/// Writhe of a polyline. A closed polyline is given without its first point at the end. An open
+/// one is not closed.
 pub fn writhe(points: &[Vector3], closed: bool) -> f64 {
     let segments = segments(points, closed);
     let mut sum = 0.0;
@@ -27,8 +28,8 @@ pub fn writhe(points: &[Vector3], closed: bool) -> f64 {
     2.0 * sum / (4.0 * PI)
 }
 
-/// Linking number of two polylines, each given with whether it is closed; for open ones Gauss' integral, which need not
-/// be a whole number.
+/// Linking number of two polylines, each given with whether it is closed. For open ones it is
+/// Gauss' integral, which need not be a whole number.
 pub fn linking_number(one: (&[Vector3], bool), other: (&[Vector3], bool)) -> f64 {
     let others = segments(other.0, other.1);
     let mut sum = 0.0;
@@ -46,8 +47,8 @@ fn segments(points: &[Vector3], closed: bool) -> Vec<[Vector3; 2]> {
     inner.chain(last).collect()
 }
 
-/// Signed area that the directions from the points of one segment to those of another cover; 0 for neighbours and for
-/// segments in one plane.
+/// Signed area covered by the directions from the points of one segment to those of another; 0 for
+/// neighbours and for segments in one plane.
 fn area(one: &[Vector3; 2], other: &[Vector3; 2]) -> f64 {
     let directions = [(0, 0), (0, 1), (1, 1), (1, 0)].map(|(i, j)| one[i] - other[j]);
     if directions
@@ -86,7 +87,7 @@ mod tests {
         assert!((link(&one, &other).abs() - 1.0).abs() < 1e-12);
         assert!((link(&one, &other) - link(&other, &one)).abs() < 1e-12);
         assert!(link(&one, &far).abs() < 1e-12);
-        // The mirror image is linked the other way round.
+        // The mirror image has the opposite linking number.
         let mirror = |points: &[Vector3]| -> Vec<Vector3> {
             points
                 .iter()
@@ -110,13 +111,13 @@ mod tests {
         .map(Vector3::from);
         let link = linking_number((&triangle, true), (&square, true));
         assert!((link.abs() - 1.0).abs() < 1e-12, "{link}");
-        // Beyond the edge of the triangle it is not linked.
+        // A line beyond the edge of the triangle is not linked with it.
         let beside = square.map(|point| point - Vector3::y() * 0.6);
         let link = linking_number((&triangle, true), (&beside, true));
         assert!(link.abs() < 1e-12, "{link}");
     }
 
-    /// A link of two strands of a right-handed double helix has linking number +1 per turn.
+    /// Two strands of a right-handed double helix have linking number +1 per turn.
     #[test]
     fn right_handed_windings_count_as_positive() {
         // The curve winds n times around the circle of radius 2, as around the axis of a torus.
@@ -125,7 +126,7 @@ mod tests {
             ring(200, |t| {
                 let outward = Vector3::new(t.cos(), t.sin(), 0.0);
                 let (sine, cosine) = (turns * t).sin_cos();
-                // About the direction of travel, right-handed: from outwards towards −z.
+                // Angle about the direction of travel, right-handed: from outwards towards −z.
                 outward * (2.0 + 0.5 * cosine) - Vector3::z() * (0.5 * sine)
             })
         };
@@ -139,8 +140,8 @@ mod tests {
         }
     }
 
-    /// Plane curves have no writhe; a long right-handed helix of n turns and pitch angle α has n (1 − sin α)
-    /// (Fuller 1971), except for its ends.
+    /// Plane curves have no writhe. A long right-handed helix with n turns and pitch angle α has n
+    /// (1 − sin α) (Fuller 1971), except for its ends.
     #[test]
     fn the_writhe_of_a_helix_agrees_with_fuller() {
         let plane = ring(40, |t| Vector3::new(2.0 * t.cos(), t.sin(), 0.0));

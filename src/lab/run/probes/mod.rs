@@ -14,14 +14,14 @@ use rodlab_files::results::{CaseOutcome, Ending, NamedValues, SeriesRow, Value};
 use serde::{Deserialize, Serialize};
 use statistic::Statistic;
 
-/// A quantity that is measured under a name.
+/// A measured quantity and its name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Probe {
-    /// The name with which its columns begin.
+    /// The prefix of its columns.
     pub name: String,
     /// The measured quantity.
     pub quantity: Quantity,
-    /// Its statistic in the summary; `None` leaves it out there.
+    /// Its statistic in the summary; `None` for none.
     pub summary: Option<Summary>,
 }
 
@@ -31,7 +31,7 @@ impl Probe {
         self.names("")
     }
 
-    /// Names of its columns in `summary.csv`, where it has any: the statistic precedes the unit.
+    /// Names of its columns in `summary.csv`, if it has any: the statistic precedes the unit.
     pub fn summary_columns(&self) -> Vec<String> {
         self.summary.map_or_else(Vec::new, |summary| {
             self.names(&format!("_{}", summary.word()))
@@ -54,7 +54,7 @@ pub const STOPPED_BY: &str = "stopped_by";
 pub struct StopWhen {
     /// The column of a probe.
     pub column: String,
-    /// The value beyond which it ends.
+    /// The value beyond which the run ends.
     pub limit: Limit,
 }
 
@@ -89,7 +89,8 @@ pub struct Probes {
 }
 
 impl Probes {
-    /// Probes that have measured nothing yet. The column of `stop_when` is one of theirs.
+    /// Probes that have measured nothing yet. The column of `stop_when` must be one of their
+    /// columns.
     pub fn new(probes: Vec<Probe>, stop_when: Option<StopWhen>) -> Self {
         let columns = probes.iter().map(|probe| probe.quantity.columns().len());
         Self {
@@ -105,7 +106,7 @@ impl Probes {
         self.probes.iter().map(|probe| probe.name.as_str())
     }
 
-    /// What the probes measure, in their order.
+    /// The measured quantities, in their order.
     pub fn quantities(&self) -> impl Iterator<Item = &Quantity> {
         self.probes.iter().map(|probe| &probe.quantity)
     }
@@ -120,7 +121,7 @@ impl Probes {
         self.stop_when.is_some()
     }
 
-    /// The values of all columns now.
+    /// The current values of all columns.
     pub fn values(&self, sample: &Sample<'_>) -> Vec<Option<f64>> {
         let probes = self.probes.iter();
         probes

@@ -8,9 +8,9 @@ use rodlab_engine::mechanics::dynamics::{Resultants, Simulation};
 use rodlab_engine::mechanics::rod::RodRange;
 use serde::{Deserialize, Serialize};
 
-/// The measured quantity. Rods are counted as in the scene, nodes and edges over the whole scene: the edge of a node is that
-/// which starts there. Quantities along a rod are those of one node or edge, or where that is `None` the largest in size
-/// along the rod, with its sign.
+/// The measured quantity. Rods are numbered as in the scene, nodes and edges over the whole scene;
+/// the edge of a node is the one that starts there. A quantity along a rod is measured at one node
+/// or edge; `None` means the value with the largest absolute value along the rod, with its sign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Quantity {
     /// Position of a node, m.
@@ -52,7 +52,7 @@ pub enum Quantity {
         /// The edge.
         edge: Option<usize>,
     },
-    /// Size of the bending moment, N m.
+    /// Magnitude of the bending moment, N m.
     BendingMoment {
         /// The rod.
         rod: usize,
@@ -87,11 +87,12 @@ pub enum Quantity {
         /// The node.
         node: Option<usize>,
     },
-    /// Contact force on a rod, N: the sum, and the sizes of normal and tangential forces of all contacts added up.
+    /// Contact force on a rod, N: the total force, and the sums of the magnitudes of the normal
+    /// and the tangential forces.
     ContactForce {
         /// The rod.
         rod: usize,
-        /// The body that presses on it.
+        /// The body that presses on the rod.
         from: ContactPartner,
     },
     /// Energies of a rod, J.
@@ -119,7 +120,7 @@ pub enum Quantity {
         /// The spring.
         spring: usize,
     },
-    /// Size of the force of a part of the scene on its first node, N.
+    /// Magnitude of the force of a part of the scene on its first node, N.
     NodeForce {
         /// The force.
         force: usize,
@@ -139,7 +140,7 @@ pub enum ContactPartner {
     Anything,
 }
 
-/// Component and unit of a column, both to be added to the name of the probe.
+/// Component and unit of a column, both suffixes to the name of the probe.
 type Part = (&'static str, &'static str);
 
 const LENGTHS: [Part; 3] = [("_x", "_m"), ("_y", "_m"), ("_z", "_m")];
@@ -167,11 +168,12 @@ const ENERGIES: [Part; 5] = [
     ("_gravitational", "_j"),
 ];
 
-/// Binormals of two edges that make less than this angle do not define torsion.
+/// Angle between two edges below which their binormal does not define torsion.
 const STRAIGHT: f64 = 1e-9;
 
 impl Quantity {
-    /// Whether it depends on the places and velocities of nodes and frames alone, not on stiffness or forces.
+    /// Whether the quantity depends only on the positions and velocities of nodes and frames, not
+    /// on stiffness or forces.
     pub fn is_of_shape(&self) -> bool {
         match self {
             Self::Position { .. }
@@ -196,7 +198,7 @@ impl Quantity {
         }
     }
 
-    /// Components and units of its columns.
+    /// Components and units of the columns.
     pub fn columns(&self) -> &'static [Part] {
         match self {
             Self::Position { .. } | Self::Displacement { .. } => &LENGTHS,
@@ -217,8 +219,8 @@ impl Quantity {
         }
     }
 
-    /// Its values now, one for each column; `None` where there is none: forces before the first step, moments at free
-    /// ends, torsion of straight parts.
+    /// The current values, one for each column. `None` if undefined: forces before the first step,
+    /// moments at free ends, torsion of straight parts.
     pub fn measure(&self, sample: &Sample<'_>) -> Vec<Option<f64>> {
         let simulation = sample.simulation;
         let positions = simulation.positions();
@@ -300,7 +302,7 @@ fn centreline(simulation: &Simulation, rod: usize) -> (&[Vector3], bool) {
     (&simulation.positions()[range.node_indices()], range.closed)
 }
 
-/// The value at one place, or the largest in size along a rod.
+/// The value at one place, or the one with the largest absolute value along a rod.
 fn largest(
     simulation: &Simulation,
     rod: usize,
@@ -326,8 +328,8 @@ fn resultant(
     vec![largest(simulation, rod, node, value)]
 }
 
-/// Torsion at an edge: the angle between the binormals at its ends, over its length; `None` where the centreline is
-/// straight or ends.
+/// Torsion at an edge: the angle between the binormals at its ends, over its length; `None` if the
+/// centreline is straight there or ends.
 fn torsion(positions: &[Vector3], range: &RodRange, edge: usize) -> Option<f64> {
     let (first, last) = (range.first_node, range.first_node + range.nodes - 1);
     let before = match edge {
@@ -358,7 +360,8 @@ fn contact_force(simulation: &Simulation, rod: usize, from: ContactPartner) -> V
     let is_on = |rod: usize, node: usize| ranges[rod].node_indices().contains(&node);
     let (mut sum, mut normal, mut tangential) = (Vector3::zeros(), 0.0, 0.0);
     for pair in simulation.contacts() {
-        // The bodies of a pair, as rod and the other, with the sign of the force on the rod.
+        // The bodies of a pair, as the rod and the other body, with the sign of the force on the
+        // rod.
         let ends = [(0, 3, 1.0), (3, 0, -1.0)];
         let ends = ends.map(|(own, other, sign)| (pair.nodes[own], pair.nodes[other], sign));
         let mut is_counted = false;
@@ -376,7 +379,7 @@ fn contact_force(simulation: &Simulation, rod: usize, from: ContactPartner) -> V
             }
             let force = pair.force_on_first() * sign;
             sum += force;
-            // A contact of a rod with itself is one, though both its edges are on the rod.
+            // A contact of a rod with itself counts once, though both its edges belong to the rod.
             if !is_counted {
                 normal += pair.normal_force;
                 tangential += (force - pair.normal * force.dot(&pair.normal)).norm();

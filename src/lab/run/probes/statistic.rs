@@ -11,7 +11,7 @@ pub enum Summary {
     Maximum,
     /// The smallest.
     Minimum,
-    /// The mean of all rows that have one.
+    /// The mean of all rows that have a value.
     Mean,
 }
 
@@ -27,7 +27,8 @@ impl Summary {
     }
 }
 
-/// Statistics of the values of a column so far; rows without a value do not count, except for the last.
+/// Statistics of the values of a column so far. Rows without a value are ignored, except by the
+/// statistic of the last row.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Statistic {
     last: Option<f64>,
@@ -60,7 +61,7 @@ impl Statistic {
         self.count += 1;
     }
 
-    /// The statistic of the summary; `None` where no row had a value.
+    /// The statistic in the summary; `None` if no row had a value.
     pub fn get(&self, summary: Summary) -> Option<f64> {
         let value = match summary {
             Summary::Last => return self.last,

@@ -20,7 +20,7 @@ impl Session {
             Some(path) => path,
             None => PathAtWork::begin(simulation.path(plan)?, &self.directory)?,
         };
-        // A path that cannot be followed is lost here, so that no checkpoint is made of it.
+        // After a failure the path is dropped here, so that no checkpoint contains it.
         let mut start = Instant::now();
         while let Some(point) = simulation.next_point(&mut path.tracer)? {
             self.last_step = start.elapsed();

@@ -6,8 +6,8 @@ use crate::run::stop::{Stop, StopRequests};
 use rodlab_engine::mechanics::dynamics::StepReport;
 use std::time::{Duration, Instant};
 
-/// Wall time up to which a step is always finished. To keep the state before it, so that it can be stopped halfway, would
-/// cost short steps some percent.
+/// Wall time of a step below which the next step is always finished. Saving the state before each
+/// step, so that the step can be stopped midway, would slow short steps by some percent.
 const SHORT_STEP: Duration = Duration::from_millis(50);
 
 impl Session {
@@ -45,7 +45,7 @@ impl Session {
         Ok(())
     }
 
-    /// Takes a step that may be stopped halfway, which leaves no trace.
+    /// Takes a step that may be stopped midway; the state is then as before.
     fn take_long_step(
         &mut self,
         simulation: &mut impl Advance,
@@ -73,7 +73,7 @@ impl Session {
         }
     }
 
-    /// Lets observers look that are due, at times that do not depend on those of outputs.
+    /// Calls the observers that are due, at times that do not depend on those of outputs.
     fn sample_if_due(&mut self, simulation: &impl Advance) -> Result<(), Stop> {
         let Some(sample) = self.sample_of(simulation) else {
             return Ok(());

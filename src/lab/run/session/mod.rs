@@ -1,4 +1,4 @@
-//! One call of `run` on a results directory: begin or continue, proceed, conclude.
+//! One call of `run` on a results directory: it starts or resumes, runs and concludes.
 //!
 //! `integrate` proceeds in time, `follow` along a path of equilibria.
 
@@ -32,9 +32,10 @@ use tracing::{info, warn};
 /// Wall time between two log lines on the progress of a run.
 const BETWEEN_WORDS: Duration = Duration::from_secs(10);
 
-/// Wall time of a step from which on the program may be ended in the middle of the next one, which must cost little.
+/// Wall time of a step above which the program may be killed during the next step; little work
+/// must be lost then.
 const LONG_STEP: Duration = Duration::from_millis(500);
-/// Time between two checkpoints, in times that it takes to write one, between such steps.
+/// Time between two checkpoints during such steps, as a multiple of the time to write one.
 const BETWEEN_CHECKPOINTS: u32 = 20;
 
 /// A run in progress.
@@ -45,20 +46,20 @@ pub struct Session {
     checkpoints: CheckpointFiles,
     checkpoint_every: Duration,
     last_checkpoint: Instant,
-    /// Time that it took to write it.
+    /// Duration of the last checkpoint write.
     writing_time: Duration,
     times: OutputTimes,
     /// The path of equilibria that is followed.
     path: Option<PathAtWork>,
     /// Positions at the start, m.
     placed: Vec<Vector3>,
-    /// Contents of the frames beside the rods.
+    /// Contents of the frames in addition to the rods.
     obstacles: Vec<Obstacle>,
     run_state: RunState,
     meter: UsageMeter,
     /// Time of the last log line on outputs.
     last_told: Instant,
-    /// Wall time of the last step, endless before the first.
+    /// Wall time of the last step; infinite before the first.
     last_step: Duration,
     resumed_from: Option<Reached>,
     progress: Progress,
@@ -74,7 +75,7 @@ struct RunState {
     /// Outputs written so far.
     outputs: usize,
     counters: Counters,
-    /// Cost of the calls before this one.
+    /// Cost of the previous calls.
     earlier_usage: Usage,
     /// States of observers and controllers at a checkpoint.
     participants: SavedStates,
@@ -90,7 +91,8 @@ struct Checkpoint<S> {
 }
 
 impl Session {
-    /// Starts from scratch, or continues from the newest usable checkpoint, whose state `simulation` then has.
+    /// Starts from scratch, or resumes from the newest usable checkpoint and restores its state in
+    /// `simulation`.
     pub fn begin<S: Advance>(
         directory: ResultsDirectory,
         simulation: &mut S,
@@ -245,7 +247,7 @@ impl Session {
         Ok(())
     }
 
-    /// Whether an observer has completed the purpose of the run.
+    /// Whether an observer has ended the run.
     fn has_ended(&self) -> bool {
         self.run_state.counters.outcome.ending.is_some()
     }
@@ -260,7 +262,7 @@ impl Session {
         })
     }
 
-    /// Stops where that is requested.
+    /// Stops if requested.
     fn ask_to_stop(&self, stop_requested: StopRequests<'_>) -> Result<(), Stop> {
         if let Some(request) = stop_requested() {
             return Err(request.into());
@@ -274,7 +276,7 @@ impl Session {
         asked.err().unwrap_or(Stop::Interrupted)
     }
 
-    /// Time of an output, s; the parameter of a point on a path.
+    /// Time of an output, s, or the parameter of a point on a path.
     fn output_time(&self, index: usize) -> f64 {
         let path = self.path.as_ref();
         let parameter = path.and_then(|path| path.parameters.get(index).copied());
@@ -327,7 +329,8 @@ impl Session {
             .collect()
     }
 
-    /// Writes a checkpoint if the last one is old, or if steps take so long that stopping during one would lose much work.
+    /// Writes a checkpoint if the last one is old, or if steps are so long that a kill during a
+    /// step would lose much work.
     fn write_checkpoint_if_due(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
         let is_long = (LONG_STEP..Duration::MAX).contains(&self.last_step);
         let age = self.last_checkpoint.elapsed();
@@ -342,7 +345,7 @@ impl Session {
     fn write_checkpoint(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
         let start = Instant::now();
         let files = self.sync_outputs()?;
-        // Without it the checkpoint could not be identified.
+        // Without the manifest the checkpoint could not be identified.
         sync(&self.directory.file(MANIFEST))?;
         let run_state = RunState {
             earlier_usage: self.usage(),
@@ -377,7 +380,7 @@ impl Session {
         if let Some(start) = end {
             write_end_state(self.directory.path(), &rows_of(&start, &self.manifest.rods))?;
         }
-        // Frames were written one by one, and might have been removed since.
+        // Frames were written one by one; the user might have removed some since.
         check_lengths(self.directory.path(), &files)?;
         Ok(files)
     }
@@ -386,7 +389,7 @@ impl Session {
         self.run_state.earlier_usage + self.meter.usage()
     }
 
-    /// Brings all files into their final state.
+    /// Writes the final state of all files.
     pub fn conclude(
         mut self,
         simulation: &impl Advance,
@@ -396,7 +399,7 @@ impl Session {
         let result = result
             .and_then(|()| Ok(self.leave_outputs(simulation.as_start())?))
             .or_else(|stop| {
-                // A checkpoint that cannot be written is the more serious error.
+                // A failure to write the checkpoint is the more serious error.
                 if stop.leaves_sound_state() && self.reached(simulation) != Reached::Start {
                     self.write_checkpoint(simulation)?;
                 }
@@ -417,7 +420,7 @@ impl Session {
         let written = self.write_tables(status, reason, files);
         match result {
             Ok(_) => written?,
-            // An error that prevents writing the tables has most likely ended the run itself.
+            // An error that prevents writing the tables most likely ended the run itself.
             Err(stop) => {
                 return Err(stop.into_error(self.reached(simulation), directory));
             }

@@ -1,4 +1,4 @@
-//! What goes wrong on the way: steps without a solution, full disks, files that are spoilt or gone.
+//! Faults during a run: steps without a solution, full disks, corrupt or missing files.
 
 use super::*;
 
@@ -69,7 +69,8 @@ fn a_full_disk_ends_the_run_with_exit_code_1_and_can_be_resumed() {
     same_bytes(directory.path(), uninterrupted().path());
 }
 
-/// Deletes a file, then another way to spoil it, both in the place of the whole.
+/// Corrupts a file in two ways, deletes it and then flips a bit, and calls `check` each time.
+/// Restores the file at the end.
 fn spoilt(path: &Path, check: impl Fn(&str)) {
     let whole = fs::read(path).unwrap();
     fs::remove_file(path).unwrap();

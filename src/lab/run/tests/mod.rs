@@ -1,4 +1,4 @@
-//! The run loop with a small double in the place of the mechanics.
+//! Tests of the run loop with a test double in place of the mechanics.
 
 mod faults;
 mod pendulum;
@@ -193,7 +193,7 @@ proptest! {
 fn a_killed_run_continues_from_its_last_checkpoint() {
     let directory = tempfile::tempdir().unwrap();
     interrupt(directory.path(), 20);
-    // A later run got further and died without a word, in the middle of a row.
+    // A later run got further and was killed in the middle of a row.
     for name in [SERIES, NODES] {
         let path = directory.path().join(name);
         let torn = [fs::read(&path).unwrap(), b"0.4,0.01,3,2".to_vec()].concat();
@@ -234,7 +234,7 @@ fn the_time_limit_and_checkpoints_at_every_step_change_nothing() {
 #[test]
 fn a_step_that_takes_long_is_stopped_halfway_without_a_trace() {
     let directory = tempfile::tempdir().unwrap();
-    // Asked before each step, and in its middle.
+    // The callback is called before each step, and during it.
     for asked in [1, 3, 6] {
         let (prepared, options) = (prepared(DYNAMIC), quiet(directory.path()));
         let mut slow = Pendulum::new();

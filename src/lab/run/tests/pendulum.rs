@@ -1,16 +1,16 @@
-//! A small double in the place of the mechanics.
+//! A test double in place of the mechanics.
 
 use super::*;
 
-/// A driven pendulum with steps of its own choice: any lost bit of its state grows.
+/// A driven pendulum that chooses its own steps. The loss of a single bit of its state grows.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct Pendulum {
     time: f64,
     angle: f64,
     velocity: f64,
-    /// Time from which on its steps find no solution.
+    /// Time from which on steps find no solution.
     pub(super) fails_at: Option<f64>,
-    /// How long every step takes.
+    /// Duration of every step.
     pub(super) pause: Duration,
 }
 
@@ -71,7 +71,7 @@ impl Advance for Pendulum {
     ) -> Result<Option<StepReport>, SimulationError> {
         std::thread::sleep(self.pause);
         let report = self.advance(until)?;
-        // A step that is stopped halfway leaves anything behind.
+        // A step that is stopped midway changes the state.
         Ok(goes_on().then_some(report))
     }
 
