@@ -1,13 +1,15 @@
 //! Areas, second moments and stiffnesses of cross-sections.
 //!
-//! **Convention.** EI₁ resists bending about the first material director m₁ (the axis of rotation), so it goes with the
-//! second moment I₁ = ∫ y² dA, where y is measured along the second director m₂; and the other way round. A
-//! rectangle lies with its `width` along m₁ and its `thickness` along m₂: I₁ = width · thickness³/12.
+//! **Convention.** EI₁ resists bending about the first material director m₁ (the axis of
+//! rotation), so it belongs to the second moment I₁ = ∫ y² dA, where y is measured along the
+//! second director m₂. The roles are exchanged for EI₂. A rectangle has its `width` along m₁ and
+//! its `thickness` along m₂: I₁ = width · thickness³/12.
 
 use super::resolved::{CrossSection, Material, Stiffness};
 use std::f64::consts::PI;
 
-/// Terms of Saint-Venant's series: the next would change a square's J by less than 1e-10 of it.
+/// Number of terms of Saint-Venant's series: the next term would change a square's J by a relative
+/// error below 1e-10.
 const SERIES_TERMS: usize = 100;
 
 impl CrossSection {
@@ -75,7 +77,8 @@ mod tests {
         let [first, second] = circle.second_moments(2.0);
         assert_eq!(circle.area(2.0), 4.0 * PI);
         assert_eq!(first, second);
-        // The polar moment is the sum of the two, and for a circle the torsion constant too.
+        // The polar moment is the sum of both second moments; for a circle it equals the torsion
+        // constant.
         assert_eq!(circle.torsion_constant(2.0), first + second);
     }
 

@@ -1,8 +1,8 @@
 //! One declaration for each key of a table: its description, form, range and default.
 //!
-//! [`keys!`] makes of a declaration the table as typed (with its JSON Schema, which has unit, range and default of each key), the
-//! table as resolved, and the conversion between them. A line is a key, its [form](super::form), and whether it is
-//! required:
+//! From a declaration [`keys!`] generates the typed table (with its JSON Schema, which has unit,
+//! range and default of each key), the resolved table, and the conversion between them. A line
+//! declares a key, its [form](super::form), and whether it is required:
 //!
 //! | line ends with | where the key is missing | value |
 //! |---|---|---|
@@ -12,13 +12,15 @@
 //! | `derived(value)` | the value, which depends on parameters of the table and keys above | `V` |
 //! | `raw` | typed only: a function beside the declaration checks it | |
 //!
-//! `table Typed "name" => Resolved(parameters) { keys }` is a table and `kinds Typed "name", "case" => Resolved { Kind { keys }, ... }` a
-//! table whose keys depend on its `kind`. Keys of all kinds precede and follow them; those of the block `also` belong to the kinds
-//! that are marked so. A table without `=> Resolved` has a method for each key instead, from which functions beside the
-//! declaration build the resolved value. Checks between keys are such functions, too.
+//! `table Typed "name" => Resolved(parameters) { keys }` declares a table.
+//! `kinds Typed "name", "case" => Resolved { Kind { keys }, ... }` declares a table whose keys
+//! depend on its `kind`. Keys common to all kinds precede and follow the kinds; those of the block
+//! `also` belong only to the kinds marked `also`. A table without `=> Resolved` gets a method for
+//! each key instead. Functions next to the declaration call these methods to build the resolved
+//! value and to check keys against each other.
 
 macro_rules! keys {
-    // A table whose keys are resolved as they are typed.
+    // A table whose keys are resolved one by one.
     (
         $(#[$about:meta])*
         table $Typed:ident $schema:literal => $(#[$derive:meta])* $Resolved:ident ($($parameter:ident: $Parameter:ty),*) {
@@ -42,7 +44,7 @@ macro_rules! keys {
             }
         }
     };
-    // A table that functions beside it resolve.
+    // A table that functions next to the declaration resolve.
     (
         $(#[$about:meta])*
         table $Typed:ident $schema:literal {
@@ -101,7 +103,7 @@ macro_rules! keys {
         }
     };
 
-    // A table of several kinds with keys in common: those are spread over the kinds first.
+    // A table of several kinds with common keys, which are first added to each kind.
     (
         $(#[$about:meta])*
         kinds $Typed:ident $schema:literal, $case:literal => $(#[$derive:meta])* $Resolved:ident $parameters:tt
@@ -179,7 +181,7 @@ macro_rules! keys {
         pub struct $Resolved {
             $($(#[$b_doc])* #[doc = keys!(@quantity $b_form $b_args)] pub $b_key: keys!(@value $b_form $b_args $b_presence),)*
             $($(#[$s_doc])* #[doc = keys!(@quantity $s_form $s_args)] pub $s_key: keys!(@value $s_form $s_args $s_presence),)*
-            /// Its kind, with the keys that depend on it.
+            /// Kind of the table, with the keys that depend on it.
             #[serde(flatten)]
             pub kind: $Kind,
             $($(#[$e_doc])* #[doc = keys!(@quantity $e_form $e_args)] pub $e_key: keys!(@value $e_form $e_args $e_presence),)*
@@ -253,7 +255,7 @@ macro_rules! keys {
         $crate::scenario::form::Form::optional(&keys!(@form $form $args), $section, stringify!($key), $typed).unwrap_or_else(|| $default)
     };
 
-    // What the schema notes of a key.
+    // The entries of a key in the schema.
     (@note $form:ident $args:tt raw) => { $crate::scenario::form::Note::default() };
     (@note $form:ident $args:tt required) => { $crate::scenario::form::Note::of(&keys!(@form $form $args)).required() };
     (@note $form:ident $args:tt default ($default:expr)) => {
@@ -265,11 +267,11 @@ macro_rules! keys {
     (@value $form:ident $args:tt optional) => { Option<keys!(@value $form $args)> };
     (@value $form:ident $args:tt $presence:ident) => { keys!(@value $form $args) };
 
-    // The type of a field as typed.
+    // The type of a field of the typed table.
     (@field tables($T:ty)) => { $T };
     (@field $form:ident $args:tt) => { Option<keys!(@typed $form $args)> };
 
-    // Forms: as typed, as resolved, and their checks.
+    // Forms: typed value, resolved value, and checks.
     (@typed number($D:ty, $range:expr)) => { $crate::scenario::quantity::Quantity<$D> };
     (@typed numbers($D:ty, $n:literal, $range:expr)) => { [$crate::scenario::quantity::Quantity<$D>; $n] };
     (@typed vector($D:ty $(, $range:expr)?)) => { $crate::scenario::quantity::Vector<$D> };

@@ -1,9 +1,9 @@
-//! From the tree of a document to the typed scenario file, by serde.
+//! Decodes the tree of a document into the typed scenario file, with serde.
 //!
-//! The tree is its own serde deserialiser, for the sake of the messages: it has the keys that a table
-//! may have, suggests the nearest one, and reports the path at which it stopped. A table with a `kind` is an
-//! enum: the kind is the variant, the other keys are its fields. Text in place of such a table is a kind
-//! without further keys.
+//! The tree is its own serde deserialiser, for better messages: they name the keys that a table
+//! may have, suggest the nearest one, and report the path of the fault. A table with a `kind` is
+//! an enum: the kind is the variant, the other keys are its fields. Text in place of such a table
+//! is a kind without further keys.
 
 use super::document::{Entry, Node, Value};
 use super::issue::{Issue, Issues, KeyPath, did_you_mean};
@@ -13,20 +13,21 @@ use serde::de::{
 };
 use std::fmt;
 
-/// Most faults that are looked for: each takes another pass through the document.
+/// Maximum number of faults to find: each takes another pass through the document.
 const MOST_FAULTS: usize = 100;
 
 /// Decodes a document.
 ///
 /// # Errors
-/// All structural faults: unknown keys, wrong types, unknown names of kinds and models. After each fault
-/// the faulty key is taken out and the rest is decoded again, so that they are found together.
+/// All structural faults: unknown keys, wrong types, unknown names of kinds and models. After each
+/// fault the faulty key is removed and the rest is decoded again, so that all faults are found
+/// together.
 pub fn decode<T: DeserializeOwned>(document: &Node) -> Result<T, Issues> {
     decode_beside(document, &[])
 }
 
-/// Decodes a document, passing over the keys `beside` at its top, which others decode; an unknown key may mean one
-/// of them.
+/// Decodes a document except the keys `beside` at its top, which other code decodes. An unknown
+/// key may be a misspelling of one of them.
 ///
 /// # Errors
 /// As [`decode`].
@@ -56,8 +57,8 @@ pub fn decode_beside<T: DeserializeOwned>(document: &Node, beside: &[&str]) -> R
                 if issues.0.len() >= MOST_FAULTS {
                     return Err(issues);
                 }
-                // Without its kind a table means nothing, so it goes as a whole. Elements of arrays stay,
-                // so that those after them keep their numbers.
+                // A table without its kind has no meaning, so the whole table is removed. Elements
+                // of arrays stay, so that the numbers of the following elements do not change.
                 if steps.last().is_some_and(|step| step == KIND) {
                     steps.pop();
                 }
@@ -71,7 +72,8 @@ pub fn decode_beside<T: DeserializeOwned>(document: &Node, beside: &[&str]) -> R
     }
 }
 
-/// Takes out the key at a path of table keys and array indices; `false` if it does not end at a key.
+/// Removes the key at a path of table keys and array indices; `false` if the path does not end at
+/// a key.
 fn remove(node: &mut Node, steps: &[String]) -> bool {
     match (steps, &mut node.value) {
         ([last], Value::Table(_)) => node.remove(last).is_some(),
@@ -88,7 +90,7 @@ fn remove(node: &mut Node, steps: &[String]) -> bool {
     }
 }
 
-/// Why decoding stopped, and where.
+/// Reason and place of a decoding fault.
 #[derive(Debug)]
 pub struct Fault {
     message: String,
@@ -136,7 +138,7 @@ fn expected(what: impl fmt::Display, found: &Node) -> Fault {
     ))
 }
 
-/// The top of a document, some keys of which others decode.
+/// The top of a document. Other code decodes some of its keys.
 struct Top<'a> {
     node: &'a Node,
     beside: &'a [&'a str],
@@ -351,7 +353,7 @@ impl<'a> Entries<'a> {
         }
     }
 
-    /// The entries of a table that may have only the given keys, and those `skipped`, which are passed over.
+    /// The entries of a table that may have only the given keys. The keys `skipped` are ignored.
     fn strict(
         entries: &'a [Entry],
         fields: &'static [&'static str],
@@ -445,7 +447,7 @@ impl<'a> VariantAccess<'a> for Variant<'a> {
     }
 }
 
-/// The keys beside the `kind` of a table.
+/// The keys of a table besides `kind`.
 struct Fields<'a>(&'a [Entry]);
 
 impl<'de> de::Deserializer<'de> for Fields<'de> {

@@ -1,7 +1,7 @@
-//! TOML as a tree of keys and values with their places in the text.
+//! TOML as a tree of keys and values with their positions in the text.
 //!
-//! Trees of several texts can be merged, so that a scenario that extends another and is overridden from
-//! the command line still points at the right file, line and column.
+//! Trees of several texts can be merged. A scenario that extends another file and has overrides on
+//! the command line still reports the right file, line and column.
 
 use super::issue::KeyPath;
 use super::source::Span;
@@ -13,7 +13,7 @@ use toml::de::{DeTable, DeValue};
 pub struct Node {
     /// The value.
     pub value: Value,
-    /// Its place; for a `[table]`, that of its header.
+    /// Its position. For a `[table]`, the position of its header.
     pub span: Span,
 }
 
@@ -59,11 +59,11 @@ pub struct SyntaxError {
 /// Parses the text of `source`.
 ///
 /// # Errors
-/// All mistakes that the TOML parser can find in one go.
+/// All mistakes that the TOML parser finds in one pass.
 pub fn parse(source: usize, text: &str) -> Result<Node, Vec<SyntaxError>> {
     let (table, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
-        // The parser reports an open bracket far below, and at many places.
+        // The parser would report an open bracket far below, and at many places.
         if let Some(byte) = unclosed_bracket(text) {
             return Err(vec![SyntaxError {
                 message: format!("this `{}` is not closed", &text[byte..=byte]),
@@ -87,7 +87,7 @@ pub fn parse(source: usize, text: &str) -> Result<Node, Vec<SyntaxError>> {
     })
 }
 
-/// Whether the bracket or brace at a place closes another kind than the one that was opened last.
+/// Whether the bracket or brace at a place does not match the one that was opened last.
 fn is_of_another_kind(bytes: &[u8], open: &[usize], place: usize) -> bool {
     let opened = open.last().map(|at| bytes[*at]);
     matches!(
@@ -96,8 +96,8 @@ fn is_of_another_kind(bytes: &[u8], open: &[usize], place: usize) -> bool {
     )
 }
 
-/// The first bracket or brace of a value that is still open where the next key, the next table or the end of the text
-/// comes.
+/// The first bracket or brace of a value that is still open at the next key, the next table or the
+/// end of the text.
 fn unclosed_bracket(text: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let mut open: Vec<usize> = Vec::new();
@@ -109,7 +109,8 @@ fn unclosed_bracket(text: &str) -> Option<usize> {
             quote @ (b'"' | b'\'') => place = end_of_text(text, place, quote)?,
             b'\n' if open.is_empty() => in_value = false,
             b'=' if open.is_empty() => in_value = true,
-            // A key in a list: the open bracket was to be closed before. Inline tables have keys of their own.
+            // A key in a list: the open bracket should have been closed before. Inline tables have
+            // keys of their own.
             b'=' if open.iter().all(|at| bytes[*at] == b'[') => return open.first().copied(),
             b'[' | b'{' if in_value => open.push(place),
             b']' | b'}' if in_value && is_of_another_kind(bytes, &open, place) => {
@@ -124,11 +125,11 @@ fn unclosed_bracket(text: &str) -> Option<usize> {
 }
 
 fn line_length(text: &str) -> usize {
-    // The end of the line itself is checked next.
+    // The caller checks the line break itself next.
     text.find('\n').unwrap_or(text.len()).saturating_sub(1)
 }
 
-/// Last byte of the text in quotes that begins at `start`; `None` where it does not end.
+/// Last byte of the quoted text that begins at `start`; `None` if it is not closed.
 fn end_of_text(text: &str, start: usize, quote: u8) -> Option<usize> {
     let bytes = text.as_bytes();
     let triple = [quote; 3];
@@ -199,7 +200,7 @@ impl Node {
         }
     }
 
-    /// The entry of a key, if this is a table that has it.
+    /// The entry of a key, if this is a table with that key.
     pub fn entry(&self, key: &str) -> Option<&Entry> {
         match &self.value {
             Value::Table(entries) => entries.iter().find(|entry| entry.key == key),
@@ -207,7 +208,7 @@ impl Node {
         }
     }
 
-    /// Lays `over` on top of this node: tables are merged key by key, anything else is replaced.
+    /// Merges `over` into this node: tables are merged key by key, anything else is replaced.
     pub fn merge(&mut self, over: Node) {
         match (&mut self.value, over.value) {
             (Value::Table(under), Value::Table(over_entries)) => {
@@ -231,7 +232,7 @@ impl Node {
         }
     }
 
-    /// Adds a key to a table that does not have it; its place is that of the table.
+    /// Adds a key to a table that does not have it. Its position is that of the table.
     pub fn insert(&mut self, key: &str, value: Value) {
         let span = self.span.clone();
         if let Value::Table(entries) = &mut self.value {
@@ -243,7 +244,7 @@ impl Node {
         }
     }
 
-    /// Takes a key out of a table.
+    /// Removes a key from a table.
     pub fn remove(&mut self, key: &str) -> Option<Entry> {
         match &mut self.value {
             Value::Table(entries) => {
@@ -254,8 +255,8 @@ impl Node {
         }
     }
 
-    /// The places of the key and of the value at `path`; where the path extends beyond the tree, those of
-    /// its last step that exists. Elements of arrays have no key: theirs is the array's.
+    /// Positions of the key and the value at `path`, or of the last existing step if the path
+    /// extends beyond the tree. Elements of arrays have the key of the array.
     pub fn locate(&self, path: &KeyPath) -> (Span, Span) {
         let (mut key, mut node) = (self.span.clone(), self);
         for step in path.steps() {

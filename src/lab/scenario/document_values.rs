@@ -1,16 +1,17 @@
-//! The tree of a document from TOML values in memory, without text, and back.
+//! Converts TOML values in memory, without text, to the tree of a document and back.
 
 use super::document::{Entry, Node, Value};
 use super::issue::{Issue, KeyPath};
 use super::source::Span;
 
-/// Most arrays and tables within each other, as in TOML text.
+/// Maximum nesting depth of arrays and tables, as in TOML text.
 const MOST_LEVELS: usize = 80;
 
-/// The tree of a table. Keys and values are numbered in its order, so that each has a place of its own.
+/// The tree of a table. Keys and values are numbered in its order, so that each has its own
+/// position.
 ///
 /// # Errors
-/// A value below more arrays and tables than TOML text may have.
+/// A value that is nested more deeply than TOML text allows.
 pub fn from_table(source: usize, table: toml::Table) -> Result<Node, Issue> {
     let mut numbering = Numbering { source, next: 0 };
     numbering.node(toml::Value::Table(table), &KeyPath::root())
@@ -79,7 +80,7 @@ pub fn inline(value: &Value) -> String {
     converted(value).to_string()
 }
 
-/// A value of the tree; only dates are lost, which no scenario has.
+/// Converts a value of the tree. Only dates are lost; scenarios have none.
 fn converted(value: &Value) -> toml::Value {
     match value {
         Value::Boolean(boolean) => toml::Value::Boolean(*boolean),

@@ -1,4 +1,4 @@
-//! Faults of scenarios with the text around them, for readers.
+//! Faults of scenarios, shown with the surrounding text.
 
 use super::issue::Issue;
 use super::source::{Sources, Span, line_and_column};
@@ -24,7 +24,7 @@ pub struct Located {
 struct Place {
     name: String,
     span: Span,
-    /// None in a table, which has no text.
+    /// `None` in a table in memory, which has no text.
     text: Option<TextPlace>,
 }
 
@@ -36,7 +36,7 @@ struct TextPlace {
 }
 
 impl Located {
-    /// A fault in one of the sources, or in none.
+    /// A fault at a position in one of the sources, or without position.
     pub fn new(sources: &Sources, issue: Issue, span: Option<Span>) -> Self {
         let place = span.map(|span| {
             let source = sources.get(span.source);
@@ -57,13 +57,13 @@ impl Located {
         Self { issue, place }
     }
 
-    /// Line and column, counted from one; a fault in a table in memory has none.
+    /// Line and column, counted from one; `None` in a table in memory.
     pub fn line_and_column(&self) -> Option<(usize, usize)> {
         let text = self.place.as_ref()?.text.as_ref()?;
         Some((text.line, text.column))
     }
 
-    /// Sorts faults as their texts were read.
+    /// Key for sorting faults in the order in which their texts were read.
     pub(super) fn order(&self) -> (usize, usize) {
         self.place
             .as_ref()
@@ -106,7 +106,8 @@ impl From<Located> for ScenarioError {
 impl std::error::Error for ScenarioError {}
 
 impl fmt::Display for ScenarioError {
-    /// One line per fault: `file:line:column: key: message (help)`; a table in memory has a name only.
+    /// One line per fault: `file:line:column: key: message (help)`. For a table in memory the name
+    /// replaces file, line and column.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (number, located) in self.0.iter().enumerate() {
             if number > 0 {
@@ -129,7 +130,7 @@ impl fmt::Display for ScenarioError {
 }
 
 impl ScenarioError {
-    /// The faults with their lines of text, for a terminal.
+    /// The faults with the affected lines of text, for a terminal.
     pub fn render(&self, colour: bool) -> String {
         let theme = if colour {
             GraphicalTheme::unicode()

@@ -1,7 +1,8 @@
-//! Experiments as scenario files see them: names, and tables of keys that belong to some of them only.
+//! Experiments as scenario files see them: their names, and the tables of keys that only some of
+//! them have.
 //!
-//! The experiments themselves are built in modules above; this module takes a list of them ([`Experiments`]) and names
-//! none. How a kind defines its keys is shown in [`keys`](super::keys).
+//! Higher modules build the experiments. This module receives a list of them ([`Experiments`]) and
+//! does not name any. How a kind defines its keys is shown in [`keys`](super::keys).
 
 use super::decode::decode_beside;
 use super::document::{Node, Value};
@@ -22,7 +23,7 @@ const EXPERIMENT: &str = "experiment";
 pub struct Experiments(&'static [&'static dyn ExperimentKeys], &'static [OwnTable]);
 
 impl Experiments {
-    /// These kinds, and the tables of parts that scenes of all kinds may have.
+    /// These kinds, and the tables of parts that every scene may have.
     pub const fn new(
         kinds: &'static [&'static dyn ExperimentKeys],
         parts: &'static [OwnTable],
@@ -38,7 +39,7 @@ impl Experiments {
         self.0.iter().map(|kind| kind.name())
     }
 
-    /// Their tables, each once, and those of parts.
+    /// The tables of all kinds, each once, and the tables of parts.
     fn tables(self) -> impl Iterator<Item = &'static OwnTable> {
         let before = move |index: usize, key: &str| {
             let tables = self.0[..index].iter().flat_map(|kind| kind.tables());
@@ -56,7 +57,7 @@ impl Experiments {
         self.tables().find(|own| own.key() == table)?.curve()
     }
 
-    /// Names in words: `"scene", "flagella" or "toy"`.
+    /// The names as text: `"scene", "flagella" or "toy"`.
     pub(super) fn in_words(self) -> String {
         let names: Vec<String> = self.names().map(|name| format!("{name:?}")).collect();
         match names.split_last() {
@@ -67,7 +68,7 @@ impl Experiments {
         }
     }
 
-    /// The kind that the value of the key `experiment` names.
+    /// The kind named by the value of the key `experiment`.
     fn chosen(self, value: &Node) -> Result<&'static dyn ExperimentKeys, Issue> {
         let allowed = || self.names().collect::<Vec<_>>().join(", ");
         let fault = |message: String| Issue::new(KeyPath::from(EXPERIMENT), message);
@@ -87,7 +88,7 @@ impl Experiments {
         })
     }
 
-    /// [`Experiments::schema`], made once for each list of experiments.
+    /// Returns [`Experiments::schema`], computed once for each list of experiments.
     pub(super) fn shared_schema(self) -> Arc<Json> {
         static MADE: Mutex<Vec<(Experiments, Arc<Json>)>> = Mutex::new(Vec::new());
         let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -132,7 +133,7 @@ impl fmt::Debug for Experiments {
 pub struct TypedFile {
     /// The common tables.
     pub common: ScenarioFile,
-    /// The kind, where one is named.
+    /// The kind, if the document names one.
     pub kind: Option<&'static dyn ExperimentKeys>,
     /// The tables of kinds.
     pub own: OwnTables,

@@ -13,8 +13,8 @@ pub fn json_schema(experiments: Experiments) -> Value {
     schema::as_written(experiments.schema())
 }
 
-/// Explains a dotted key such as `rods.shape.radius`; indices and names of rods may be left out or in.
-/// The empty key explains the whole file.
+/// Explains a dotted key such as `rods.shape.radius`. Indices and names of rods are optional. The
+/// empty key explains the whole file.
 ///
 /// # Errors
 /// A message with the nearest key, if there is no such key.
@@ -39,7 +39,7 @@ pub fn explain(experiments: Experiments, key: &str) -> Result<String, String> {
     Ok(text)
 }
 
-/// The functions of expressions, a line each.
+/// The functions of expressions, one per line.
 fn functions() -> String {
     let width = FUNCTIONS.iter().map(|of| of.usage.len()).max().unwrap_or(0);
     let lines = FUNCTIONS
@@ -49,8 +49,8 @@ fn functions() -> String {
     format!("  functions of expressions, beside + - * / ^ ( ) and pi:\n{list}")
 }
 
-/// The SI unit of a dotted key, as its explanation names it; `None` where it has none, or there is no such key.
-/// The key may contain names of rods.
+/// The SI unit of a dotted key; `None` if it has none or the key does not exist. The key may
+/// contain names of rods.
 pub fn unit(experiments: Experiments, key: &str) -> Option<String> {
     let schema = json_schema(experiments);
     let explainer = Explainer { root: &schema };
@@ -76,7 +76,7 @@ pub fn unit(experiments: Experiments, key: &str) -> Option<String> {
         })
 }
 
-/// A schema that a key may have; tables of several kinds may give one key several meanings.
+/// A possible schema of a key. In a table with several kinds a key may have several meanings.
 #[derive(Clone)]
 struct Meaning<'a> {
     kind: Option<&'a str>,
@@ -134,7 +134,7 @@ impl<'a> Explainer<'a> {
         Ok((meanings, walked))
     }
 
-    /// The kinds of tables, a line each; nothing where there are no kinds.
+    /// The kinds of tables, one per line; empty if there are none.
     fn kinds(&self, tables: &[Meaning<'a>]) -> String {
         let schemas = tables.iter().flat_map(|table| self.expanded(table.schema));
         let mut lines: Vec<String> = Vec::new();
@@ -150,7 +150,7 @@ impl<'a> Explainer<'a> {
         lines.concat()
     }
 
-    /// The schemas behind a schema: itself, what it refers to, its alternatives and its elements.
+    /// All schemas that contribute to a schema: itself, its references, alternatives and elements.
     fn expanded(&self, schema: &'a Value) -> Vec<&'a Value> {
         let mut found = vec![schema];
         if let Some(reference) = schema.get("$ref").and_then(Value::as_str) {
@@ -171,7 +171,7 @@ impl<'a> Explainer<'a> {
         found
     }
 
-    /// The keys of a table, with the kind of table that has them.
+    /// The keys of a table, each with its kind of table.
     fn keys(&self, schema: &'a Value) -> Vec<(Meaning<'a>, &'a str)> {
         let mut keys: Vec<(Meaning<'a>, &'a str)> = Vec::new();
         let mut collect = |kind: Option<&'a str>, schema: &'a Value| {
@@ -187,7 +187,7 @@ impl<'a> Explainer<'a> {
         };
         for schema in self.expanded(schema) {
             match kind(schema) {
-                // The keys of a kind may be behind a reference.
+                // The schema of a kind may refer to the schema with its keys.
                 Some(kind) => self
                     .expanded(schema)
                     .into_iter()
@@ -212,7 +212,7 @@ impl<'a> Explainer<'a> {
             let Some(description) = description.filter(|words| !said.contains(words)) else {
                 continue;
             };
-            // Fences are for pages; a terminal shows drawings as they are.
+            // Fences are for web pages; in a terminal drawings need none.
             let lines = description.lines().filter(|line| !line.starts_with("```"));
             let words = lines.collect::<Vec<_>>().join("\n  ");
             match schema.get("const") {
@@ -276,7 +276,7 @@ impl<'a> Explainer<'a> {
     }
 }
 
-/// The kind that a schema demands.
+/// The kind that a schema requires.
 fn kind(schema: &Value) -> Option<&str> {
     schema.pointer("/properties/kind/const")?.as_str()
 }
@@ -397,12 +397,12 @@ keys: actuation, bodies, clamps, contact, continuation, experiment, extends, fla
                 );
             }
         }
-        // A key of this name that does not distinguish tables is explained like any other.
+        // A key called `kind` that does not distinguish tables is explained like any other key.
         let text = explain(*EXPERIMENTS, "knot.kind").unwrap();
         assert!(text.starts_with("knot.kind\n  "), "{text}");
     }
 
-    /// The kinds of a table as a table in Markdown: their keys and their words.
+    /// The kinds of a table as a table in Markdown: their keys and descriptions.
     fn table_of_kinds(key: &str) -> String {
         let schema = json_schema(*EXPERIMENTS);
         let explainer = Explainer { root: &schema };
@@ -418,7 +418,7 @@ keys: actuation, bodies, clamps, contact, continuation, experiment, extends, fla
         text
     }
 
-    /// A page that differs is given the table that the test prints.
+    /// If the page differs, replace its table by the one that the test prints.
     #[test]
     fn the_guide_has_the_keys_of_obstacles() {
         let page = include_str!("../../guide/obstacles.md");

@@ -1,5 +1,5 @@
-//! Forms of keys: how a value is typed, checked and described. Declarations of tables ([`keys!`](super::declaration)) name
-//! a form for each key.
+//! Forms of keys: how a value is typed, checked and described. Declarations of tables
+//! ([`keys!`](super::declaration)) name a form for each key.
 
 use super::place::{Place, TypedPlace};
 use super::quantity::{Quantity, Vector};
@@ -19,7 +19,7 @@ pub trait Form {
     /// The value in SI units.
     type Value;
 
-    /// The value; a fault is reported.
+    /// The checked value; a fault is reported.
     fn judge(&self, section: &Section<'_>, key: &str, typed: &Self::Typed) -> Self::Value;
 
     /// The range in words.
@@ -45,13 +45,13 @@ pub trait Form {
 
 /// The form of a key that may be required.
 pub trait Requirable: Form {
-    /// Advice where the key is missing.
+    /// Advice if the key is missing.
     fn help(&self) -> String;
 
-    /// The value of a key that is missing, after that was reported.
+    /// Placeholder for a missing value, which has been reported.
     fn nothing(&self) -> Self::Value;
 
-    /// The value, which must be there.
+    /// The value of a required key.
     fn required(
         &self,
         section: &Section<'_>,
@@ -106,7 +106,7 @@ impl<D: Dimension> Requirable for Number<D> {
     }
 }
 
-/// Several numbers of one unit, such as the components of a vector, each in a range.
+/// Several numbers with the same unit, such as the components of a vector, each in a range.
 pub struct Numbers<D, const N: usize>(Range, PhantomData<D>);
 
 impl<D: Dimension, const N: usize> Numbers<D, N> {
@@ -147,7 +147,7 @@ impl<D: Dimension, const N: usize> Requirable for Numbers<D, N> {
     }
 }
 
-/// A direction, made a unit vector.
+/// A direction, normalised to a unit vector.
 pub struct Direction;
 
 impl Form for Direction {
@@ -180,7 +180,7 @@ pub struct Plain<T> {
 }
 
 impl<T> Plain<T> {
-    /// Such a value; `help` is the advice where it is missing.
+    /// Such a value; `help` is the advice if it is missing.
     pub fn new(help: &'static str) -> Self {
         Self {
             help,
@@ -208,7 +208,7 @@ impl<T: Clone + Default> Requirable for Plain<T> {
     }
 }
 
-/// A name with which columns of results can begin.
+/// A name that can be the prefix of columns of results.
 pub struct ColumnName;
 
 impl Form for ColumnName {
@@ -376,7 +376,8 @@ impl<T, V> Form for Nested<T, V> {
     }
 }
 
-/// Notes of the schema on a key beside its description: whether it is required, its range, unit and default.
+/// Notes of the schema on a key in addition to its description: whether it is required, its range,
+/// unit and default.
 #[derive(Default)]
 pub struct Note {
     range: Option<String>,
@@ -386,7 +387,7 @@ pub struct Note {
 }
 
 impl Note {
-    /// The note of a key that may be missing.
+    /// The note of an optional key.
     pub fn of(form: &impl Form) -> Self {
         Self {
             range: form.range(),
@@ -395,7 +396,7 @@ impl Note {
         }
     }
 
-    /// The same of a key that must be there.
+    /// Marks the key as required.
     #[must_use]
     pub fn required(self) -> Self {
         Self {
@@ -404,7 +405,7 @@ impl Note {
         }
     }
 
-    /// The same of a key with a default.
+    /// Adds the default of the key.
     #[must_use]
     pub fn with_default(self, default: &impl Serialize) -> Self {
         Self {
@@ -414,7 +415,7 @@ impl Note {
     }
 }
 
-/// A default with whole numbers as commonly written.
+/// A default with whole numbers in their usual form.
 fn whole(value: Json) -> Json {
     match value {
         Json::Array(elements) => elements.into_iter().map(whole).collect(),
@@ -426,7 +427,7 @@ fn whole(value: Json) -> Json {
     }
 }
 
-/// A default as commonly written.
+/// A default in its usual form.
 fn in_words(value: &Json) -> String {
     match value {
         Json::Array(elements) => {

@@ -1,8 +1,9 @@
-//! `include`: files whose tables are added.
+//! `include`: files whose tables are added to a scenario.
 //!
-//! `extends` is for variants: the keys of a file replace those of the file that it extends, whole arrays too. `include` is for
-//! parts: an included file adds. Tables are merged, keys that are set already stay, and arrays of tables grow: first the tables
-//! of the file, then those of the included files in their order.
+//! `extends` is for variants: the keys of a file replace those of the file that it extends,
+//! including whole arrays. `include` is for parts: an included file only adds. Tables are merged,
+//! existing keys are kept, and arrays of tables grow: first the tables of the file, then those of
+//! the included files in order.
 
 use super::document::{Entry, Node, Value};
 use super::error::{Located, ScenarioError};
@@ -12,10 +13,10 @@ use super::source::Sources;
 /// The key.
 pub const INCLUDE: &str = "include";
 
-/// The names of the included files, and where each was typed.
+/// The names of the included files, and their positions.
 ///
 /// # Errors
-/// If the value is something else than text or a list of texts.
+/// The value is neither text nor a list of texts.
 pub fn names<'a>(
     sources: &Sources,
     include: &'a Entry,

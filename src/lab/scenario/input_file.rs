@@ -1,9 +1,9 @@
-//! Files that scenarios are made of: regular ones, of a bounded size.
+//! Input files of scenarios: regular files of limited size.
 
 use rodlab_files::input;
 use std::path::Path;
 
-/// Largest scenario file, bytes: as a tree it takes some hundred times as much memory.
+/// Maximum size of a scenario file, bytes: its tree takes some hundred times as much memory.
 pub const LARGEST_TEXT: u64 = 16 << 20;
 /// Largest CSV file, bytes.
 pub const LARGEST_TABLE: u64 = 256 << 20;
@@ -17,7 +17,7 @@ pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>, String> {
     input::read(path, largest).map_err(named)
 }
 
-/// Reads a text file of the size that scenarios may have.
+/// Reads a text file up to the maximum size of scenario files.
 ///
 /// # Errors
 /// A message that names the file.

@@ -48,15 +48,15 @@ impl fmt::Display for KeyPath {
 /// One fault of a scenario.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Issue {
-    /// The key at fault; for a missing key, its table.
+    /// Path of the faulty key; for a missing key, of its table.
     pub path: KeyPath,
     /// Description of the fault, with the allowed range.
     pub message: String,
     /// Advice on what to type instead.
     pub help: Option<String>,
-    /// Whether the key itself is at fault, rather than its value.
+    /// Whether the key itself is faulty, rather than its value.
     pub labels_key: bool,
-    /// The number of the copy, in a table that is copied.
+    /// Index of the copy, if the table is a copy.
     pub copy: Option<usize>,
 }
 
@@ -72,7 +72,7 @@ impl Issue {
         }
     }
 
-    /// Adds what to type instead, if there is such advice.
+    /// Adds advice on what to type instead, if there is any.
     #[must_use]
     pub fn with_help(mut self, help: impl Into<Option<String>>) -> Self {
         self.help = help.into();
@@ -97,14 +97,14 @@ impl fmt::Display for Issue {
 pub struct Issues(pub Vec<Issue>);
 
 impl Issues {
-    /// Adds a fault, unless the same one is there already.
+    /// Adds a fault, unless it is already listed.
     pub fn push(&mut self, issue: Issue) {
         if !self.0.contains(&issue) {
             self.0.push(issue);
         }
     }
 
-    /// The value of a result, or its faults added to these.
+    /// Returns the value of a result, or adds its faults to these.
     pub fn keep<T>(&mut self, result: Result<T, Self>) -> Option<T> {
         match result {
             Ok(value) => Some(value),
@@ -115,7 +115,7 @@ impl Issues {
         }
     }
 
-    /// The same faults, found in the value at `path`.
+    /// Prefixes the paths of all faults with `path`.
     #[must_use]
     pub fn below(self, path: &KeyPath) -> Self {
         let below = |issue: Issue| {
@@ -128,7 +128,7 @@ impl Issues {
         Self(self.0.into_iter().map(below).collect())
     }
 
-    /// `value` if nothing is wrong, else the faults.
+    /// `value` if there are no faults, else the faults.
     pub fn or_ok<T>(self, value: T) -> Result<T, Self> {
         if self.0.is_empty() {
             Ok(value)
@@ -156,7 +156,7 @@ impl fmt::Display for Issues {
     }
 }
 
-/// The candidate most like `typed`, if any is near enough to be a typing error.
+/// The candidate that is most similar to `typed`, if one is similar enough to be a typing error.
 pub fn nearest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     candidates
         .into_iter()
@@ -166,7 +166,7 @@ pub fn nearest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -
         .map(|(_, candidate)| candidate)
 }
 
-/// "did you mean `...`?", if a candidate is near.
+/// "did you mean `...`?", if a candidate is similar.
 pub fn did_you_mean<'a>(
     typed: &str,
     candidates: impl IntoIterator<Item = &'a str>,

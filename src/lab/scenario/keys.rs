@@ -1,8 +1,8 @@
-//! Items with which a kind of experiment defines keys of its own.
+//! Items with which a kind of experiment defines its own keys.
 //!
-//! A kind types each of its tables as a struct of optional values whose doc comments explain the keys (they become the
-//! JSON Schema and the texts of `rodlab explain`), lists the tables ([`OwnTable`]), and resolves them to SI units from a
-//! [`Request`], which collects faults by their keys:
+//! A kind declares each of its tables as a struct of optional values. The doc comments of the
+//! struct explain the keys, in the JSON Schema and in `rodlab explain`. The kind lists the tables
+//! ([`OwnTable`]) and resolves them to SI units from a [`Request`], which collects faults by key:
 //!
 //! ```
 //! use rodlab_lab::scenario::keys::{ExperimentKeys, Length, OwnTable, POSITIVE, Quantity, Request};

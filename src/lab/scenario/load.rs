@@ -1,4 +1,4 @@
-//! Reading scenarios: from files, texts and tables to the scenario as resolved.
+//! Reads scenarios: from files, texts and tables to the resolved scenario.
 
 use super::document::{self, Node, Value};
 use super::document_values;
@@ -34,7 +34,7 @@ pub struct Loaded {
 /// such as `rods.0.radius=5 mm`; rods may be addressed by name: `rods.beam.radius`. The experiment is one of `experiments`.
 ///
 /// # Errors
-/// All its faults, as far as they can be found in one pass, with file, line and column.
+/// All faults that can be found in one pass, with file, line and column.
 pub fn load(
     experiments: Experiments,
     path: &Path,
@@ -44,7 +44,7 @@ pub fn load(
     finish(experiments, &name_of(path), sources, document)
 }
 
-/// Name of the results of a scenario file: its stem.
+/// Name of the results of a scenario file: its file stem.
 pub(super) fn name_of(path: &Path) -> String {
     path.file_stem().map_or_else(
         || "scenario".to_owned(),
@@ -52,8 +52,8 @@ pub(super) fn name_of(path: &Path) -> String {
     )
 }
 
-/// Resolves the text of a scenario, called `name`, that names other files relative to `directory`; overrides as [`load`]
-/// takes them.
+/// Resolves the text of a scenario called `name`. File names are relative to `directory`;
+/// overrides as in [`load`].
 ///
 /// # Errors
 /// As [`load`].
@@ -68,8 +68,9 @@ pub fn from_text(
     finish(experiments, name, sources, document)
 }
 
-/// Resolves a scenario that is a table in memory, called `name`, that names other files relative to `directory`; overrides
-/// as [`load`] takes them. Every `Serialize` type makes a table, by `toml::Table::try_from`, and so does the macro `toml::toml!`.
+/// Resolves a scenario called `name`, given as a table in memory. File names are relative to
+/// `directory`; overrides as in [`load`]. `toml::Table::try_from` makes a table of any `Serialize`
+/// type; the macro `toml::toml!` also makes tables.
 ///
 /// # Errors
 /// As [`load`], with `name` in place of file, line and column.
@@ -129,8 +130,8 @@ pub(super) fn finish(
 }
 
 impl Loaded {
-    /// The scenario after expansion as a file that needs no other scenario file: parameters, expressions and copies are
-    /// numbers and tables. Names of files are absolute.
+    /// The scenario after expansion as a file that needs no other scenario file: parameters,
+    /// expressions and copies are replaced by numbers and tables. File names are absolute.
     pub fn expanded_toml(&self, experiments: Experiments) -> String {
         let mut document = self.document.clone();
         document.remove("extends");
@@ -150,7 +151,7 @@ impl Loaded {
         document_values::document(&document)
     }
 
-    /// The names of files in the document after expansion that were typed at `span`.
+    /// File names in the expanded document whose text was typed at `span`.
     pub(super) fn files_named_at(&self, experiments: &Experiments, span: &Span) -> Vec<String> {
         let mut names = Vec::new();
         let curve_of = |table: &str| experiments.curve_of(table);
@@ -167,7 +168,8 @@ impl Loaded {
         names
     }
 
-    /// The number at a dotted key in SI units: as typed, of a parameter, or its default; `None` where there is none.
+    /// The number at a dotted key in SI units: as typed, the value of a parameter, or the default;
+    /// `None` if there is no number.
     pub fn number(&self, key: &str) -> Option<f64> {
         let resolved = document::parse(0, &self.scenario.to_toml()).ok();
         let of_parameter = || {
@@ -184,12 +186,12 @@ impl Loaded {
         &self.document
     }
 
-    /// Number of tables of each array with copies, before expansion and after.
+    /// Number of tables of each array with copies, before and after expansion.
     pub fn copied(&self) -> Vec<Copied> {
         self.origins.copied()
     }
 
-    /// Finds the places of faults that were found later, when the scene was built.
+    /// Finds the positions of faults that were detected later, when the scene was built.
     pub fn locate(&self, issues: Issues) -> ScenarioError {
         located_as_written(&self.sources, &self.document, &self.origins, issues)
     }
@@ -213,8 +215,8 @@ fn number_at(document: &Node, key: &str) -> Option<f64> {
     }
 }
 
-/// [`located`] for a document after expansion: copies are those of tables as written. A fault of several copies is
-/// reported for the first.
+/// [`located`] for an expanded document. A fault in a copy is assigned to the table as written; a
+/// fault in several copies is reported for the first one only.
 fn located_as_written(
     sources: &Sources,
     document: &Node,
@@ -231,7 +233,7 @@ fn located_as_written(
     error
 }
 
-/// Faults with the places of their keys.
+/// Faults with the positions of their keys.
 pub(super) fn located(sources: &Sources, document: &Node, issues: Issues) -> ScenarioError {
     let mut located: Vec<Located> = issues
         .0

@@ -11,10 +11,10 @@ use super::source::{Sources, Span};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Most files that extend or include each other in a row.
+/// Maximum length of a chain of files that extend or include each other.
 const MOST_ANCESTORS: usize = 64;
 
-/// A scenario file with those that it extends and includes, and with overrides.
+/// A scenario file, merged with the files that it extends and includes and with overrides.
 pub fn merged(path: &Path, overrides: &[String]) -> Result<(Sources, Node), ScenarioError> {
     let mut sources = Sources::default();
     let mut ancestors = Vec::new();
@@ -66,7 +66,8 @@ pub fn merged_table(
     overridden(sources, document, overrides)
 }
 
-/// Reads a file and the files that it extends and includes. `ancestors` are the files that led here.
+/// Reads a file and the files that it extends and includes. `ancestors` is the chain of files that
+/// refer to this one.
 fn read(
     sources: &mut Sources,
     ancestors: &mut Vec<PathBuf>,
@@ -115,7 +116,7 @@ fn parse(
     })
 }
 
-/// The top of a source with the files that it extends and includes.
+/// The top of a source, with the files that it extends and includes.
 fn extend(
     sources: &mut Sources,
     ancestors: &mut Vec<PathBuf>,
@@ -166,7 +167,7 @@ fn text_of<'a>(sources: &Sources, entry: &'a Entry) -> Result<&'a str, ScenarioE
     }
 }
 
-/// Reads a file that another names by the value `node` of a key.
+/// Reads a file named by the value `node` of a key.
 fn read_beside(
     sources: &mut Sources,
     ancestors: &mut Vec<PathBuf>,
@@ -204,7 +205,7 @@ fn read_beside(
     read(sources, ancestors, path)
 }
 
-/// Takes the inherited keys out that `unset` lists.
+/// Removes the inherited keys listed in `unset`.
 fn forget(sources: &Sources, inherited: &mut Node, unset: &Entry) -> Result<(), ScenarioError> {
     let fault = |span: &Span, message: String, help: Option<String>| {
         let issue = Issue::new(KeyPath::from("unset"), message).with_help(help);

@@ -1,7 +1,8 @@
-//! Scenario files: the TOML schema as Rust types, units, validation with source positions.
+//! Scenario files: the TOML schema as Rust types, units, and validation with positions in the
+//! files.
 //!
-//! A scenario is a file ([`load`]), text ([`from_text`]), or a table that is built in Rust ([`from_table`]), with the same keys,
-//! checks and messages. It is processed by these modules in order:
+//! A scenario is a file ([`load`]), text ([`from_text`]), or a table that is built in Rust
+//! ([`from_table`]), with the same keys, checks and messages. These modules process it in order:
 //!
 //! | file | what |
 //! |---|---|

@@ -1,8 +1,8 @@
-//! Files that scenarios read, and the names of their copies.
+//! Input files of scenarios, and the names of their copies.
 //!
-//! A sweep's directory holds copies in a folder of their own, so that its scenario runs without changes. In ids and tables
-//! a file has its name without that folder and without a path to it from elsewhere (`..`, `/`): the scenario and its
-//! copy have the same cases.
+//! A sweep's directory holds copies of all input files in a folder, so that its scenario runs
+//! without changes. Ids and tables name a file without that folder and without a leading path
+//! (`..`, `/`). The scenario and its copy therefore have the same case ids.
 
 use crate::scenario::document::{Node, Value};
 use std::path::{Component, Path};
@@ -28,11 +28,11 @@ pub fn label(name: &str) -> String {
     }
 }
 
-/// Calls `visit` with every value that names a file at or below `node`, whose path is `path`. `curve_of` gives the
-/// key of a top table that does so, too.
+/// Calls `visit` for every value at or below `node` that names a file. `path` is the path of
+/// `node`. `curve_of` returns the further key of a top-level table that names a file.
 ///
 /// # Errors
-/// The first of `visit`.
+/// The first error of `visit`.
 pub fn for_each<E>(
     node: &mut Node,
     path: &mut Vec<String>,
@@ -106,7 +106,7 @@ mod tests {
         #[test]
         fn a_copy_has_the_label_of_its_original(name in "[./a-z]{1,20}") {
             let label = label(&name);
-            // Names without a last step are those of directories, which are not input.
+            // Names without a final component name directories, which are not input.
             prop_assume!(!label.is_empty());
             prop_assert_eq!(super::label(&format!("{INPUTS}/{label}")), label.clone());
             prop_assert!(!label.starts_with('/') && !label.split('/').any(|part| part == ".."));

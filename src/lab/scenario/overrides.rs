@@ -8,7 +8,7 @@ use super::issue::{Issue, KeyPath, did_you_mean};
 use super::source::{Sources, Span};
 use std::path::Path;
 
-/// Most steps of a dotted key; scenario files have keys of six.
+/// Maximum number of steps of a dotted key; scenario files use up to six.
 const MOST_STEPS: usize = 32;
 
 /// Sets a dotted key of the document. The value is TOML, or else plain text: `rods.0.radius=5 mm`.
@@ -73,7 +73,7 @@ pub fn assign(
     set(document, &steps, key_span, value)
 }
 
-/// Refuses a parameter that the file does not have, since nothing would use it.
+/// Rejects a parameter that the file does not have, since nothing would use it.
 fn known_parameter(document: &Node, name: &str) -> Result<(), (String, Option<String>)> {
     let entries = match document.entry(PARAMETERS).map(|entry| &entry.node.value) {
         Some(Value::Table(entries)) => entries.as_slice(),
@@ -123,8 +123,8 @@ pub fn remove(document: &mut Node, key: &str) -> Result<(), (String, Option<Stri
     }
 }
 
-/// The steps of a dotted key, elements of arrays by their numbers rather than their names; as typed from the point at which it leaves
-/// the document.
+/// The steps of a dotted key, with names of elements of arrays replaced by indices. Steps that the
+/// document does not have are unchanged.
 pub fn numbered_steps(document: &Node, key: &str) -> Vec<String> {
     let mut node = Some(document);
     let step = |step: &str| {
@@ -145,13 +145,14 @@ pub fn numbered_steps(document: &Node, key: &str) -> Vec<String> {
     key.split('.').map(str::trim).map(step).collect()
 }
 
-/// Reads the value as TOML; what is not TOML is text. `offset` is where it begins in its source.
+/// Reads the value as TOML, or else as plain text. `offset` is the start of the value in its
+/// source.
 pub fn parse_value(source: usize, offset: usize, text: &str) -> Node {
     const KEY: &str = "value = ";
     let parsed = document::parse(source, &format!("{KEY}{text}"))
         .ok()
         .and_then(|mut node| match &node.value {
-            // More than one entry: the text breaks out of the line, so it is not a value.
+            // More than one entry: the text contains further keys, so it is not a value.
             Value::Table(entries) if entries.len() == 1 => node.remove("value"),
             _ => None,
         });
@@ -165,7 +166,7 @@ pub fn parse_value(source: usize, offset: usize, text: &str) -> Node {
         },
         |entry| entry.node,
     );
-    // The label covers the whole value, not only the faulty part.
+    // The marked range is the whole value, not only the faulty part.
     relabel(&mut node, &(offset..offset + text.len()));
     node
 }

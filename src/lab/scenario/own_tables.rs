@@ -1,4 +1,4 @@
-//! Tables of scenario files that belong to some kinds of experiments only, or to a part of the scene.
+//! Tables of scenario files for some kinds of experiments, or for a part of the scene.
 
 use super::decode::decode;
 use super::document::Node;
@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 use std::any::Any;
 use std::collections::BTreeMap;
 
-/// A table of scenario files that belongs to some kinds of experiments.
+/// A table of scenario files that belongs to some kinds of experiments, or to a part.
 #[derive(Clone, Copy)]
 pub struct OwnTable {
     key: &'static str,
@@ -22,12 +22,12 @@ pub struct OwnTable {
     resolve: Option<Resolve>,
 }
 
-/// Adds the parts of a table as typed to those as resolved.
+/// Resolves the parts in a typed table and adds them to the others.
 type Resolve = fn(&Section<'_>, &dyn Any, &Time, &mut Parts);
 
 impl OwnTable {
-    /// The table `[key]`, typed as the struct `T`, whose doc comments explain its keys. The description states the
-    /// purpose of the table.
+    /// The table `[key]`, declared as the struct `T`, whose doc comments explain its keys.
+    /// `description` states the purpose of the table.
     pub const fn new<T: DeserializeOwned + JsonSchema + Any>(
         key: &'static str,
         description: &'static str,
@@ -55,7 +55,8 @@ impl OwnTable {
         }
     }
 
-    /// The same table, whose `key` names a CSV file of corners that may be given in the table itself as `points`.
+    /// Adds a `key` that names a CSV file of corners. The corners may instead be given in the
+    /// table as `points`.
     #[must_use]
     pub const fn with_curve(self, key: &'static str) -> Self {
         Self {
@@ -64,7 +65,7 @@ impl OwnTable {
         }
     }
 
-    /// Its description in the schema.
+    /// Its schema, with its description.
     pub fn schema(&self, generator: &mut SchemaGenerator) -> Schema {
         let mut schema = (self.schema)(generator);
         schema.insert("description".to_owned(), self.description.into());
@@ -82,12 +83,12 @@ impl OwnTable {
     }
 }
 
-/// The tables of kinds and of parts that a file has, as typed.
+/// The typed tables of kinds and of parts that a file has.
 #[derive(Default)]
 pub struct OwnTables(BTreeMap<&'static str, (&'static OwnTable, Box<dyn Any>)>);
 
 impl OwnTables {
-    /// Decodes those of `tables` that a document has.
+    /// Decodes the tables among `tables` that a document has.
     ///
     /// # Errors
     /// All structural faults.
@@ -109,7 +110,7 @@ impl OwnTables {
         issues.or_ok(Self(own))
     }
 
-    /// The table `[key]`, where the file has one.
+    /// The table `[key]`, if the file has it.
     pub fn get<T: Any>(&self, key: &str) -> Option<&T> {
         self.0.get(key)?.1.downcast_ref()
     }

@@ -1,4 +1,4 @@
-//! Parts of a scene that any experiment may have, each with an array of tables of its own.
+//! Parts of a scene that any experiment may have. Each kind of part has an array of tables.
 
 use super::resolved::{Parts, Time};
 use super::section::Section;
@@ -7,14 +7,14 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::any::Any;
 
-/// A kind of part, as scenario files see it: a table of the array `[[KEY]]`, in SI units.
+/// A kind of part as scenario files see it: a table of the array `[[KEY]]`, in SI units.
 pub trait Part: Serialize + Any + Send + Sync + Sized {
-    /// A table as typed; doc comments explain its keys.
+    /// A typed table; its doc comments explain its keys.
     type Typed: DeserializeOwned + JsonSchema + Any;
 
     /// The array.
     const KEY: &'static str;
-    /// What it lists, one sentence.
+    /// Description of the array, one sentence.
     const DESCRIPTION: &'static str;
 
     /// Resolves a table.
@@ -24,7 +24,7 @@ pub trait Part: Serialize + Any + Send + Sync + Sized {
     fn judge(_array: &Section<'_>, _all: &[Self], _time: &Time) {}
 }
 
-/// Resolves the array of a kind of part and adds it to the others.
+/// Resolves the array of a kind of part and adds it to the other parts.
 pub fn resolve<P: Part>(top: &Section<'_>, typed: &dyn Any, time: &Time, parts: &mut Parts) {
     let typed: Option<&Vec<P::Typed>> = typed.downcast_ref();
     let elements = top.elements(P::KEY, typed.map_or(&[], Vec::as_slice));

@@ -1,4 +1,4 @@
-//! Places along a rod, as typed and as resolved.
+//! Places along a rod, typed and resolved.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, Deserialize, Deserializer, Visitor};
@@ -13,7 +13,7 @@ pub enum Place {
     Start,
     /// The last node or edge.
     End,
-    /// The node or edge of this number, counted from zero.
+    /// The node or edge with this number, counted from zero.
     Number(usize),
 }
 
@@ -34,7 +34,7 @@ pub enum TypedPlace {
     Start,
     /// "end".
     End,
-    /// A number, not yet checked.
+    /// A number that is not checked yet.
     Number(i64),
 }
 

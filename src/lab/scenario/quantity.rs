@@ -1,4 +1,4 @@
-//! Numbers as typed: bare in SI units, or text with a unit.
+//! Numbers as typed: plain numbers in SI units, or text with a unit.
 
 use crate::scenario::units::{self, Dimension};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -7,7 +7,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
 
-/// A physical quantity as typed. Reading it never fails, so that all faulty numbers of a file can be
+/// A typed physical quantity. Reading it never fails, so that all faulty numbers of a file can be
 /// reported together; [`Quantity::si`] checks them.
 #[derive(Clone, Debug)]
 pub struct Quantity<D> {
@@ -19,7 +19,7 @@ pub struct Quantity<D> {
 enum Typed {
     Number(f64),
     Text(String),
-    /// Something else; its description.
+    /// Anything else; its description.
     Other(&'static str),
 }
 
@@ -27,7 +27,7 @@ enum Typed {
 pub type Vector<D> = [Quantity<D>; 3];
 
 impl<D: Dimension> Quantity<D> {
-    /// Whether the text `word` was typed instead of a quantity.
+    /// Whether the user typed the text `word` instead of a quantity.
     pub fn is_word(&self, word: &str) -> bool {
         matches!(&self.typed, Typed::Text(text) if text == word)
     }

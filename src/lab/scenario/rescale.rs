@@ -1,8 +1,10 @@
-//! The same scene in other units: every quantity of a scenario file times the factor of its dimension.
+//! Converts a scene to other units: multiplies every quantity of a scenario file by the factor of
+//! its dimension.
 //!
-//! The JSON Schema of scenario files names the dimension of every key, so that no key is listed here. A scene whose
-//! lengths are L times, times T times and masses M times as large moves in the same way, L times as far in T times the time;
-//! a deviation reveals a constant with a dimension somewhere in the code.
+//! The JSON Schema of scenario files has the dimension of every key, so no key is listed here. A
+//! scene with lengths L times, times T times and masses M times as large moves in the same way, L
+//! times as far in T times the time. A deviation reveals a dimensional constant somewhere in the
+//! code.
 
 use super::experiments::Experiments;
 use super::schema_tree::SchemaTree;
@@ -31,11 +33,11 @@ impl Scales {
 /// Keys of [continuation] in units of the path parameter, which replaces the time.
 const OF_PARAMETER: [&str; 4] = ["from", "to", "step", "largest_step"];
 
-/// The text of a scenario file in SI units, with every quantity multiplied by the factor of its dimension. Numbers in
-/// other files, expressions, sweeps and probes stay as they are.
+/// The text of a scenario file in SI units, with every quantity multiplied by the factor of its
+/// dimension. Numbers in other files, expressions, sweeps and probes are left unchanged.
 ///
 /// # Errors
-/// The faults of the text as TOML.
+/// Syntax errors in the TOML text.
 pub fn rescaled(
     experiments: Experiments,
     text: &str,
@@ -74,7 +76,7 @@ impl<'a> Rescaler<'a> {
         }
     }
 
-    /// Rescales a value of this schema.
+    /// Rescales a value with this schema.
     fn rescale(&self, schema: &'a Json, value: &mut Value) {
         match value {
             Value::Table(table) => {

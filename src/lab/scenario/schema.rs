@@ -1,4 +1,4 @@
-//! The JSON Schema of scenario files as they are written: with expressions and copies.
+//! The JSON Schema of scenario files as written, with expressions and copies.
 
 use super::expansion::{COUNT, LET, SCATTER, Scatter};
 use super::schema_tree::is_quantity;
@@ -7,8 +7,8 @@ use schemars::SchemaGenerator;
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
 
-/// Extends a schema of files after expansion to files before it: expressions in place of numbers, and the
-/// keys of copies in all tables of arrays.
+/// Extends the schema of expanded files to files as written: with expressions in place of numbers,
+/// and with the keys of copies in all arrays of tables.
 pub fn as_written(mut schema: Json) -> Json {
     accept_expressions(&mut schema);
     let mut generator = SchemaGenerator::default();
@@ -66,7 +66,7 @@ fn described(mut schema: Json, description: &str) -> Json {
     schema
 }
 
-/// The arrays at the top whose elements are tables: their keys, and the names of the definitions of the tables.
+/// The top-level arrays of tables: their keys, and the names of the definitions of the tables.
 fn arrays_of_tables(schema: &Json) -> Vec<(String, String)> {
     let properties = schema["properties"].as_object().into_iter().flatten();
     let array = |(key, schema): (&String, &Json)| {
@@ -76,7 +76,7 @@ fn arrays_of_tables(schema: &Json) -> Vec<(String, String)> {
     properties.filter_map(array).collect()
 }
 
-/// Adds keys to a table, or to those of all kinds.
+/// Adds keys to a table, or to all kinds of a table.
 fn add_keys(table: &mut Json, keys: &[(&str, Json)]) {
     if let Some(Json::Object(properties)) = table.get_mut("properties") {
         for (key, schema) in keys {
@@ -90,7 +90,7 @@ fn add_keys(table: &mut Json, keys: &[(&str, Json)]) {
     }
 }
 
-/// Lets every number of a schema be text, too.
+/// Allows text for every number of a schema.
 fn accept_expressions(schema: &mut Json) {
     match schema {
         Json::Object(keys) => {
@@ -139,7 +139,7 @@ mod tests {
             seen += 1;
         }
         assert!(seen >= 9, "{seen}");
-        // The rod of a network is not copied.
+        // The rod of a network has no keys of copies.
         let rod = &schema["$defs"]["rod"]["properties"];
         assert_eq!(rod.get("count"), None);
         let accepts_text = |schema: &Json| {

@@ -1,4 +1,5 @@
-//! Walking through the JSON Schema of scenario files beside a document, to find the schema of each key.
+//! Traverses the JSON Schema of scenario files together with a document, to find the schema of
+//! each key.
 
 use super::units::{self, Powers};
 use serde_json::Value as Json;
@@ -9,10 +10,10 @@ pub struct SchemaTree<'a> {
     root: &'a Json,
 }
 
-/// Numbers and text that the value of a key may be.
+/// Types of numbers and text that a key accepts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Accepted<'a> {
-    /// Name of the dimension and powers of its unit, of a number that may have one.
+    /// A number with an optional unit: name of the dimension and powers of its unit.
     pub quantity: Option<(&'static str, Powers)>,
     /// A number without a unit.
     pub number: bool,
@@ -25,7 +26,7 @@ pub struct Accepted<'a> {
 }
 
 impl Accepted<'_> {
-    /// Whether numbers are accepted, and no free text.
+    /// Whether numbers are accepted, but no free text.
     pub fn is_numeric(&self) -> bool {
         !self.text && (self.quantity.is_some() || self.number || self.integer)
     }
@@ -52,7 +53,7 @@ impl<'a> SchemaTree<'a> {
         schema.get("$ref")?.as_str()?.strip_prefix("#/$defs/")
     }
 
-    /// The schema of a key of a table, of this kind where the table has several.
+    /// The schema of a key of a table; `kind` is the kind of the table, if it has several.
     pub fn property(self, schema: &'a Json, key: &str, kind: Option<&str>) -> Option<&'a Json> {
         let properties = schema.get("properties");
         let constant = properties.and_then(|all| all.get("kind")?.get("const")?.as_str());
@@ -74,12 +75,12 @@ impl<'a> SchemaTree<'a> {
             .or_else(|| self.parts(schema).find_map(|part| self.item(part, index)))
     }
 
-    /// Powers of length, time and mass of a quantity, which its schema has for a title.
+    /// Powers of length, time and mass of a quantity. Their name is the title of its schema.
     pub fn powers(self, schema: &'a Json) -> Option<Powers> {
         self.accepted(schema).quantity.map(|(_, powers)| powers)
     }
 
-    /// Allowed values of a key of this schema.
+    /// Allowed values of a key with this schema.
     pub fn accepted(self, schema: &'a Json) -> Accepted<'a> {
         let mut accepted = Accepted::default();
         self.collect(schema, &mut accepted);

@@ -8,7 +8,7 @@ use std::cell::RefCell;
 use std::fmt;
 use std::ops::RangeInclusive;
 
-/// Range of numbers that a key allows.
+/// Range of the numbers that a key allows.
 #[derive(Clone, Copy)]
 pub struct Range {
     allows: fn(f64) -> bool,
@@ -21,7 +21,7 @@ impl Range {
         self.words
     }
 
-    /// The range in words, where it excludes finite numbers.
+    /// The range in words, if it excludes any finite numbers.
     pub fn limits(self) -> Option<String> {
         (self.words != FINITE.words).then(|| self.words.to_owned())
     }
@@ -37,7 +37,7 @@ pub const NON_NEGATIVE: Range = Range {
     allows: |value| value >= 0.0,
     words: "at least 0",
 };
-/// Residuals that Newton's method may leave: larger ones would leave forces unbalanced.
+/// Residual tolerances of Newton's method: larger ones would leave forces unbalanced.
 pub const FORCE_TOLERANCE: Range = Range {
     allows: |value| value > 0.0 && value <= 1e-3,
     words: "greater than 0 and at most 0.001",
@@ -71,13 +71,13 @@ pub const POISSONS_RATIO: Range = Range {
 /// Default of directions.
 pub const UP: [f64; 3] = [0.0, 0.0, 1.0];
 
-/// Largest magnitude of a number in SI units: squares and products of three must not overflow, and measured quantities are
-/// far smaller.
+/// Largest magnitude of a number in SI units. Squares and products of three must not overflow;
+/// physical quantities are far smaller.
 pub const LARGEST: f64 = 1e100;
 
-/// One table of the scenario: its path, and the faults found so far anywhere.
+/// One table of the scenario: its path, and all faults found so far.
 ///
-/// A faulty number reads as NaN after it is reported; the scenario is discarded in the end.
+/// A faulty number is reported and becomes NaN; the scenario is discarded at the end.
 pub struct Section<'a> {
     /// Path of the table.
     pub path: KeyPath,
@@ -95,7 +95,7 @@ impl<'a> Section<'a> {
         Self::new(self.path.key(key), self.issues)
     }
 
-    /// The elements of the array `key`, each with its place.
+    /// The elements of the array `key`, each with its section.
     pub fn elements<'t, T>(
         &self,
         key: &str,
@@ -111,13 +111,13 @@ impl<'a> Section<'a> {
         self.fault_with_help(key, message, None);
     }
 
-    /// Reports a fault of `key` and what to type instead.
+    /// Reports a fault of `key`, with advice on what to type instead.
     pub fn fault_with_help(&self, key: &str, message: impl Into<String>, help: Option<String>) {
         let issue = Issue::new(self.path.key(key), message).with_help(help);
         self.issues.borrow_mut().push(issue);
     }
 
-    /// Reports a value of `key` out of the range that is allowed.
+    /// Reports a value of `key` out of the allowed range.
     pub fn out_of_range(&self, key: &str, value: impl fmt::Debug, allowed: impl fmt::Display) {
         self.fault(
             key,
@@ -125,7 +125,7 @@ impl<'a> Section<'a> {
         );
     }
 
-    /// Reports those of some keys that are present.
+    /// Reports those of the given keys that are present.
     pub fn refuse(&self, keys: &[(&str, bool)], why: &str) {
         for (key, _) in keys.iter().filter(|(_, is_there)| *is_there) {
             self.fault(key, why);
@@ -138,7 +138,7 @@ impl<'a> Section<'a> {
         self.issues.borrow_mut().push(issue.with_help(help.into()));
     }
 
-    /// A value that must be there.
+    /// A required value.
     pub fn needed<T>(&self, key: &str, value: Option<T>, help: &str) -> Option<T> {
         if value.is_none() {
             self.missing(key, help);
@@ -156,7 +156,7 @@ impl<'a> Section<'a> {
         typed.as_ref().map(|typed| self.number(key, typed, range))
     }
 
-    /// A number that must be there.
+    /// A required number.
     pub fn required<D: Dimension>(
         &self,
         key: &str,
@@ -230,7 +230,7 @@ impl<'a> Section<'a> {
         number
     }
 
-    /// A place along a rod; a faulty one reads as the start.
+    /// A place along a rod; a faulty one becomes the start.
     pub fn place(&self, key: &str, typed: TypedPlace) -> Place {
         match typed {
             TypedPlace::Start => Place::Start,
@@ -247,7 +247,7 @@ impl<'a> Section<'a> {
         typed.as_ref().map(|typed| self.components(key, typed))
     }
 
-    /// A direction: a vector of any length but zero, made a unit vector.
+    /// A direction: a vector of any length except zero, normalised to a unit vector.
     pub fn unit_vector<D: Dimension>(&self, key: &str, typed: &Vector<D>) -> [f64; 3] {
         let vector = self.components(key, typed);
         if vector.iter().any(|component| component.is_nan()) {
@@ -269,7 +269,7 @@ impl<'a> Section<'a> {
         std::array::from_fn(|index| below.number(&index.to_string(), &typed[index], FINITE))
     }
 
-    /// Corners of a piecewise linear function: times that grow, and a value at each.
+    /// Corners of a piecewise linear function: increasing times, each with a value.
     pub fn corners<T, V>(
         &self,
         key: &str,
@@ -294,8 +294,8 @@ impl<'a> Section<'a> {
     }
 }
 
-/// The unit vector along `vector`, unless that is zero. A vector that is one already, up to round-off,
-/// stays as it is, so that resolved scenarios read back to themselves.
+/// The unit vector along `vector`; `None` if that is zero. A vector that is one already, up to
+/// round-off, is unchanged, so that resolved scenarios read back to themselves.
 fn normalised(vector: [f64; 3]) -> Option<[f64; 3]> {
     let largest = vector.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
     if largest == 0.0 {

@@ -1,21 +1,23 @@
-//! The texts that a scenario is made of, and places in them.
+//! The texts of a scenario, and positions in them.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// All sources that make up a scenario: the file or the table in memory, those it extends, and overrides from the command line.
+/// All sources of a scenario: the file or the table in memory, the files it extends, and overrides
+/// from the command line.
 #[derive(Clone, Debug, Default)]
 pub struct Sources(Vec<Source>);
 
 /// One text or table.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// Name in messages: the path of the file, the name of the table, or the override's option.
+    /// Name in messages: the path of the file, the name of the table, or the option of the
+    /// override.
     pub name: String,
     /// Its text; a table in memory has none.
     pub text: Option<Arc<str>>,
-    /// The directory against which it names other files.
+    /// The directory relative to which it names other files.
     pub directory: PathBuf,
 }
 
@@ -24,12 +26,13 @@ pub struct Source {
 pub struct Span {
     /// Index of the source.
     pub source: usize,
-    /// Bytes of its text; without a text, an empty range at the number of the key or value in the order of the table.
+    /// Range of bytes in its text. Without text, an empty range at the ordinal number of the key
+    /// or value in the table.
     pub bytes: Range<usize>,
 }
 
 impl Sources {
-    /// Adds a text, or a table that has none, and returns its index.
+    /// Adds a text, or a table without text, and returns its index.
     pub fn add(&mut self, name: String, text: Option<Arc<str>>, directory: &Path) -> usize {
         self.0.push(Source {
             name,
@@ -39,7 +42,7 @@ impl Sources {
         self.0.len() - 1
     }
 
-    /// The source of an index that [`Sources::add`] returned.
+    /// The source with an index that [`Sources::add`] returned.
     pub fn get(&self, source: usize) -> &Source {
         &self.0[source]
     }

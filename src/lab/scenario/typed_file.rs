@@ -36,7 +36,7 @@ impl<T: DeserializeOwned> TypedFile<T> {
         }
     }
 
-    /// Faults found later, with the places of their keys.
+    /// Faults found later, with the positions of their keys.
     pub fn locate(&self, issues: Issues) -> ScenarioError {
         located(&self.sources, &self.document, issues)
     }

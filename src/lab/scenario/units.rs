@@ -25,7 +25,8 @@ pub struct Unit {
 /// The size of a unit in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Size {
-    /// A power of ten: the decimal point of the typed number moves, nothing is rounded twice.
+    /// A power of ten. The decimal point of the typed number is moved, which avoids a second
+    /// rounding.
     Decimal(i32),
     /// Any other factor.
     Factor(f64),
@@ -157,14 +158,14 @@ dimensions! {
     SpinDrag = "a drag coefficient of spin", [1, -1, 1], [decimal("Ns", 0), decimal("mNs", -3)];
 }
 
-/// The name with its article, and the powers, of the dimension of this name without its article.
+/// The name with its article, and the powers, of a dimension given by its name without article.
 pub fn with_article(name: &str) -> Option<(&'static str, Powers)> {
     let without_article = |known: &'static str| known.split_once(' ').map(|(_, name)| name);
     let mut known = POWERS.iter().copied();
     known.find(|(known, _)| without_article(known) == Some(name))
 }
 
-/// The first dimension of these powers in words, or its unit where it has no name.
+/// Name of the first dimension with these powers, or its unit if it has no name.
 pub fn dimension_of(powers: Powers) -> String {
     if let Some((name, _)) = POWERS.iter().find(|(_, known)| *known == powers) {
         return (*name).to_owned();
@@ -249,7 +250,7 @@ pub fn parse<D: Dimension>(text: &str) -> Result<f64, String> {
     })
 }
 
-/// Reads a time that is given outside of scenario files: a number of seconds, or text with a unit.
+/// Reads a time outside of scenario files: a number of seconds, or text with a unit.
 ///
 /// # Errors
 /// A message with the fault and the allowed units.
@@ -257,7 +258,7 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     text.trim().parse().or_else(|_| parse::<Time>(text))
 }
 
-/// Reads a length that is given outside of scenario files: a number of metres, or text with a unit.
+/// Reads a length outside of scenario files: a number of metres, or text with a unit.
 ///
 /// # Errors
 /// A message with the fault and the allowed units.
@@ -265,7 +266,7 @@ pub fn metres(text: &str) -> Result<f64, String> {
     text.trim().parse().or_else(|_| parse::<Length>(text))
 }
 
-/// Reads an angle that is given outside of scenario files, in radians: text with a unit, or a number of degrees.
+/// Reads an angle outside of scenario files, in radians: text with a unit, or a number of degrees.
 ///
 /// # Errors
 /// A message with the fault and the allowed units.
@@ -279,7 +280,7 @@ pub fn angle(text: &str) -> Result<f64, String> {
 /// The number in front of a unit, and the unit.
 ///
 /// # Errors
-/// A message, where `text` does not begin with a number.
+/// A message, if `text` does not begin with a number.
 pub fn split_number(text: &str) -> Result<(f64, &str), String> {
     let text = text.trim();
     let (number, unit) = text.split_at(number_length(text));
@@ -346,7 +347,7 @@ fn normalised(unit: &str) -> String {
         .collect()
 }
 
-/// A number as typed times the size of its unit.
+/// The product of a typed number and the size of its unit.
 pub fn scaled(number: &str, size: Size) -> f64 {
     let parsed = |text: &str| text.parse::<f64>().unwrap_or(f64::NAN);
     match size {
@@ -421,7 +422,7 @@ mod tests {
         assert_eq!(with_article("place"), None);
         assert_eq!(dimension_of([0, 0, 0]), "a pure number");
         assert_eq!(dimension_of([2, -1, 0]), "a quantity in m^2 s^-1");
-        // One symbol names one dimension; "1/m" and "Pas" name two of the same powers.
+        // Dimensions that share a unit, such as "1/m" or "Pas", have the same powers.
         let powers = |name: &str| POWERS.iter().find(|(known, _)| *known == name).unwrap().1;
         for (name, units) in DIMENSIONS {
             for (other, others) in DIMENSIONS {

@@ -22,14 +22,14 @@ pub const SCATTER: &str = "scatter";
 /// Most copies of one table.
 const MOST_COPIES: usize = 100_000;
 
-/// Whether a value is a table that is to be copied.
+/// Whether a value is a table with keys that control copies.
 pub fn is_copied(node: &Node) -> bool {
     [COUNT, LET, SCATTER]
         .iter()
         .any(|key| node.entry(key).is_some())
 }
 
-/// Expands the array of a key, and returns where each of its tables comes from.
+/// Expands the array of a key, and returns the origin of each of its tables.
 pub fn expand(
     evaluator: &Evaluator<'_>,
     array: &mut Entry,
@@ -68,7 +68,7 @@ pub fn expand(
     origins
 }
 
-/// A table that is to be copied.
+/// A table that will be copied.
 struct Template {
     /// The table without the keys that control its copies.
     table: Node,
@@ -76,7 +76,7 @@ struct Template {
     /// Number of copies along each direction.
     counts: Vec<usize>,
     names: Option<Entry>,
-    /// Names of random places, for each copy.
+    /// Values of the random names of each copy.
     scattered: Option<Vec<Vec<(String, Amount)>>>,
 }
 
@@ -118,7 +118,7 @@ impl Template {
         })
     }
 
-    /// All copies, up to the first with a fault; the last index runs fastest.
+    /// All copies up to the first faulty one; the last index varies fastest.
     fn copies(
         &self,
         evaluator: &Evaluator<'_>,
@@ -188,7 +188,7 @@ impl Template {
     }
 }
 
-/// Reads `count`: a number, or up to three of them.
+/// Reads `count`: a number, or an array of up to three numbers.
 fn read_counts(
     evaluator: &Evaluator<'_>,
     count: &Entry,

@@ -1,4 +1,4 @@
-//! The names of `[parameters]` and of `let`, which may use each other in any order.
+//! The names of `[parameters]` and of `let`. They may refer to each other in any order.
 
 use super::SEED;
 use super::parameters::Parameters;
@@ -12,7 +12,7 @@ use crate::scenario::source::Sources;
 use crate::scenario::units;
 use std::collections::BTreeMap;
 
-/// A name and how its value is computed.
+/// A name and the expression of its value.
 struct Definition<'a> {
     entry: &'a Entry,
     expression: Result<Amount, Expression>,
@@ -40,7 +40,7 @@ fn is_seed(amount: &Amount) -> bool {
     amount.powers == [0; 3] && is_whole
 }
 
-/// Why a name cannot be given to a value, if it cannot.
+/// Reason why a name is not allowed; `None` if it is.
 fn reserved(name: &str) -> Option<String> {
     let is_word = |character: char| character.is_ascii_alphanumeric() || character == '_';
     let is_name =
@@ -74,8 +74,8 @@ fn reserved(name: &str) -> Option<String> {
     None
 }
 
-/// The values of the names of a table at `place`, which use each other, the names at that place and the parameters.
-/// `taken` returns the reason why a name cannot be given.
+/// Evaluates the names defined in a table at `place`. They may refer to each other, to the names
+/// at that place and to the parameters. `taken` returns the reason why a name is not available.
 pub fn define(
     sources: &Sources,
     parameters: &Parameters,
@@ -159,7 +159,8 @@ fn read(entry: &Entry) -> Result<Definition<'_>, Option<Mistake>> {
     Ok(Definition { entry, expression })
 }
 
-/// An order in which each definition comes after those that it uses; else the numbers of a circle.
+/// An order in which each definition comes after those that it uses; otherwise the indices of a
+/// cycle.
 fn order(definitions: &[Definition<'_>]) -> Result<Vec<usize>, Vec<usize>> {
     let numbers: BTreeMap<&str, usize> = definitions
         .iter()
@@ -195,7 +196,7 @@ fn order(definitions: &[Definition<'_>]) -> Result<Vec<usize>, Vec<usize>> {
             break;
         }
     }
-    // Following uses among the rest from any of them leads to a circle.
+    // Following the uses among the remaining definitions leads to a cycle.
     let next = |number: usize| uses[number].iter().copied().find(|used| !is_placed[*used]);
     let mut walked: Vec<usize> = is_placed
         .iter()

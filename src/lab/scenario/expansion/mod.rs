@@ -1,4 +1,4 @@
-//! From a scenario file with parameters, expressions and copies of tables to one without.
+//! Expands parameters, expressions and copies of tables in a scenario file.
 //!
 //! | file | what |
 //! |---|---|
@@ -9,8 +9,9 @@
 //! | `scatter` | `scatter`: random places without overlap |
 //! | `origins` | origin of each table: the table as written, and the number of the copy |
 //!
-//! Files are merged and overridden before, and decoded after. A file without parameters, expressions and copies stays as it is.
-//! Text at a key that takes a number is an expression unless it is a number with a unit.
+//! Expansion follows merging and overriding, and precedes decoding. A file without parameters,
+//! expressions and copies does not change. Text at a key that takes a number is an expression,
+//! unless it is a number with a unit.
 
 mod copies;
 mod definitions;
@@ -39,7 +40,7 @@ use values::{Evaluator, is_candidate, kind_of};
 
 /// The table of parameters.
 pub const PARAMETERS: &str = "parameters";
-/// The parameter from which random numbers start.
+/// The parameter that seeds the random numbers.
 pub const SEED: &str = "seed";
 
 /// A document after expansion.
@@ -53,7 +54,7 @@ pub struct Expanded {
 /// Expands a document.
 ///
 /// # Errors
-/// All faults of parameters, expressions and copies, where they were written.
+/// All faults of parameters, expressions and copies, with their positions in the files.
 pub fn expand(
     experiments: Experiments,
     sources: &Sources,
@@ -95,8 +96,9 @@ pub fn expand(
     Err(ScenarioError(faults))
 }
 
-/// Evaluates an expression that is to be the value of the key at `steps` of a document, elements of arrays by their numbers; its
-/// place in messages is `path`. Text at keys that the document does not have, or that take no numbers, stays.
+/// Evaluates an expression for the key at `steps` of a document, with elements of arrays as
+/// numbers. Messages name `path`. Text is left unchanged if the document does not have the key or
+/// the key takes no numbers.
 ///
 /// # Errors
 /// Faults of the parameters of the document and of the expression.
@@ -140,7 +142,7 @@ pub fn evaluate_at(
     }
 }
 
-/// Whether a value is an array with tables that are to be copied.
+/// Whether a value is an array of tables, some with keys that control copies.
 fn has_copies(node: &Node) -> bool {
     matches!(&node.value, Value::Array(elements) if elements.iter().any(is_copied))
 }

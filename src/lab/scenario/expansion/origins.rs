@@ -10,13 +10,13 @@ pub struct Origins(BTreeMap<String, Vec<Origin>>);
 /// Origin of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Origin {
-    /// Its number in the array as written.
+    /// Index of the table in the array as written.
     pub written: usize,
-    /// Its number among the copies of that table.
+    /// Index of the copy among those of the table.
     pub copy: Option<usize>,
 }
 
-/// Number of tables of an array before expansion and after.
+/// Number of tables of an array before and after expansion.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Copied {
     /// Key of the array.
@@ -28,7 +28,7 @@ pub struct Copied {
 }
 
 impl Origins {
-    /// Adds the array of a key: the origin of each of its tables, and the number of tables as written.
+    /// Adds the array of a key, with the origin of each of its tables.
     pub fn insert(&mut self, key: &str, origins: Vec<Origin>) {
         self.0.insert(key.to_owned(), origins);
     }
@@ -43,7 +43,7 @@ impl Origins {
         self.0.iter().map(copied).collect()
     }
 
-    /// A fault of the expanded document as one of the document as written.
+    /// Converts a fault in the expanded document to a fault in the document as written.
     pub fn restore(&self, issue: Issue) -> Issue {
         let [key, index, below @ ..] = issue.path.steps() else {
             return issue;

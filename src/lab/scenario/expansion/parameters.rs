@@ -27,7 +27,7 @@ impl Parameters {
 
     /// Seed of the random numbers.
     pub fn seed(&self) -> u64 {
-        // A whole number of this range fits.
+        // Seeds are checked to be whole numbers within this range.
         self.value(SEED).map_or(0, |seed| seed.value as u64)
     }
 }

@@ -1,7 +1,7 @@
 //! `scatter`: random places without overlap.
 //!
-//! Random sequential addition (Widom 1966): each copy takes random places until it is far enough from all before it. Fewer copies
-//! therefore have the same places.
+//! Random sequential addition (Widom 1966): each copy is placed at random until it is far enough
+//! from all earlier copies. The first copies therefore stay where they are if `count` grows.
 
 use super::scope::{Place, uniform};
 use super::values::Evaluator;
@@ -17,36 +17,39 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use std::f64::consts::TAU;
 
-/// Most places that one copy tries.
+/// Maximum number of trial places for a copy.
 const MOST_ATTEMPTS: usize = 10_000;
-/// Most copies: each is compared with all before it.
+/// Maximum number of copies: each is compared with all earlier ones.
 const MOST_COPIES: usize = 10_000;
-/// Most comparisons of two copies, which take some seconds.
+/// Maximum number of comparisons of two copies, which take some seconds.
 const MOST_COMPARISONS: usize = 500_000_000;
 /// Names of the coordinates of a centre.
 const CENTRE: [&str; 3] = ["x", "y", "z"];
 /// Names of the components of a direction.
 const DIRECTION: [&str; 3] = ["u", "v", "w"];
 
-/// Random places of the copies of a table, which do not overlap: the names x, y, z of a centre and u, v, w of a unit direction.
+/// Random places of the copies of a table, without overlap. They define the names x, y, z of a
+/// centre and u, v, w of a unit direction.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "scatter")]
 pub struct Scatter {
-    /// Two opposite corners of the box of the centres, [[x, y, z], [x, y, z]]; flat where coordinates agree.
+    /// Two opposite corners of the box of the centres, [[x, y, z], [x, y, z]]; equal coordinates
+    /// make the box flat.
     region: Option<[Vector<Length>; 2]>,
-    /// Least distance between two centres, or with `length` between two straight pieces; 0 or greater.
+    /// Least distance between two centres, or with `length` between two straight segments; 0 or
+    /// greater.
     distance: Option<Quantity<Length>>,
-    /// Length of the straight piece about each centre, along u, v, w. Default: 0, a point.
+    /// Length of the straight segment about each centre, along u, v, w. Default: 0, a point.
     length: Option<Quantity<Length>>,
-    /// The direction of all. Default: random ones.
+    /// Common direction of all copies. Default: random directions.
     axis: Option<Vector<Dimensionless>>,
-    /// Random directions are at right angles to this one. Default: any direction.
+    /// Axis to which random directions are normal. Default: any direction.
     normal: Option<Vector<Dimensionless>>,
 }
 
 type Point = [f64; 3];
 
-/// A straight piece: one end, and the other end as seen from there.
+/// A straight segment: one end, and the vector to the other end.
 type Piece = (Point, Point);
 
 /// The request, in SI units.
@@ -281,7 +284,7 @@ fn perpendicular(normal: Point) -> (Point, Point) {
     (first, cross(normal, first))
 }
 
-/// Squared distance of two straight pieces (Ericson 2005, Real-Time Collision Detection, 5.1.9).
+/// Squared distance of two straight segments (Ericson 2005, Real-Time Collision Detection, 5.1.9).
 fn squared_distance((start, along): &Piece, (other_start, other_along): &Piece) -> f64 {
     let from_other = [0, 1, 2].map(|axis| start[axis] - other_start[axis]);
     let a = dot(*along, *along);
@@ -297,7 +300,8 @@ fn squared_distance((start, along): &Piece, (other_start, other_along): &Piece) 
         }
     };
     let free = ratio(b * f - c * e, a * e - b * b);
-    // Where the nearest point of the other line lies beyond its piece, its end counts, and the point nearest to that.
+    // If the nearest point of the other line is outside its segment, the nearer end of that
+    // segment is used, with the point closest to it.
     let on_other = if e > 0.0 { (b * free + f) / e } else { 0.0 };
     let (s, t) = if on_other < 0.0 || !(e > 0.0) {
         (ratio(-c, a), 0.0)
@@ -354,7 +358,7 @@ mod tests {
     }
 
     proptest! {
-        /// Compared with the least distance of many points of both.
+        /// Compares with the least distance of many points of both segments.
         #[test]
         fn distances_of_pieces_are_those_of_their_nearest_points(
             numbers in proptest::array::uniform12(-1.0..1.0f64),

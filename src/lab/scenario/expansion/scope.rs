@@ -1,14 +1,14 @@
-//! Meanings of names in an expression, and the random numbers.
+//! Values of names in an expression, and the random numbers.
 
 use super::parameters::Parameters;
 use crate::scenario::expression::{Amount, Names};
 use crate::scenario::issue::KeyPath;
 use rodlab_engine::random::uniform_numbers;
 
-/// Names of the numbers of a copy.
+/// Names of the indices of a copy.
 pub const INDICES: [&str; 3] = ["i", "j", "k"];
 
-/// Words that are allowed at keys with numbers.
+/// Words that are allowed at numeric keys.
 pub const WORDS: [&str; 5] = ["auto", "start", "end", "half", "diagonal"];
 
 /// Place of an expression.
@@ -16,12 +16,12 @@ pub const WORDS: [&str; 5] = ["auto", "start", "end", "half", "diagonal"];
 pub struct Place {
     /// The key, as written.
     pub path: KeyPath,
-    /// The same with names in place of numbers of elements, from which random numbers start: other tables before this
-    /// one change nothing.
+    /// The key with names in place of indices of elements. It seeds random numbers, so that other
+    /// tables before this one do not change them.
     pub named: KeyPath,
     /// Number of the copy.
     pub copy: Option<usize>,
-    /// Names of the copy: its indices, its place, and those that it defines.
+    /// Names of the copy: its indices, its random place, and its own definitions.
     pub locals: Vec<(String, Amount)>,
 }
 
@@ -40,7 +40,7 @@ impl Place {
         self.element(step, step)
     }
 
-    /// An element of the array at this place, which may have a name.
+    /// An element of the array at this place; `name` is its name or index.
     pub fn element(&self, number: &str, name: &str) -> Self {
         Self {
             path: self.path.key(number),

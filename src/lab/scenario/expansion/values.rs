@@ -1,4 +1,4 @@
-//! Expressions and names with `{...}` in the tree, guided by the JSON Schema.
+//! Evaluates expressions and names with `{...}` in the tree, guided by the JSON Schema.
 
 use super::parameters::Parameters;
 use super::scope::{Place, Scope, WORDS};
@@ -11,7 +11,7 @@ use crate::scenario::source::{Sources, Span};
 use crate::scenario::units;
 use serde_json::Value as Json;
 
-/// Whole numbers up to this are exact.
+/// Largest whole number that is exact.
 const LARGEST_WHOLE: f64 = 9e15;
 
 /// Evaluates the expressions in a tree.
@@ -24,7 +24,7 @@ pub struct Evaluator<'a> {
     pub parameters: &'a Parameters,
 }
 
-/// Whether there is text at or below a node that could be an expression at any key.
+/// Whether a node contains text that could be an expression at some key.
 pub fn is_candidate(node: &Node, parameters: &Parameters) -> bool {
     match &node.value {
         Value::Table(entries) => entries
@@ -52,15 +52,16 @@ pub fn is_plain(text: &str) -> bool {
     units::parse_any(text).is_some() || text.trim().parse::<f64>().is_ok()
 }
 
-/// Whether text that is not an expression was meant as a number with a unit; the message then lists the units of the key.
+/// Whether text that is not an expression was probably meant as a number with a unit. The message
+/// then lists the units of the key.
 fn is_meant_as_quantity(text: &str) -> bool {
     let text = text.trim();
     let length = units::number_length(text);
     length > 0 && !text[length..].contains(['+', '-', '*', '(', ')', ','])
 }
 
-/// Whether names and signs are a word of some key, such as "auto" or "implicit-euler", rather than an expression: nothing in it
-/// is the name of a value, or nearly so.
+/// Whether text is a word for some key, such as "auto" or "implicit-euler", rather than an
+/// expression. No name in it is defined, and it does not resemble a defined name.
 fn is_word(text: &str, expression: &Expression, scope: &Scope<'_>) -> bool {
     let names = expression.names();
     let all = scope.all();
@@ -69,7 +70,8 @@ fn is_word(text: &str, expression: &Expression, scope: &Scope<'_>) -> bool {
         && (names.iter().any(|name| WORDS.contains(name)) || !is_near())
 }
 
-/// A mistake in the text of a node, at its place in that text where the text was typed without escapes.
+/// A mistake in the text of a node. It is located within the text if the text was typed without
+/// escapes.
 pub fn located(sources: &Sources, place: &Place, node: &Node, mistake: Mistake) -> Located {
     let issue = Issue {
         copy: place.copy,
@@ -82,7 +84,8 @@ pub fn located(sources: &Sources, place: &Place, node: &Node, mistake: Mistake) 
     Located::new(sources, issue, Some(span))
 }
 
-/// The span of some bytes of a text that was typed at `span`; the whole span, where it was typed with escapes.
+/// The span of some bytes of a text that was typed at `span`; the whole span if the text was typed
+/// with escapes.
 fn part_of(sources: &Sources, span: &Span, text: &str, bytes: &std::ops::Range<usize>) -> Span {
     let text_of_source = sources.get(span.source).text.as_ref();
     let typed = text_of_source.and_then(|text| text.get(span.bytes.clone()));
@@ -105,7 +108,7 @@ fn part_of(sources: &Sources, span: &Span, text: &str, bytes: &std::ops::Range<u
 }
 
 impl Evaluator<'_> {
-    /// Evaluates everything at or below a node of this schema.
+    /// Evaluates all expressions in a node with this schema.
     pub fn visit(
         &self,
         node: &mut Node,
@@ -186,7 +189,7 @@ impl Evaluator<'_> {
             .map_err(|message| of_text(format!("{text:?} {message}")))
     }
 
-    /// Text with the values of the expressions in braces; `{{` and `}}` are literal braces.
+    /// Replaces expressions in braces by their values; `{{` and `}}` are literal braces.
     fn filled(&self, text: &str, place: &Place) -> Result<String, Mistake> {
         let scope = Scope {
             parameters: self.parameters,
@@ -246,7 +249,7 @@ fn word_of<'a>(node: &'a Node, key: &str) -> Option<&'a str> {
     }
 }
 
-/// A number as names have it: whole ones without a point.
+/// A number as part of a name: whole numbers have no decimal point.
 fn in_text(number: f64) -> String {
     match whole(number) {
         Some(whole) => whole.to_string(),
@@ -256,11 +259,11 @@ fn in_text(number: f64) -> String {
 
 fn whole(number: f64) -> Option<i64> {
     let is_whole = number.fract() == 0.0 && number.abs() < LARGEST_WHOLE;
-    // In this range a whole number fits.
+    // Whole numbers in this range are exact.
     is_whole.then_some(number as i64)
 }
 
-/// An amount as the value of a key; otherwise its fault.
+/// Converts an amount to the value of a key, or returns the fault.
 pub fn as_value(amount: Amount, accepted: &Accepted<'_>) -> Result<Value, String> {
     if !amount.value.is_finite() {
         return Err(format!("is {}, not a finite number", amount.value));

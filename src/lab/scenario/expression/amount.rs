@@ -2,7 +2,8 @@
 
 use crate::scenario::units::{self, Powers};
 
-/// A number in SI units, and the powers of metre, second and kilogram of its unit. Angles are pure numbers.
+/// A number in SI units, and the powers of metre, second and kilogram in its unit. Angles are pure
+/// numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Amount {
     /// The number in SI units.
@@ -28,10 +29,10 @@ impl Amount {
         units::dimension_of(self.powers)
     }
 
-    /// The number, where it has no dimension.
+    /// The number, if it is dimensionless.
     ///
     /// # Errors
-    /// A message that names `what` needs it and the dimension that it has.
+    /// A message with the actual dimension; `what` names the function that needs a pure number.
     pub fn pure_number(&self, what: &str) -> Result<f64, String> {
         match self.powers {
             [0, 0, 0] => Ok(self.value),
@@ -42,7 +43,7 @@ impl Amount {
         }
     }
 
-    /// Refuses another dimension; `doing` is what needs the same one, such as "cannot be added to".
+    /// Rejects another dimension. `doing` is the failed operation, such as "cannot be added to".
     ///
     /// # Errors
     /// A message that names both dimensions.
@@ -57,12 +58,12 @@ impl Amount {
         ))
     }
 
-    /// The product; of dimensions, too.
+    /// The product of numbers and dimensions.
     pub fn times(&self, other: &Self) -> Self {
         self.combined(other, 1, self.value * other.value)
     }
 
-    /// The quotient; of dimensions, too.
+    /// The quotient of numbers and dimensions.
     pub fn over(&self, other: &Self) -> Self {
         self.combined(other, -1, self.value / other.value)
     }
@@ -75,16 +76,17 @@ impl Amount {
         }
     }
 
-    /// The power with a pure exponent.
+    /// The power with a dimensionless exponent.
     ///
     /// # Errors
-    /// A message, where the exponent has a dimension, or makes one of fractions.
+    /// A message, if the exponent has a dimension, or if the powers of units in the result would
+    /// be fractions.
     pub fn raised(&self, exponent: &Self) -> Result<Self, String> {
         let exponent = exponent.pure_number("an exponent")?;
         let power = |power: i32| {
             let product = f64::from(power) * exponent;
             let is_usable = product == product.round() && product.abs() < 1e3;
-            // In this range a whole number fits.
+            // Whole numbers in this range are exact.
             is_usable.then_some(product as i32)
         };
         let [length, time, mass] = self.powers;

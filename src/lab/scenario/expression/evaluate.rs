@@ -1,11 +1,11 @@
-//! From the tree to an amount.
+//! Evaluates the tree of an expression.
 
 use super::amount::Amount;
 use super::function::Function;
 use super::{Expression, Mistake, Operation, Operator, PI};
 use crate::scenario::issue::did_you_mean;
 
-/// Meanings of names in expressions.
+/// Values of names in expressions.
 pub trait Names {
     /// The value of a name.
     fn value(&self, name: &str) -> Option<Amount>;
@@ -13,7 +13,7 @@ pub trait Names {
     /// All names of values.
     fn all(&self) -> Vec<String>;
 
-    /// Uniform random numbers in [0, 1) for the random function with this number in the expression.
+    /// Uniform random numbers in [0, 1) for the random function with this index in the expression.
     fn uniform(&self, draw: usize) -> Box<dyn FnMut() -> f64>;
 }
 
@@ -21,7 +21,7 @@ impl Expression {
     /// The value.
     ///
     /// # Errors
-    /// The first mistake: an unknown name, dimensions that do not fit.
+    /// The first mistake: an unknown name, or dimensions that do not match.
     pub fn evaluate(&self, names: &dyn Names) -> Result<Amount, Mistake> {
         let mistake = |message: String| Mistake {
             message,

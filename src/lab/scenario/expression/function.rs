@@ -1,10 +1,10 @@
-//! The functions of expressions, and their arguments.
+//! Functions of expressions, and their arguments.
 
 use super::amount::Amount;
 use crate::scenario::units;
 use std::f64::consts::TAU;
 
-/// A function by its place in [`FUNCTIONS`].
+/// A function, given by its index in [`FUNCTIONS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Function(usize);
 
@@ -17,13 +17,13 @@ pub struct Described {
     pub usage: &'static str,
     /// Description of its value.
     pub meaning: &'static str,
-    /// Fewest and most arguments.
+    /// Minimum and maximum number of arguments.
     arguments: (usize, usize),
     compute: Compute,
 }
 
 enum Compute {
-    /// From a pure number to a pure number.
+    /// A function from a pure number to a pure number.
     Pure(fn(f64) -> f64),
     Amounts(fn(&[Amount]) -> Result<Amount, String>),
     Random(fn(&[Amount], Uniform<'_>) -> f64),
@@ -65,7 +65,7 @@ const fn random(
     }
 }
 
-/// Most arguments of `min` and `max`.
+/// Maximum number of arguments of `min` and `max`.
 const MANY: usize = 100;
 
 /// All functions.
@@ -125,7 +125,7 @@ pub const FUNCTIONS: &[Described] = &[
     ),
 ];
 
-/// The number at a fraction of the way from `low` to `high`.
+/// Linear interpolation between `low` and `high`.
 pub fn uniform_between(low: f64, high: f64, fraction: f64) -> f64 {
     low + fraction * (high - low)
 }
@@ -148,8 +148,9 @@ fn rounded(of: &[Amount]) -> Result<Amount, String> {
     if !(step.value > 0.0) {
         return Err("the step of round(x, step) must be greater than 0".to_owned());
     }
-    // A step such as 1e-5 is one over a whole number. To divide by that one gives the number that the decimal digits
-    // stand for; to multiply by the step would not. Zero has no sign.
+    // A step such as 1e-5 is the reciprocal of a whole number. Division by that whole number gives
+    // exactly the decimal number; multiplication by the step would not. Adding 0.0 removes the
+    // sign of zero.
     let whole = (1.0 / step.value).round();
     let value = match 1.0 / whole == step.value {
         true => (of[0].value * whole).round() / whole,
@@ -179,18 +180,18 @@ impl Function {
         FUNCTIONS[self.0].usage
     }
 
-    /// Whether it takes so many arguments.
+    /// Whether the function accepts this number of arguments.
     pub fn accepts(self, count: usize) -> bool {
         let (fewest, most) = FUNCTIONS[self.0].arguments;
         (fewest..=most).contains(&count)
     }
 
-    /// Whether it draws random numbers.
+    /// Whether the function draws random numbers.
     pub fn is_random(self) -> bool {
         matches!(FUNCTIONS[self.0].compute, Compute::Random(_))
     }
 
-    /// Its value; `arguments` are as many as it accepts.
+    /// The value of the function; the number of `arguments` is valid.
     ///
     /// # Errors
     /// A message about the dimensions of the arguments.

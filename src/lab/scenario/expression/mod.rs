@@ -7,12 +7,13 @@
 //! | `function` | the functions, and their arguments |
 //! | `evaluate` | from the tree to an amount |
 //!
-//! The grammar is written with the operator precedence parser of the crate `winnow`, which also parses TOML for the crate
-//! `toml`. The expression crate `exmex` was tried first: its operators are plain functions without a context, as random
-//! numbers and units need it, its errors have no positions, and a name that begins like an operator (`minimum`, `max_angle`) is
-//! cut in two.
+//! The grammar uses the operator precedence parser of the crate `winnow`, which also parses TOML
+//! for the crate `toml`. The expression crate `exmex` is not suitable: its operators are plain
+//! functions without the context that random numbers and units need, its errors have no positions,
+//! and it splits a name that begins like an operator (`minimum`, `max_angle`).
 //!
-//! Sines, powers and logarithms are those of the crate `libm`, so that results are the same bytes on every machine.
+//! Sines, powers and logarithms come from the crate `libm`, so that results have the same bytes on
+//! every machine.
 
 mod amount;
 mod evaluate;
@@ -27,7 +28,7 @@ pub use parse::parse;
 use function::Function;
 use std::ops::Range;
 
-/// The constant π by its name.
+/// Name of the constant π.
 pub const PI: &str = "pi";
 
 /// A parsed expression.
@@ -47,7 +48,7 @@ enum Operation {
     Call {
         function: Function,
         arguments: Vec<Expression>,
-        /// Number of random functions before this one in the text.
+        /// Number of random functions that precede this one in the text.
         draw: usize,
     },
 }
@@ -73,7 +74,7 @@ pub struct Mistake {
 }
 
 impl Expression {
-    /// The names of values that it uses, each once.
+    /// The names that the expression uses, each once.
     pub fn names(&self) -> Vec<&str> {
         let mut names = Vec::new();
         self.collect_names(&mut names);
@@ -96,7 +97,7 @@ impl Expression {
         }
     }
 
-    /// Whether it has names and signs only, as the word `implicit-euler`.
+    /// Whether the expression consists of names and signs only, such as the word `implicit-euler`.
     pub fn is_wordlike(&self) -> bool {
         match &self.operation {
             Operation::Name(_) => true,

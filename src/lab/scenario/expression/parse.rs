@@ -1,4 +1,4 @@
-//! From text to a tree of operations.
+//! Parses text into a tree of operations.
 
 use super::amount::Amount;
 use super::function::Function;
@@ -15,14 +15,14 @@ use winnow::prelude::*;
 use winnow::stream::{LocatingSlice, Location};
 use winnow::token::{one_of, take, take_while};
 
-/// Most bytes of an expression.
+/// Maximum length of an expression, bytes.
 const LONGEST: usize = 2_000;
-/// Most parentheses, powers and signs in a row: each is a call of the parser in a call.
+/// Maximum depth of nested parentheses, powers and signs: each is a recursive call of the parser.
 const DEEPEST: usize = 100;
 
 type Input<'a> = LocatingSlice<&'a str>;
 
-/// Labels of errors; the messages are made where the text is available.
+/// Labels of errors. The messages are composed where the text is available.
 const UNIT: &str = "unit";
 const POWER_OF_UNIT: &str = "power of a unit";
 const FUNCTION: &str = "function";
@@ -49,7 +49,7 @@ pub fn parse(text: &str) -> Result<Expression, Mistake> {
     Ok(expression)
 }
 
-/// An upper bound of how deep operations are nested.
+/// An upper bound of the nesting depth of operations.
 fn depth(text: &str) -> usize {
     let mut previous_is_sign = true;
     let characters = text.chars().filter(|character| !character.is_whitespace());
@@ -134,7 +134,7 @@ fn spaces(input: &mut Input<'_>) -> ModalResult<()> {
         .parse_next(input)
 }
 
-/// One of some characters between spaces; another one is not consumed.
+/// One of the given characters between spaces; any other character is not consumed.
 fn symbol<'a, const N: usize>(
     of: [char; N],
 ) -> impl Parser<Input<'a>, char, ErrMode<ContextError>> {
@@ -174,7 +174,7 @@ fn refused<T>(label: &'static str) -> ModalResult<T> {
     Err(ErrMode::Cut(error))
 }
 
-/// A number, and its unit where it has one.
+/// A number, with its unit if it has one.
 fn number(input: &mut Input<'_>) -> ModalResult<Expression> {
     let rest: &str = input;
     let start = input.current_token_start();
@@ -207,7 +207,7 @@ fn number(input: &mut Input<'_>) -> ModalResult<Expression> {
     })
 }
 
-/// A value or a function by its name.
+/// A named value, or a call of a function.
 fn named(input: &mut Input<'_>) -> ModalResult<Expression> {
     let start = input.checkpoint();
     let is_first = |character: char| character.is_ascii_alphabetic() || character == '_';
@@ -240,7 +240,7 @@ fn named(input: &mut Input<'_>) -> ModalResult<Expression> {
     })
 }
 
-/// Numbers the random functions in their order in the text.
+/// Numbers the random functions in the order of the text.
 fn number_draws(expression: &mut Expression, next: &mut usize) {
     match &mut expression.operation {
         Operation::Literal(_) | Operation::Name(_) => {}
@@ -261,7 +261,7 @@ fn number_draws(expression: &mut Expression, next: &mut usize) {
 }
 
 impl Expression {
-    /// Refuses calls with too many arguments or too few.
+    /// Rejects calls with too many or too few arguments.
     fn check_arguments(&self) -> Result<(), Mistake> {
         match &self.operation {
             Operation::Literal(_) | Operation::Name(_) => Ok(()),

@@ -1,9 +1,9 @@
-//! What expressions come to, and what is refused.
+//! Values of expressions, and rejected expressions.
 
 use super::{Amount, Names, parse};
 use proptest::prelude::*;
 
-/// A radius of 2 mm, a count of 12, and random numbers that are halves.
+/// Defines a radius of 2 mm and a count of 12; all random numbers are 0.5.
 struct Known;
 
 impl Names for Known {

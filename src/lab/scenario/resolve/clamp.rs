@@ -23,7 +23,7 @@ pub fn clamps(context: &Context<'_>, top: &Section<'_>, typed: &[typed::Clamp]) 
     top.elements("clamps", typed).map(clamp).collect()
 }
 
-/// Refuses another place of what the clamp does not hold.
+/// Rejects a displacement or rotation of a degree of freedom that the clamp does not hold.
 fn refuse_free(section: &Section<'_>, clamp: &Clamp) {
     let places = [
         ("offset", clamp.offset, Hold::Frame, "no position"),

@@ -5,8 +5,9 @@ use crate::scenario::section::LARGEST;
 use rodlab_files::input::{Column, Table};
 use std::path::Path;
 
-/// Reads columns of a CSV file, see [`Table`]: named in its header line with or without their unit, as in `x_m` or `x_mm`, or the
-/// first ones of a file without a header; other columns are passed over. Returns each row in SI units with the number of its line.
+/// Reads columns of a CSV file, see [`Table`]. The header line names the columns with or without
+/// their unit, as in `x_m` or `x_mm`; without a header the first columns are read. Other columns
+/// are ignored. Returns each row in SI units with the number of its line.
 ///
 /// # Errors
 /// A message that names the file and the line.

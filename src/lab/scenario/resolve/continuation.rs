@@ -5,7 +5,7 @@ use crate::scenario::section::Section;
 use crate::scenario::tables;
 use crate::scenario::typed::ScenarioFile;
 
-/// Resolves the path; `None` where time.mode is another, or a fault was reported.
+/// Resolves the path; `None` if time.mode differs or a fault was reported.
 pub fn continuation(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Option<Continuation> {
     if *time != Time::Continuation {
         if file.continuation.is_some() {
@@ -20,7 +20,7 @@ pub fn continuation(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Opti
     Some(tables::continuation(&section, typed))
 }
 
-/// Refuses friction, whose forces at rest depend on the history of the rods.
+/// Rejects friction, whose forces at rest depend on the history of the rods.
 pub fn refuse_friction(
     top: &Section<'_>,
     time: &Time,
@@ -49,7 +49,7 @@ pub fn refuse_friction(
     }
 }
 
-/// Refuses a fluid along a path: drag is zero at rest.
+/// Rejects a fluid along a path: drag is zero at rest.
 pub fn refuse_fluid(top: &Section<'_>, time: &Time, fluid: &Fluid) {
     if *time == Time::Continuation && *fluid != Fluid::None {
         top.fault("fluid", "nothing moves in equilibrium; leave the table out");

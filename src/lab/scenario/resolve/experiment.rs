@@ -18,23 +18,23 @@ pub trait ExperimentKeys: Sync {
         &[]
     }
 
-    /// Default where the file has no table `[time]`; `None` where it must have one.
+    /// Default if the file has no table `[time]`; `None` if the table is required.
     fn usual_time(&self) -> Option<Time> {
         None
     }
 
-    /// Default of `fluid.spin`: whether a fluid resists that its rods spin about their own axes.
+    /// Default of `fluid.spin`: whether the fluid resists rotation of rods about their own axes.
     fn resists_spin(&self) -> bool {
         true
     }
 
-    /// Message for a table that belongs to other kinds only.
+    /// Message for a table that belongs only to other kinds.
     fn refusal(&self) -> &'static str {
         "this table is for another experiment"
     }
 
-    /// Resolves its own tables and refuses common ones that it does not use; `None` after a fault that prevents
-    /// further checks.
+    /// Resolves the tables of this kind and rejects common tables that it does not use; `None`
+    /// after a fault that prevents further checks.
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment>;
 
     /// Reports missing and unsupported keys of the common tables.

@@ -1,4 +1,4 @@
-//! From the scenario as typed to the scenario as resolved: units, defaults, ranges.
+//! Resolves the typed scenario: units, defaults, ranges.
 
 mod clamp;
 mod columns;
@@ -33,7 +33,7 @@ use super::typed::ScenarioFile;
 use std::cell::RefCell;
 use std::path::PathBuf;
 
-/// Inputs of resolving beside the keys of the file.
+/// Inputs of resolving in addition to the keys of the file.
 pub struct Context<'a> {
     /// Stem of the scenario file.
     pub name: &'a str,
@@ -41,14 +41,15 @@ pub struct Context<'a> {
     pub experiments: String,
     /// The file as a tree.
     pub document: &'a Node,
-    /// The directory against which the value of a key names files.
+    /// The directory relative to which the value of a key names files.
     pub directory_of: &'a dyn Fn(&KeyPath) -> PathBuf,
 }
 
 /// Resolves a scenario.
 ///
 /// # Errors
-/// All values that are missing, out of range, of the wrong dimension or inconsistent with each other.
+/// All values that are missing, out of range, of the wrong dimension, or inconsistent with each
+/// other.
 pub fn resolve(
     context: &Context<'_>,
     file: &ScenarioFile,
@@ -164,7 +165,7 @@ pub fn resolve(
     }
 }
 
-/// Reports tables that belong to other kinds only.
+/// Reports tables that belong only to other kinds.
 fn refuse_tables_of_others(top: &Section<'_>, kind: &dyn ExperimentKeys, own: &OwnTables) {
     for key in own.keys() {
         if !kind.tables().iter().any(|table| table.key() == key) {

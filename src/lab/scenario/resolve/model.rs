@@ -1,4 +1,4 @@
-//! Resolving models, time, solver and output.
+//! Resolves models, time, solver and output.
 
 use super::movement::refuse_motion;
 use crate::scenario::resolved::{
@@ -9,15 +9,17 @@ use crate::scenario::section::Section;
 use crate::scenario::tables::{OutputKeys, SolverKeys};
 use crate::scenario::typed::{self, ScenarioFile};
 
-/// The factor s of the stiffness of "imc" (m) over the radius of the thinnest rod: the thesis has 1e5 m for 1 mm.
+/// The factor s of the stiffness of "imc" (m) over the radius of the thinnest rod: the thesis has
+/// 1e5 m for 1 mm.
 const STIFFNESS_PER_RADIUS: f64 = 1e8;
-/// The default step as a part of the end time.
+/// The default step over the end time.
 const PART_OF_END: f64 = 1e-3;
-/// The smallest step by default as a part of a fixed step: twenty halvings.
+/// The default of the smallest step over a fixed step: twenty halvings.
 const LEAST_PART: f64 = 1e-6;
-/// The same as a part of the largest automatic step, of which the first one is a thousandth.
+/// The default of the smallest step over the largest automatic step; the first automatic step is a
+/// thousandth of the largest.
 const LEAST_PART_OF_LARGEST: f64 = 1e-9;
-/// Most rows that a run may write.
+/// Maximum number of rows that a run may write.
 const MOST_OUTPUTS: f64 = 1e6;
 
 /// Resolves the contact model; `smallest_radius` sets the defaults of the distance tolerance and of the stiffness.
@@ -78,10 +80,11 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
     }
 }
 
-/// Regularisation in radii: that of the thesis.
+/// Regularisation in radii, as in the thesis.
 const REGULARIZATION: f64 = 1.02;
-/// The same beside a wall, √e: a line of such blobs has the drag of a cylinder of the rod's radius to first order in its slenderness, and
-/// beside a wall to 0.2 % at a height of ten radii, where that of the thesis leaves 14 %.
+/// Regularisation in radii beside a wall, √e. A line of such blobs has the drag of a cylinder of
+/// the rod's radius to first order in its slenderness. Beside a wall, at a height of ten radii,
+/// its drag has an error of 0.2 %; with the regularisation of the thesis the error is 14 %.
 const REGULARIZATION_BESIDE_A_WALL: f64 = 1.65;
 
 /// Resolves the fluid; `beside_wall` is true if one of the planes may be its wall, `resists_spin` is the default of the key
@@ -165,7 +168,7 @@ pub fn time(top: &Section<'_>, file: &ScenarioFile) -> Time {
     }
 }
 
-/// Where the motion begins. In an equilibrium nothing moves.
+/// Where the motion begins. Rejects the equilibrium if something would have to move in it.
 fn begin(section: &Section<'_>, typed: &typed::Time, file: &ScenarioFile) -> Begin {
     let chosen = typed.begin(section);
     if chosen == typed::Begin::Placed {
@@ -205,9 +208,9 @@ pub fn flows(file: &ScenarioFile) -> bool {
     fluid.is_some_and(|fluid| fluid.model != Some(typed::FluidModel::None))
 }
 
-/// The scheme that is named, or the best for the contents of the scene. In contact, velocities jump, which only
-/// implicit Euler takes without ringing; otherwise backward differences follow a heavy cantilever's swing with a twentieth
-/// of its error, at the same cost.
+/// The requested scheme, or the best for the contents of the scene. In contact velocities jump,
+/// which only implicit Euler handles without ringing. Otherwise backward differences follow the
+/// swing of a heavy cantilever with a twentieth of its error, at the same cost.
 fn scheme(file: &ScenarioFile, choice: typed::SchemeChoice) -> Scheme {
     let touches = touches(file);
     match choice {
@@ -234,7 +237,8 @@ fn step(section: &Section<'_>, typed: &typed::Time, interval: f64, end: f64) -> 
     Step::Fixed(typed.step(section, PART_OF_END * end))
 }
 
-/// Refuses rigid contact where it is not defined: it gives forces to the steps of implicit Euler.
+/// Rejects rigid contact where it is not defined: its forces belong to the steps of implicit
+/// Euler.
 pub fn refuse_rigid_statics(top: &Section<'_>, contact: &Contact, time: &Time) {
     let euler = matches!(
         time,
@@ -251,7 +255,7 @@ pub fn refuse_rigid_statics(top: &Section<'_>, contact: &Contact, time: &Time) {
     }
 }
 
-/// Whether steps are those of the midpoint rule.
+/// Whether steps use the midpoint rule.
 fn is_midpoint(time: &Time) -> bool {
     matches!(
         time,
@@ -262,7 +266,8 @@ fn is_midpoint(time: &Time) -> bool {
     )
 }
 
-/// Refuses the midpoint rule for viscous rods: the rate of a strain is not defined in the middle of a step.
+/// Rejects the midpoint rule for viscous rods: the rate of a strain is not defined in the middle
+/// of a step.
 pub fn refuse_viscous_midpoint(top: &Section<'_>, rods: &[Rod], time: &Time) {
     let is_damped = |rod: &Rod| rod.material.viscosity > 0.0 || rod.material.relaxing_modulus > 0.0;
     if is_midpoint(time) && rods.iter().any(is_damped) {
@@ -273,7 +278,8 @@ pub fn refuse_viscous_midpoint(top: &Section<'_>, rods: &[Rod], time: &Time) {
     }
 }
 
-/// Refuses frames that turn with a scheme that extrapolates from the middle of each step: a rotation there is not one at its end.
+/// Rejects frames that turn in schemes that extrapolate from the middle of each step: a rotation
+/// there is not a rotation at the end of the step.
 pub fn refuse_turning_midpoint(top: &Section<'_>, joints: &[Joint], bodies: &[Body], time: &Time) {
     let turns = joints.iter().any(|joint| joint.kind.turns())
         || bodies
@@ -287,7 +293,8 @@ pub fn refuse_turning_midpoint(top: &Section<'_>, joints: &[Joint], bodies: &[Bo
     }
 }
 
-/// Refuses changes over time in a run without time: a static run would use the value at time 0 only.
+/// Rejects changes over time in a run without time: a static run would use the value at time 0
+/// only.
 pub fn refuse_static_motion(
     top: &Section<'_>,
     time: &Time,
@@ -322,7 +329,7 @@ pub fn refuse_static_motion(
     }
 }
 
-/// Refuses time steps below the smallest that the solver may take.
+/// Rejects time steps below the smallest step of the solver.
 pub fn refuse_small_steps(top: &Section<'_>, time: &Time, solver: &Solver) {
     let Time::Dynamic { step, .. } = time else {
         return;
@@ -340,7 +347,7 @@ pub fn refuse_small_steps(top: &Section<'_>, time: &Time, solver: &Solver) {
     }
 }
 
-/// Resolves the solver; the size of the steps sets the default of the smallest.
+/// Resolves the solver; the step size sets the default of the smallest step.
 pub fn solver(top: &Section<'_>, typed: &SolverKeys, time: &Time) -> Solver {
     let section = top.below("solver");
     let least = match *time {

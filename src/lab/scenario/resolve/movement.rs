@@ -1,4 +1,4 @@
-//! Resolving the motion of a clamp or an obstacle.
+//! Resolves the motion of a clamp or an obstacle.
 
 use super::{Context, poses};
 use crate::scenario::resolved::Movement;
@@ -46,8 +46,8 @@ pub fn given_keys(movement: &Movement) -> [(&'static str, bool); 6] {
     ]
 }
 
-/// Reports the keys that move something in a run without time. Of these `axis` and `pivot` would be read for the direction
-/// and the place that are held, which are those of the rod as placed.
+/// Reports the keys of a motion in a run without time. Without motion, `axis` and `pivot` could be
+/// misread as the held direction and position, which are those of the rod as placed.
 pub fn refuse_motion(movement: &Movement, refuse: impl Fn(&str)) {
     for (key, given) in given_keys(movement) {
         if given {

@@ -1,4 +1,5 @@
-//! Resolving natural curvature and twist over the arc length: rows from a CSV file or from the scenario itself.
+//! Resolves natural curvature and twist over the arc length: rows from a CSV file or from the
+//! scenario itself.
 
 use super::Context;
 use super::columns::read_columns;
@@ -60,7 +61,7 @@ pub fn strains(context: &Context<'_>, section: &Section<'_>, typed: &typed::Stra
     }
 }
 
-/// Checks that arc lengths begin at 0 and grow; a fault has its row, from 0.
+/// Checks that arc lengths begin at 0 and increase. A fault names its row, counted from 0.
 fn check(lengths: &[f64]) -> Result<(), (usize, String)> {
     match lengths {
         [] | [_] => Err((0, "at least 2 rows are needed".to_owned())),

@@ -1,4 +1,4 @@
-//! Resolving networks: to rods, to the joints at their crossings, and to clamps at their rim.
+//! Resolves networks to rods, joints at their crossings, and clamps at their rim.
 
 use super::columns::read_columns;
 use super::polyline;
@@ -11,11 +11,12 @@ use crate::scenario::section::{POSITIVE, Section};
 use crate::scenario::typed;
 use std::collections::BTreeMap;
 
-/// Most rods of a network along one side, most rods and points of a table: more are taken for a typing error.
+/// Maximum numbers of rods (along one side of a grid, or in a table) and of points: larger numbers
+/// are taken for typing errors.
 const MOST_RODS: usize = 1_000;
 const MOST_POINTS: usize = 100_000;
 
-/// Additions of networks to a scenario.
+/// Elements that networks add to a scenario.
 #[derive(Debug, Default)]
 pub struct Networks {
     /// Rods.
@@ -52,7 +53,7 @@ pub fn networks(
     all
 }
 
-/// Refuses a moving rim in a run without time.
+/// Rejects a moving rim in a run without time.
 pub fn refuse_static_motion(top: &Section<'_>, typed: &[typed::Network], time: &Time) {
     for (section, network) in top.elements("networks", typed) {
         let rim = network.boundary.as_ref();
@@ -158,7 +159,7 @@ fn add(
     }
 }
 
-/// Every point with the rods that run through it, and their nodes there.
+/// Every point with the rods that pass through it, and their nodes there.
 fn visits(layout: &Layout, edges: usize) -> BTreeMap<usize, Vec<(usize, usize)>> {
     let mut visits: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
     for (rod, points) in layout.rods.iter().enumerate() {
@@ -208,7 +209,8 @@ fn grid(section: &Section<'_>, typed: &typed::NetworkShape) -> Option<Layout> {
     let below = section.below("rods");
     let along_first = below.count("0", Some(rods[0]), 2..=MOST_RODS)?;
     let along_second = below.count("1", Some(rods[1]), 2..=MOST_RODS)?;
-    // Point (i, j) lies i parts along the first side, j along the second; rods along the first side are numbered by j.
+    // Point (i, j) is the one after i parts along the first side and j parts along the second.
+    // Rods along the first side are numbered by j.
     let number = |i: usize, j: usize| j * along_second + i;
     let mut points = Vec::new();
     for j in 0..along_first {
@@ -230,7 +232,7 @@ fn grid(section: &Section<'_>, typed: &typed::NetworkShape) -> Option<Layout> {
     })
 }
 
-/// Polylines through points that are listed.
+/// Polylines through listed points.
 fn table(
     context: &Context<'_>,
     section: &Section<'_>,
@@ -326,7 +328,7 @@ fn by_rods(rows: &[(u64, [f64; 2])]) -> Vec<Vec<i64>> {
             rods.push((*rod, Vec::new()));
             rods.len() - 1
         });
-        // A number that is not that of a point is refused as one that does not exist.
+        // A fraction is rejected like the number of a point that does not exist.
         let whole = if point.fract() == 0.0 {
             *point as i64
         } else {
@@ -337,7 +339,7 @@ fn by_rods(rows: &[(u64, [f64; 2])]) -> Vec<Vec<i64>> {
     rods.into_iter().map(|(_, points)| points).collect()
 }
 
-/// A polyline with every piece cut into as many edges.
+/// A polyline with every segment divided into this number of edges.
 fn divided(points: &[[f64; 3]], edges: usize) -> Vec<[f64; 3]> {
     let mut all = Vec::with_capacity(edges * (points.len() - 1) + 1);
     for pair in points.windows(2) {
@@ -397,7 +399,8 @@ fn hold(
         let moved = |factor: f64| std::array::from_fn(|k| (factor - 1.0) * (at[k] - centre[k]));
         let holds_position = hold != Hold::Frame;
         for (index, (rod, node)) in ends.iter().enumerate() {
-            // One clamp holds the point, and the frame of a rigid joint; others there hold the frames of their rods.
+            // One clamp holds the point, and the frame of a rigid joint. Other clamps at this
+            // point hold the frames of their rods.
             let own = match (index, hold) {
                 (0, _) => hold,
                 _ if kind == JointKind::Rigid => continue,

@@ -8,7 +8,7 @@ use crate::scenario::section::{FINITE, Section};
 use crate::scenario::typed;
 use rodlab_files::mesh;
 
-/// Most heights along a side of a grid.
+/// Maximum number of heights along a side of a grid.
 const MOST_HEIGHTS: usize = 1000;
 
 /// Resolves all obstacles.
@@ -44,7 +44,7 @@ pub fn obstacles(
     resolved
 }
 
-/// Resolves a shape; `None` where it has none that can be checked further.
+/// Resolves a shape; `None` after a fault that prevents further checks.
 fn shape(
     context: &Context<'_>,
     section: &Section<'_>,
@@ -192,7 +192,8 @@ fn corners(
     Some(corners)
 }
 
-/// A vector turned about a unit vector by an angle (Rodrigues); exactly the same vector for angle 0.
+/// A vector rotated about a unit vector by an angle (Rodrigues); exactly the same vector for angle
+/// 0.
 fn turned(vector: [f64; 3], axis: [f64; 3], angle: f64) -> [f64; 3] {
     if angle == 0.0 {
         return vector;
@@ -206,7 +207,7 @@ fn turned(vector: [f64; 3], axis: [f64; 3], angle: f64) -> [f64; 3] {
     })
 }
 
-/// A grid of heights as a mesh of two triangles in every field.
+/// A grid of heights as a mesh with two triangles per cell.
 fn heights(section: &Section<'_>, typed: &typed::Heights) -> Option<ObstacleShape> {
     let origin = typed.origin(section);
     let spacing = typed.spacing(section);

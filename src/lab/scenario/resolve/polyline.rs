@@ -1,4 +1,4 @@
-//! Resolving polylines: corners from a CSV file or from the scenario itself.
+//! Resolves polylines: corners from a CSV file or from the scenario itself.
 
 use super::Context;
 use super::columns::read_columns;
@@ -15,7 +15,7 @@ pub fn points(context: &Context<'_>, section: &Section<'_>, typed: &typed::Point
     }
 }
 
-/// Corners from the file that `key` names, or from the key `points`; none where a fault was reported.
+/// Corners from the file that `key` names, or from the key `points`; empty after a fault.
 pub fn corners(
     context: &Context<'_>,
     section: &Section<'_>,
@@ -63,7 +63,7 @@ pub fn corners(
     }
 }
 
-/// Index of the first point that is the same as the one before it.
+/// Index of the first point that equals the previous point.
 fn first_repeated(points: &[[f64; 3]]) -> Option<usize> {
     points
         .windows(2)
@@ -71,9 +71,9 @@ fn first_repeated(points: &[[f64; 3]]) -> Option<usize> {
         .map(|index| index + 1)
 }
 
-/// Reads a CSV file of corners: a header line that names the columns x, y and z (with or without the
-/// suffix `_m`; other columns are passed over), then a row per corner, in m. Lines that begin with `#` are
-/// comments.
+/// Reads a CSV file of corners. A header line names the columns x, y and z (with or without the
+/// suffix `_m`); other columns are ignored. Each further row is a corner, in m. Lines that begin
+/// with `#` are comments.
 pub fn read(path: &Path) -> Result<Vec<[f64; 3]>, String> {
     let place = path.display();
     let rows = read_columns(path, ["x", "y", "z"])?;

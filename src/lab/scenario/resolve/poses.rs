@@ -1,4 +1,5 @@
-//! Resolving the poses of a gripper that a clamp follows: from a CSV file or from the scenario itself.
+//! Resolves the poses of a gripper that a clamp follows: from a CSV file or from the scenario
+//! itself.
 
 use super::Context;
 use super::columns::read_columns;
@@ -7,11 +8,11 @@ use crate::scenario::section::{FINITE, NON_NEGATIVE, Section};
 use crate::scenario::typed;
 use std::path::Path;
 
-/// Largest deviation of the norm of a quaternion from 1: allows rounding to two digits, but no quaternion
-/// in other units or of another order.
+/// Largest deviation of the norm of a quaternion from 1. It allows rounding to two digits, but not
+/// components in other units or in another order.
 const UNIT_TOLERANCE: f64 = 0.02;
 
-/// Resolves the poses that a clamp or an obstacle follows; none where it follows none.
+/// Resolves the poses that a clamp or an obstacle follows; empty if it follows none.
 pub fn poses(
     context: &Context<'_>,
     section: &Section<'_>,
@@ -60,8 +61,9 @@ fn listed(section: &Section<'_>, typed: &[typed::Pose]) -> Vec<Pose> {
     poses
 }
 
-/// Reads a CSV file of poses: a header line that names the columns time, x, y, z, qw, qx, qy and qz (with or without
-/// units, as in `time_s`; other columns are passed over), then a row per pose. Lines that begin with `#` are comments.
+/// Reads a CSV file of poses. A header line names the columns time, x, y, z, qw, qx, qy and qz
+/// (with or without units, as in `time_s`); other columns are ignored. Each further row is a pose.
+/// Lines that begin with `#` are comments.
 fn read(path: &Path) -> Result<Vec<Pose>, String> {
     let place = path.display();
     let rows = read_columns(path, ["time", "x", "y", "z", "qw", "qx", "qy", "qz"])?;
@@ -90,8 +92,9 @@ fn late(time: f64, before: f64) -> String {
     format!("time {time:?} s does not come after {before:?} s; times must grow")
 }
 
-/// The unit quaternion next to one that nearly is. One that is a unit quaternion, up to round-off, stays unchanged, so that
-/// resolved scenarios read back to themselves. Faulty numbers, which are reported already, stay unchanged, too.
+/// Normalises a quaternion that is nearly a unit quaternion. If it is one already, up to
+/// round-off, it is unchanged, so that resolved scenarios read back to themselves. Faulty numbers,
+/// which were reported, are also unchanged.
 fn unit(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
     let norm = quaternion
         .iter()

@@ -1,4 +1,4 @@
-//! Inputs of a kind of experiment for resolving its own tables.
+//! Inputs with which a kind of experiment resolves its own tables.
 
 use super::rod::{material, refuse_degenerate};
 use super::{Context, polyline};
@@ -14,7 +14,7 @@ use std::any::Any;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-/// The file in which a kind of experiment finds its tables.
+/// Input of a kind of experiment: the scenario file with its tables.
 pub struct Request<'a> {
     /// The top of the file.
     pub top: &'a Section<'a>,
@@ -25,9 +25,9 @@ pub struct Request<'a> {
     pub(super) context: &'a Context<'a>,
 }
 
-/// The common tables as resolved, for a kind to check its requirements.
+/// The resolved common tables, for the checks of the kind.
 pub struct CommonTables<'a> {
-    /// The rods that the file lists.
+    /// The rods listed in the file.
     pub rods: &'a [Rod],
     /// Contact model.
     pub contact: &'a Contact,
@@ -37,13 +37,13 @@ pub struct CommonTables<'a> {
     pub time: &'a Time,
 }
 
-/// Rod and material of the tables `[rod]` and `[material]`.
+/// Rod and material from the tables `[rod]` and `[material]`.
 pub struct BuiltRod {
     /// Material.
     pub material: Material,
     /// Radius, m.
     pub radius: f64,
-    /// Number of nodes; `None` if it is at fault, which was reported.
+    /// Number of nodes; `None` if it is faulty, which was reported.
     pub nodes: Option<usize>,
     /// Stiffness of the circular cross-section.
     pub stiffness: Stiffness,
@@ -60,13 +60,13 @@ impl BuiltRod {
 }
 
 impl<'a> Request<'a> {
-    /// The table `[key]` of this kind, which must be there.
+    /// The required table `[key]` of this kind.
     pub fn table<T: Any>(&self, key: &str) -> Option<&'a T> {
         let table = self.own.get(key);
         self.top.needed(key, table, &format!("a table [{key}]"))
     }
 
-    /// Whether the tables `[rod]` and `[material]` are there, which is reported where they are not.
+    /// Whether the tables `[rod]` and `[material]` exist; reports missing ones.
     pub fn needs_rod(&self) -> bool {
         let common = self.file;
         let help = "a table [rod] with radius and nodes";
@@ -76,7 +76,8 @@ impl<'a> Request<'a> {
         rod.is_some() && material.is_some()
     }
 
-    /// The round rod that the tables `[rod]` and `[material]` describe, with so many nodes; `None` without the tables.
+    /// The round rod of the tables `[rod]` and `[material]`, with a number of nodes in this range;
+    /// `None` without the tables.
     pub fn rod(&self, nodes: RangeInclusive<usize>) -> Option<BuiltRod> {
         let common = self.file;
         let (rod, table) = (common.rod.as_ref()?, common.material.as_ref()?);
@@ -94,7 +95,7 @@ impl<'a> Request<'a> {
         })
     }
 
-    /// Reports those of the tables `keys` that are present, but not allowed.
+    /// Reports the tables among `keys` that are present but not allowed.
     pub fn refuse(&self, keys: &[&str], message: &str) {
         for key in keys {
             if self.context.document.entry(key).is_some() {
@@ -103,8 +104,8 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// Corners of a polyline from the CSV file that `key` names, or from the key `points`; none where a fault was
-    /// reported.
+    /// Corners of a polyline from the CSV file that `key` names, or from the key `points`; empty
+    /// after a fault.
     pub fn corners(
         &self,
         section: &Section<'_>,

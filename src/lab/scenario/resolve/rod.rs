@@ -7,10 +7,11 @@ use crate::scenario::resolved::{
 use crate::scenario::section::{POSITIVE, Section};
 use crate::scenario::typed::{self, ScenarioFile};
 
-/// More edges than any machine could step; taken for a typing error.
+/// Maximum number of edges: larger numbers are taken for typing errors.
 pub const MOST_EDGES: usize = 1_000_000;
 
-/// Resolves all rods: those of a general `scene`, or those beside the rods that another experiment builds.
+/// Resolves all rods: those of a general `scene`, or those in addition to the rods that another
+/// experiment builds.
 pub fn rods(
     context: &Context<'_>,
     top: &Section<'_>,
@@ -100,7 +101,7 @@ pub struct Member {
     pub shape: Shape,
 }
 
-/// Resolves a rod, open and with lumped inertia, of given name, edges and shape.
+/// Resolves an open rod with lumped inertia and a given name, number of edges and shape.
 pub fn member(
     context: &Context<'_>,
     section: &Section<'_>,
@@ -140,8 +141,8 @@ pub fn member(
     }
 }
 
-/// The inertia that is named, or the best for the rod: consistent where vibrations are of fourth order by it, lumped where
-/// other errors rule.
+/// The requested inertia, or the best one for the rod: consistent if this makes vibrations
+/// fourth-order accurate, lumped if other errors dominate.
 fn inertia(choice: typed::InertiaChoice, gains: bool) -> Inertia {
     match choice {
         typed::InertiaChoice::Auto if gains => Inertia::Consistent,
@@ -150,7 +151,7 @@ fn inertia(choice: typed::InertiaChoice, gains: bool) -> Inertia {
     }
 }
 
-/// Whether a rod without stress is straight and untwisted.
+/// Whether the natural shape of a rod is straight and untwisted.
 fn is_straight(natural: &NaturalShape, placed: &Shape) -> bool {
     match natural {
         NaturalShape::Straight => true,
@@ -161,10 +162,10 @@ fn is_straight(natural: &NaturalShape, placed: &Shape) -> bool {
     }
 }
 
-/// Largest part of its length by which a rod may start compressed.
+/// Largest fraction of its length by which a rod may be compressed initially.
 const MOST_SHORTENED: f64 = 0.9;
 
-/// The tension in a placed rod, N, whose lengths without stress follow from those placed.
+/// The tension in a placed rod, N. The natural lengths follow from it and the placed lengths.
 fn pretension(
     section: &Section<'_>,
     typed: &typed::Rod,
@@ -223,7 +224,7 @@ impl<'a> CommonMaterial<'a> {
     }
 }
 
-/// Resolves a rod's material from its own keys, else from the common ones.
+/// Resolves a rod's material from its own keys, or else from the common ones.
 fn own_material(
     section: &Section<'_>,
     own: &typed::Material,
@@ -259,7 +260,7 @@ fn own_material(
     }
 }
 
-/// Modulus that relaxes, Pa, and relaxation time, s, if given.
+/// Relaxing modulus, Pa, and relaxation time, s, if given.
 fn relaxation(section: &Section<'_>, typed: &typed::Material) -> Option<[f64; 2]> {
     let modulus = typed.relaxing_modulus(section);
     let time = typed.relaxation_time(section);
@@ -325,7 +326,7 @@ fn cross_section(section: &Section<'_>, rod: &typed::Rod) -> CrossSection {
     }
 }
 
-/// Refuses stiffnesses that under- or overflow; NaN follows from a fault that was reported.
+/// Rejects stiffnesses that underflow or overflow. NaN follows from a fault that was reported.
 pub fn refuse_degenerate(section: &Section<'_>, stiffness: &Stiffness) {
     let values = [
         stiffness.stretching,
@@ -382,7 +383,7 @@ fn edges(section: &Section<'_>, typed: Option<i64>, shape: &Shape, closed: bool)
         // A closed rod of two edges would fold onto itself.
         _ if closed => 3,
         Shape::Slack { .. } => 2,
-        // Longer edges than its inner radius do not turn with it.
+        // Edges longer than the inner radius could not follow its curvature.
         Shape::Coil {
             inner_radius,
             length,
@@ -403,7 +404,7 @@ fn edges(section: &Section<'_>, typed: Option<i64>, shape: &Shape, closed: bool)
     } else {
         corners.saturating_sub(1)
     };
-    // An empty polyline was reported.
+    // An empty polyline has already been reported.
     if corners > 0 && edges < fewest {
         section.fault(
             "shape",

@@ -20,7 +20,7 @@ pub fn shape(context: &Context<'_>, section: &Section<'_>, typed: &typed::Shape)
     }
 }
 
-/// Resolves a shape without stress.
+/// Resolves a natural shape.
 pub fn natural_shape(
     context: &Context<'_>,
     section: &Section<'_>,
@@ -60,7 +60,8 @@ fn straight(section: &Section<'_>, typed: &typed::Straight) -> Shape {
     Shape::Straight { start, end }
 }
 
-/// Least horizontal distance of the ends of a chain over its length: nearer they hang in two strands without a bend.
+/// Least horizontal distance of the ends of a chain over its length: for a smaller distance the
+/// chain hangs in two strands without a smooth bend.
 const LEAST_SPAN: f64 = 1e-3;
 
 fn catenary(section: &Section<'_>, typed: &typed::Catenary) -> Shape {
@@ -87,7 +88,8 @@ fn catenary(section: &Section<'_>, typed: &typed::Catenary) -> Shape {
     }
 }
 
-/// Greatest length of a slack rod over the distance of its ends: with them nearer it is a closed ring.
+/// Largest ratio of the length of a slack rod to the distance of its ends: with a larger ratio the
+/// rod is practically a closed ring.
 const MOST_SLACK: f64 = 1e3;
 
 fn slack(section: &Section<'_>, typed: &typed::Slack) -> Shape {
@@ -147,16 +149,16 @@ fn norm(vector: [f64; 3]) -> f64 {
     vector.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
 
-/// The direction of the part of a unit vector that is normal to another; `None` where there is hardly any.
+/// The normalised component of a unit vector normal to another one; `None` if it is nearly zero.
 fn part_normal_to(direction: [f64; 3], axis: [f64; 3]) -> Option<[f64; 3]> {
     let along: f64 = (0..3).map(|i| axis[i] * direction[i]).sum();
     let across: [f64; 3] = std::array::from_fn(|i| direction[i] - along * axis[i]);
     let size = norm(across);
     if size < 1e-6 {
-        // Below this it is lost in round-off.
+        // Smaller components are lost in round-off.
         None
     } else if along.abs() < 4.0 * f64::EPSILON {
-        // Exactly normal it stays as it is.
+        // An exactly normal direction is unchanged.
         Some(direction)
     } else {
         Some(across.map(|component| component / size))

@@ -1,9 +1,11 @@
-//! The default of `contact.slip_tolerance`, which follows from the scales of a scene.
+//! The default of `contact.slip_tolerance`, derived from the scales of a scene.
 //!
-//! Sticking contacts creep at some part of the slip tolerance ν. A fall through a radius h, or a motion through it at the
-//! acceleration a that presses rods together, reaches the speed √(a h); creep at a thousandth of that speed covers much less than a
-//! radius in the time that motions on this scale take. For a rod of a millimetre on Earth this is 0.1 mm/s. Scenes without
-//! gravity take that of Earth, and no more than 0.1 mm/s: thicker rods, too, are driven at millimetres per second there.
+//! Sticking contacts creep at a fraction of the slip tolerance ν. The speed scale is √(a h): a
+//! body with the acceleration a (of gravity, or of the motion that presses rods together) reaches
+//! this speed over a radius h. Creep at a thousandth of this speed covers much less than a radius
+//! during such a motion. For a radius of a millimetre on Earth the tolerance is 0.1 mm/s. Scenes
+//! without gravity use the gravity of Earth and at most 0.1 mm/s, because there even thicker rods
+//! are driven at millimetres per second.
 
 use crate::scenario::resolved::{Clamp, Contact, Load, LoadKind};
 
@@ -11,13 +13,14 @@ use crate::scenario::resolved::{Clamp, Contact, Load, LoadKind};
 const LARGEST: f64 = 1e-4;
 /// Part of the speed √(a h).
 const PART_OF_FALL: f64 = 1e-3;
-/// Part of the speed of clamps that move slowly.
+/// Fraction of the speed of slowly moving clamps.
 const PART_OF_DRIVE: f64 = 0.1;
 /// Acceleration of free fall on Earth, m/s², for scenes without gravity.
 const ON_EARTH: f64 = 10.0;
 
-/// Default slip tolerance of a scene whose thinnest rod has this radius (m), m/s: the lesser of √(a h)/1000 and a tenth of the
-/// fastest straight motion of a clamp; without gravity a is 10 m/s², and 0.1 mm/s the most.
+/// Default slip tolerance of a scene whose thinnest rod has this radius (m), in m/s: the smaller
+/// of √(a h)/1000 and a tenth of the largest translational speed of a clamp. Without gravity a is
+/// 10 m/s², and the tolerance is at most 0.1 mm/s.
 pub fn default_slip_tolerance(smallest_radius: f64, loads: &[Load], clamps: &[Clamp]) -> f64 {
     let gravity = gravity(loads);
     let (acceleration, largest) = if gravity > 0.0 {
@@ -33,7 +36,7 @@ pub fn default_slip_tolerance(smallest_radius: f64, loads: &[Load], clamps: &[Cl
         f64::INFINITY
     };
     let least = of_fall.min(of_drive).min(largest);
-    // A scene that is wrong elsewhere may have no radius.
+    // The scene may have another fault and no radius.
     if least > 0.0 && least.is_finite() {
         least
     } else {
@@ -41,7 +44,7 @@ pub fn default_slip_tolerance(smallest_radius: f64, loads: &[Load], clamps: &[Cl
     }
 }
 
-/// Size of the sum of all gravity, m/s²; 0 without any.
+/// Magnitude of the total gravity, m/s²; 0 without any.
 fn gravity(loads: &[Load]) -> f64 {
     let mut sum = [0.0; 3];
     for load in loads {
@@ -54,7 +57,7 @@ fn gravity(loads: &[Load]) -> f64 {
     sum.iter().map(|part| part * part).sum::<f64>().sqrt()
 }
 
-/// Fastest straight motion of a clamp, m/s.
+/// Largest translational speed of a clamp, m/s.
 fn speed(clamp: &Clamp) -> f64 {
     let corners = clamp.movement.translation.windows(2);
     let speeds = corners.map(|pair| {
@@ -68,7 +71,7 @@ fn speed(clamp: &Clamp) -> f64 {
 }
 
 impl Contact {
-    /// Sets the slip tolerance (m/s), where the model has one.
+    /// Sets the slip tolerance (m/s), if the model has one.
     pub(in crate::scenario) fn set_slip_tolerance(&mut self, tolerance: f64) {
         match self {
             Self::Imc { slip_tolerance, .. } | Self::Ipc { slip_tolerance, .. } => {
@@ -97,7 +100,7 @@ mod tests {
     fn rods_of_a_millimetre_have_a_tenth_of_a_millimetre_per_second() {
         let of = |radius: f64| default_slip_tolerance(radius, &weight(10.0), &[]);
         assert!((of(1e-3) / 1e-4 - 1.0).abs() < 1e-12);
-        // As √h, in any unit of length.
+        // It scales with √h, in any unit of length.
         for radius in [1e-7, 3e-4, 5e-3, 2.0] {
             assert!((of(radius) / (1e-4 * (radius / 1e-3).sqrt()) - 1.0).abs() < 1e-12);
         }

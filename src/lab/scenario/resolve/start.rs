@@ -1,4 +1,4 @@
-//! Resolving starts from the end of another run: the file is read, and identified by its hash.
+//! Resolves starts from the end of another run. The file is read and identified by its hash.
 
 use super::{Context, Section};
 use crate::scenario::input_file::{self, LARGEST_TABLE};
@@ -6,14 +6,14 @@ use crate::scenario::resolved::Start;
 use crate::scenario::typed;
 use std::path::{Path, PathBuf};
 
-/// Name of the state in a results directory.
+/// File name of the state in a results directory.
 pub const END_STATE: &str = "end_state.csv";
-/// Name of the manifest in a results directory.
+/// File name of the manifest in a results directory.
 const MANIFEST: &str = "manifest.json";
-/// Name of the copy beside a resolved scenario.
+/// File name of the copy beside a resolved scenario.
 pub const COPY: &str = "start_state.csv";
 
-/// The file that `from` names: itself, or the state in a results directory.
+/// The file that `from` names: a file itself, or the state in a results directory.
 pub fn file_of(from: &Path) -> PathBuf {
     if from.is_dir() {
         from.join(END_STATE)
@@ -22,7 +22,7 @@ pub fn file_of(from: &Path) -> PathBuf {
     }
 }
 
-/// Resolves the table; `None` where there is none, or a fault was reported.
+/// Resolves the table; `None` if it is missing or faulty.
 pub fn start(
     context: &Context<'_>,
     top: &Section<'_>,
@@ -70,8 +70,8 @@ pub fn start(
     })
 }
 
-/// Compares a state with the hash in the manifest beside it; a file without a hash, as of an earlier version, passes with a
-/// warning.
+/// Compares a state with the hash in the manifest beside it. If the manifest has no hash, as in
+/// earlier versions, the file is accepted with a warning.
 fn check_mark(file: &Path, hash: &str) -> Result<(), String> {
     let (Some(directory), Some(name)) = (file.parent(), file.file_name()) else {
         return Ok(());

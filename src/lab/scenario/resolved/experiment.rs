@@ -1,11 +1,11 @@
-//! The experiment of a scenario as resolved.
+//! The experiment of a resolved scenario.
 
 use serde::Serialize;
 use std::any::Any;
 use std::fmt;
 use std::sync::Arc;
 
-/// Rods that a builder makes.
+/// Rods built by a builder.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BuilderRod {
     /// Radius of each rod, m.
@@ -14,7 +14,7 @@ pub struct BuilderRod {
     pub nodes: usize,
 }
 
-/// The experiment that builds the scene, and the tables that only it reads.
+/// The experiment that builds the scene, and its own tables.
 #[derive(Clone, Serialize)]
 pub struct Experiment {
     #[serde(rename = "experiment")]
@@ -29,7 +29,8 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// The experiment called `name` with its resolved tables: `tables` is a struct with a field for each.
+    /// The experiment called `name` with its resolved tables: `tables` is a struct with a field
+    /// for each table.
     pub fn new<T: Serialize + Any + Send + Sync>(name: &'static str, tables: T) -> Self {
         let table = toml::Table::try_from(&tables);
         Self {
@@ -40,7 +41,7 @@ impl Experiment {
         }
     }
 
-    /// The same, for rods with a given smallest radius (m).
+    /// Sets the smallest radius of its rods (m).
     #[must_use]
     pub fn with_radius(self, smallest_radius: f64) -> Self {
         Self {
@@ -54,12 +55,12 @@ impl Experiment {
         self.name
     }
 
-    /// Smallest radius of the rods that it builds, m; infinite where it builds none.
+    /// Smallest radius of the rods that it builds, m; infinite if it builds none.
     pub fn smallest_radius(&self) -> f64 {
         self.smallest_radius
     }
 
-    /// Its tables as the kind that resolved them reads them.
+    /// Its tables, with the type in which its kind resolved them.
     pub fn own<T: Any>(&self) -> &T {
         let tables = self.tables();
         tables.expect("the tables of this experiment")
@@ -71,7 +72,8 @@ impl Experiment {
     }
 }
 
-/// Numbers are written so that they read back exactly: equal text means equal numbers.
+/// Compares the canonical text. Numbers are written so that they read back exactly: equal text
+/// means equal numbers.
 impl PartialEq for Experiment {
     fn eq(&self, other: &Self) -> bool {
         (self.name, &self.tables) == (other.name, &other.tables)

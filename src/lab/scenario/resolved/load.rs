@@ -27,19 +27,20 @@ pub struct Clamp {
     pub at: Place,
     /// Held degrees of freedom.
     pub hold: Hold,
-    /// Displacement from where the rod is placed, m.
+    /// Displacement from the placed position, m.
     #[serde(skip_serializing_if = "is_zero")]
     pub offset: [f64; 3],
-    /// Rotation vector about the node in the same way, rad.
+    /// Rotation vector about the node, relative to the placed orientation, rad.
     #[serde(skip_serializing_if = "is_zero")]
     pub rotation: [f64; 3],
-    /// Its motion: by default about the tangent at the node, with the node as the fixed point.
+    /// Motion of the clamp. The default axis is the tangent at the node, the default fixed point
+    /// the node.
     #[serde(flatten)]
     pub movement: Movement,
 }
 
 impl Clamp {
-    /// Whether it is elsewhere than where the rod is placed.
+    /// Whether the clamp starts away from the placed rod.
     pub fn is_elsewhere(&self) -> bool {
         !(is_zero(&self.offset) && is_zero(&self.rotation))
     }

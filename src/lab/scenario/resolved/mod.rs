@@ -1,8 +1,8 @@
-//! The scenario as resolved: complete, validated, every number in SI units.
+//! The resolved scenario: complete and validated, with every number in SI units.
 //!
-//! A [`Scenario`] leaves no choice open: defaults are filled in, units converted, shape files read. Its
-//! serialised form uses the keys of scenario files, so that it is itself a scenario file. It is TOML, which has no null:
-//! `None` values are left out.
+//! A [`Scenario`] leaves nothing open: defaults are filled in, units converted, shape files read.
+//! Its serialised form uses the keys of scenario files, so it is itself a scenario file. TOML has
+//! no null, so `None` values are left out.
 
 mod experiment;
 mod load;
@@ -44,7 +44,7 @@ pub struct Scenario {
     /// The experiment that builds the scene, with its own tables.
     #[serde(flatten)]
     pub experiment: Experiment,
-    /// Rods of the scene; in a builder, rods beside those it builds.
+    /// Rods of the scene; with a builder, rods in addition to those it builds.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rods: Vec<Rod>,
     /// Held or driven nodes.
@@ -81,7 +81,7 @@ pub struct Scenario {
     pub fluid: Fluid,
     /// Dynamic, static or along a path, and the time steps.
     pub time: Time,
-    /// The path, where there is one.
+    /// The path, if the mode needs one.
     pub continuation: Option<Continuation>,
     /// Newton's method.
     pub solver: Solver,

@@ -1,4 +1,4 @@
-//! Contact and fluid models as resolved.
+//! Resolved contact and fluid models.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "model", rename_all = "kebab-case")]
 pub enum Contact {
-    /// Everything passes through.
+    /// No contact: everything passes through.
     None,
     /// The implicit contact model (thesis 2.2–2.3).
     Imc {
@@ -29,7 +29,7 @@ pub enum Contact {
         distance_tolerance: f64,
         /// Slip tolerance ν, m/s.
         slip_tolerance: f64,
-        /// Force that the barrier bears at a gap of δ/2, over the largest force near contact.
+        /// Force of the barrier at a gap of δ/2, over the largest force near contact.
         stiffness_factor: f64,
     },
     /// Rigid contact by Signorini's and Coulomb's laws (thesis 3.3).
@@ -44,7 +44,7 @@ pub enum Contact {
 }
 
 impl Contact {
-    /// Friction coefficient μ; 0 where nothing touches.
+    /// Friction coefficient μ; 0 without contact.
     pub fn friction(&self) -> f64 {
         match *self {
             Self::None => 0.0,
@@ -54,7 +54,7 @@ impl Contact {
         }
     }
 
-    /// Distance δ within which surfaces touch, m; `None` where nothing touches.
+    /// Distance δ within which surfaces touch, m; `None` without contact.
     pub fn distance_tolerance(&self) -> Option<f64> {
         match *self {
             Self::None => None,
@@ -85,14 +85,14 @@ pub enum Fluid {
         regularization: f64,
         /// Relative error allowed in the drag from the flow of distant nodes; 0 for none.
         far_field_error: f64,
-        /// Whether the fluid resists that rods spin about their own axes.
+        /// Whether the fluid resists rotation of rods about their own axes.
         spin: bool,
     },
     /// Resistive force theory.
     Resistive {
         /// Dynamic viscosity, Pa s.
         viscosity: f64,
-        /// Whether the fluid resists that rods spin about their own axes.
+        /// Whether the fluid resists rotation of rods about their own axes.
         spin: bool,
     },
 }

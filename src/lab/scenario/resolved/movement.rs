@@ -1,4 +1,4 @@
-//! Motion of a clamp or an obstacle, as resolved.
+//! Resolved motion of a clamp or an obstacle.
 
 use serde::Serialize;
 
@@ -14,9 +14,9 @@ pub struct Movement {
     /// Angle in rad at given times in s, piecewise linear.
     #[serde(rename = "turn", skip_serializing_if = "Vec::is_empty")]
     pub angle: Vec<(f64, f64)>,
-    /// Steady rate of turning, rad/s.
+    /// Constant angular velocity, rad/s.
     pub angular_velocity: f64,
-    /// Unit vector about which it turns; `None` is the default axis of the moved object.
+    /// Unit vector along the axis of rotation; `None` is the default axis of the moved object.
     pub axis: Option<[f64; 3]>,
     /// Fixed point of the rotation; `None` is the default point of the moved object.
     pub pivot: Option<[f64; 3]>,

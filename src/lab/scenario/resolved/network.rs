@@ -23,6 +23,6 @@ pub enum HeldEnds {
     /// All.
     #[default]
     All,
-    /// Those at which ends of two rods meet.
+    /// Nodes at which the ends of two rods meet.
     Corners,
 }

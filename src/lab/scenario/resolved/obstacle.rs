@@ -63,9 +63,9 @@ pub enum ObstacleShape {
         size: [f64; 3],
         /// Radius of its edges, m.
         rounding: f64,
-        /// Unit vector about which it is turned.
+        /// Unit vector along the axis of its rotation.
         axis: [f64; 3],
-        /// Angle by which it is turned, rad.
+        /// Angle of its rotation, rad.
         angle: f64,
     },
     /// A triangle mesh.
@@ -74,7 +74,7 @@ pub enum ObstacleShape {
         vertices: Vec<[f64; 3]>,
         /// Three vertices of each triangle.
         triangles: Vec<[usize; 3]>,
-        /// Whether it encloses a body.
+        /// Whether the mesh encloses a body.
         closed: bool,
     },
 }

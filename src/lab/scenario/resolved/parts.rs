@@ -1,4 +1,4 @@
-//! Parts of a scene with tables of their own, as resolved.
+//! Resolved parts of a scene with tables of their own.
 
 use serde::Serialize;
 use std::any::Any;
@@ -9,14 +9,14 @@ use std::sync::Arc;
 #[derive(Clone, Default, Serialize)]
 #[serde(transparent)]
 pub struct Parts {
-    /// As written in the canonical form.
+    /// The arrays in the canonical form.
     tables: toml::Table,
     #[serde(skip)]
     typed: Vec<Arc<dyn Any + Send + Sync>>,
 }
 
 impl Parts {
-    /// Adds the parts of one kind; none leave no table.
+    /// Adds the parts of one kind; without parts no table is added.
     pub fn insert<P: Serialize + Any + Send + Sync>(&mut self, key: &str, parts: Vec<P>) {
         if !parts.is_empty() {
             let written = toml::Value::try_from(&parts).expect("numbers and words are TOML");
@@ -33,7 +33,8 @@ impl Parts {
     }
 }
 
-/// Numbers are written so that they read back exactly: equal text means equal numbers.
+/// Compares the canonical text. Numbers are written so that they read back exactly: equal text
+/// means equal numbers.
 impl PartialEq for Parts {
     fn eq(&self, other: &Self) -> bool {
         self.tables == other.tables

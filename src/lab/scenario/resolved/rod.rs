@@ -1,4 +1,4 @@
-//! Rods as resolved: material, cross-section, shape.
+//! Resolved rods: material, cross-section, shape.
 
 use crate::scenario::tables::Stiffness;
 use schemars::JsonSchema;
@@ -35,7 +35,7 @@ pub struct Rod {
     pub cross_section: CrossSection,
     /// Stiffness of the cross-section, derived or given.
     pub stiffness: Stiffness,
-    /// Inertia of edges at their nodes.
+    /// How the inertia of edges is assigned to nodes.
     pub inertia: Inertia,
     /// Velocity at time zero, m/s.
     pub velocity: [f64; 3],
@@ -43,13 +43,13 @@ pub struct Rod {
     pub angular_velocity: [f64; 3],
 }
 
-/// Inertia of edges at their nodes.
+/// How the inertia of edges is assigned to nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Inertia {
-    /// Half of an edge at either node.
+    /// Half of an edge at each of its nodes.
     Lumped,
-    /// Edges that move linearly from node to node.
+    /// Edges whose velocity is linear from node to node.
     Consistent,
 }
 
@@ -68,7 +68,7 @@ pub struct Material {
     /// Modulus that relaxes, Pa.
     #[serde(skip_serializing_if = "is_zero")]
     pub relaxing_modulus: f64,
-    /// Relaxation time, s; 0 where nothing relaxes.
+    /// Relaxation time, s; 0 without relaxation.
     #[serde(skip_serializing_if = "is_zero")]
     pub relaxation_time: f64,
 }
@@ -89,9 +89,10 @@ impl Material {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum CrossSection {
-    /// A full circle of the rod's radius.
+    /// A full circle with the rod's radius.
     Circle,
-    /// A rectangle; `width` lies along the first material director, `thickness` along the second.
+    /// A full rectangle; `width` is measured along the first material director, `thickness` along
+    /// the second.
     Rectangle {
         /// Extent along the first director, m.
         width: f64,
@@ -125,7 +126,7 @@ pub enum Shape {
     },
     /// A helix about the line through `centre` along `axis`.
     Helix {
-        /// Point of the axis beside the first point of the helix, m.
+        /// Point of the axis nearest to the first point of the helix, m.
         centre: [f64; 3],
         /// Direction of the axis, a unit vector.
         axis: [f64; 3],
@@ -151,28 +152,29 @@ pub enum Shape {
         /// Direction in which it hangs, a unit vector.
         down: [f64; 3],
     },
-    /// A slack rod between two points, in an arc of a circle.
+    /// A slack rod between two points, in a circular arc.
     Slack {
         /// First point, m.
         start: [f64; 3],
         /// Last point, m.
         end: [f64; 3],
-        /// Length of its edges together, m.
+        /// Total length of its edges, m.
         length: f64,
-        /// Direction in which its middle lies off the line of its ends, a unit vector normal to that line.
+        /// Direction from the line between the ends to the middle of the rod, a unit vector normal
+        /// to that line.
         towards: [f64; 3],
     },
     /// A rod coiled flat, from its inner end outwards.
     Coil {
         /// Middle of the coil, m.
         centre: [f64; 3],
-        /// Unit vector about which it winds.
+        /// Unit vector about which the rod winds.
         normal: [f64; 3],
-        /// Distance of its inner end from the middle, m.
+        /// Distance of its inner end from the centre, m.
         inner_radius: f64,
-        /// Distance of neighbouring turns, m.
+        /// Distance of adjacent turns, m.
         spacing: f64,
-        /// Length of its edges together, m.
+        /// Total length of its edges, m.
         length: f64,
         /// Angle of the inner end about the normal, rad, from the direction of x (of y about a normal along x).
         phase: f64,
@@ -194,12 +196,12 @@ pub enum Shape {
     Ring {
         /// Centre, m.
         centre: [f64; 3],
-        /// Unit vector about which the ring runs.
+        /// Unit normal of the plane of the ring, which runs counter-clockwise about it.
         normal: [f64; 3],
         /// Radius, m.
         radius: f64,
     },
-    /// A polyline, resampled to equal arc lengths where the number of edges differs.
+    /// A polyline, resampled to equal arc lengths if the number of edges differs.
     Points {
         /// The corners, m.
         points: Vec<[f64; 3]>,
@@ -207,9 +209,9 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Two unit vectors that make a right-handed basis with the unit vector `axis`; angles about the axis
-    /// count from the first. It is the direction of x made normal to the axis, or of y where the axis is
-    /// along x.
+    /// Two unit vectors that form a right-handed basis with the unit vector `axis`. Angles about
+    /// the axis count from the first one, which is the component of x normal to the axis, or of y
+    /// if the axis is along x.
     pub fn normal_plane(axis: [f64; 3]) -> [[f64; 3]; 2] {
         let towards = if axis[0].abs() > 1.0 - 1e-9 { 1 } else { 0 };
         let along = axis[towards];
@@ -225,11 +227,11 @@ impl Shape {
 /// The shape without stress.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NaturalShape {
-    /// Curvature, twist and lengths as placed.
+    /// Curvature, twist and lengths of the placed rod.
     AsPlaced,
-    /// Straight and untwisted, edge lengths as placed.
+    /// Straight and untwisted, with the placed edge lengths.
     Straight,
-    /// Constant material curvatures and twist, edge lengths as placed.
+    /// Constant material curvatures and twist, with the placed edge lengths.
     Curved {
         /// Natural curvatures κ̃¹, κ̃², 1/m.
         curvature: [f64; 2],
@@ -242,10 +244,10 @@ pub enum NaturalShape {
     Strains(Strains),
 }
 
-/// Natural curvature and twist over the natural arc length, row by row.
+/// Natural curvature and twist over the natural arc length, in rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Strains {
-    /// Natural arc lengths from 0 on, m.
+    /// Natural arc lengths, starting at 0, m.
     pub arc_length: Vec<f64>,
     /// Natural curvatures about the first material director, 1/m.
     pub curvature_1: Vec<f64>,

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 
-/// Whether the scene moves in time or rests.
+/// Whether the scene moves in time, rests, or follows a path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "mode", rename_all = "kebab-case")]
 pub enum Time {
@@ -31,14 +31,14 @@ pub enum Time {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Begin {
-    /// With everything as placed.
+    /// With all rods as placed.
     Placed,
-    /// In the equilibrium at time zero.
+    /// With the rods in equilibrium at time zero.
     Equilibrium,
 }
 
 impl Begin {
-    // The signature that serialisation asks for.
+    // The signature that serde requires.
     #[expect(
         clippy::trivially_copy_pass_by_ref,
         reason = "serde passes a reference"
@@ -49,7 +49,7 @@ impl Begin {
 }
 
 impl Time {
-    /// The size of steps that have one, and the end of a dynamic run, s; `None` for others.
+    /// Fixed step size (`None` if automatic) and end of a dynamic run, s; `None` for other runs.
     pub fn steps(&self) -> Option<(Option<f64>, f64)> {
         match *self {
             Self::Static | Self::Continuation => None,
@@ -70,16 +70,17 @@ pub enum Scheme {
     ImplicitEuler,
     /// Second order, conserves momentum and nearly energy.
     ImplicitMidpoint,
-    /// Third order except for inertia, damps fast modes; drag of other nodes' motion to third order too.
+    /// Third order except for inertia, damps fast modes. Drag due to the motion of other nodes is
+    /// also third order.
     BackwardDifferences,
 }
 
 /// Size of the time steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
-    /// The same step always, s.
+    /// A fixed step, s.
     Fixed(f64),
-    /// Chosen by the local error.
+    /// Step chosen by the local error.
     Auto {
         /// Local error allowed per step, as a multiple of the rod radius.
         tolerance: f64,

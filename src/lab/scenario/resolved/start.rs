@@ -1,4 +1,4 @@
-//! A start from the end of another run as resolved.
+//! Resolved start from the end of another run.
 
 use serde::Serialize;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 pub struct Start {
     /// The copy of the state beside the resolved scenario.
     pub from: &'static str,
-    /// Whether its velocities are taken over.
+    /// Whether the rods keep the velocities of that state.
     pub velocities: bool,
     /// BLAKE3 hash of its file, in hexadecimal.
     pub hash: String,

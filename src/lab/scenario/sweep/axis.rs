@@ -1,4 +1,4 @@
-//! Axes of a sweep: keys that vary together, and the points on which they do.
+//! Axes of a sweep: keys that vary together, and their values.
 
 use super::range::{Interval, Number, Scale};
 use crate::scenario::decode::decode;
@@ -7,7 +7,7 @@ use crate::scenario::issue::{Issue, Issues, KeyPath};
 use crate::scenario::source::Span;
 use crate::scenario::typed;
 
-/// Most values of one range: as many as a sweep may have cases.
+/// Maximum number of values of a range, equal to that of the cases of a sweep.
 pub const MOST_VALUES: usize = 1_000_000;
 
 /// Keys that vary together.
@@ -19,7 +19,7 @@ pub struct Axis {
     pub points: Vec<Vec<Node>>,
 }
 
-/// A key that varies, and where it was typed.
+/// A varied key, and its position.
 #[derive(Clone, Debug)]
 pub struct SweptKey {
     /// The dotted key.
@@ -28,7 +28,7 @@ pub struct SweptKey {
     pub span: Span,
 }
 
-/// A range without `count`, of which samples are taken.
+/// A range without `count`, from which samples are taken.
 #[derive(Clone, Debug)]
 pub struct SampledRange {
     /// The key.
@@ -40,13 +40,13 @@ pub struct SampledRange {
 /// Axes and ranges of a sweep.
 #[derive(Default)]
 pub struct Keys {
-    /// An axis for each key with a list or a range with a count.
+    /// An axis for each key with a list, or with a range with `count`.
     pub axes: Vec<Axis>,
     /// Ranges without a count.
     pub sampled: Vec<SampledRange>,
 }
 
-/// Reads the dotted keys below `entries`, all but the reserved ones having been taken out.
+/// Reads the dotted keys below `entries`, from which the reserved keys were removed.
 pub fn read_keys(entries: &[Entry], issues: &mut Issues) -> Keys {
     let mut keys = Keys::default();
     for entry in entries {
@@ -208,7 +208,8 @@ pub fn read_zips(zip: &Entry, issues: &mut Issues) -> Vec<Axis> {
     axes
 }
 
-/// Several axes of one key each as one; the key at fault and a message where their lengths differ.
+/// Combines several axes of one key each into one. Returns the faulty key and a message if their
+/// lengths differ.
 fn zipped(axes: Vec<Axis>) -> Result<Option<Axis>, (String, String)> {
     let mut axes = axes.into_iter();
     let Some(mut joint) = axes.next() else {

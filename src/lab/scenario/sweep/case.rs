@@ -5,17 +5,18 @@ use crate::scenario::document_values;
 use crate::scenario::units::parse_any;
 use std::fmt::Write;
 
-/// Longest readable part of an id.
+/// Maximum length of the readable part of an id.
 const SLUG_LENGTH: usize = 60;
-/// Digits of the hash in an id: 64 bits, so that two of a million cases share one with a probability of 3·10⁻⁸.
+/// Number of hexadecimal digits of the hash in an id: 64 bits, so that two of a million cases have
+/// the same hash with a probability of 3·10⁻⁸.
 const HASH_DIGITS: usize = 16;
 
 /// One case of a sweep.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Readable, and independent of the other cases and their order.
+    /// Readable id, independent of the other cases and their order.
     pub id: String,
-    /// The keys that vary and their values, in the order of the sweep.
+    /// The varied keys and their values, in the order of the sweep.
     pub parameters: Vec<Parameter>,
 }
 
@@ -26,7 +27,7 @@ pub struct Parameter {
     pub key: String,
     /// The value as typed.
     pub typed: String,
-    /// The value in SI units, where it is a number.
+    /// The value in SI units, if it is a number.
     pub number: Option<f64>,
 }
 
@@ -50,7 +51,7 @@ impl Parameter {
         }
     }
 
-    /// The value as tables show it: numbers in SI units.
+    /// The value as shown in tables: numbers in SI units.
     pub fn column(&self) -> String {
         match self.number {
             Some(_) if self.typed.parse::<i64>().is_ok() => self.typed.clone(),
@@ -61,7 +62,7 @@ impl Parameter {
 }
 
 impl Case {
-    /// The case of the given values.
+    /// The case with these values.
     pub fn new(parameters: Vec<Parameter>) -> Self {
         Self {
             id: id(&parameters),
@@ -70,12 +71,13 @@ impl Case {
     }
 }
 
-/// The id that earlier versions gave to a case: theirs had half as many digits of the same hash.
+/// The id of the case in earlier versions: it had half as many digits of the same hash.
 pub fn earlier_id(id: &str) -> &str {
     &id[..id.len() - HASH_DIGITS / 2]
 }
 
-/// A slug of the last steps of the keys and their values, then a hash of all keys and values.
+/// A slug of the last steps of the keys and their values, followed by a hash of all keys and
+/// values.
 fn id(parameters: &[Parameter]) -> String {
     let mut sorted: Vec<&Parameter> = parameters.iter().collect();
     sorted.sort_by(|a, b| a.key.cmp(&b.key));

@@ -19,7 +19,7 @@ use crate::scenario::source::{Sources, Span};
 use crate::scenario::typed;
 use std::path::Path;
 
-/// A scenario and all its cases; a single one where nothing is varied.
+/// A scenario and all its cases; a single case if nothing is varied.
 #[derive(Clone, Debug)]
 pub struct CaseSet {
     pub(super) experiments: Experiments,
@@ -34,12 +34,12 @@ pub struct CaseSet {
 }
 
 impl CaseSet {
-    /// Reads a scenario file with its sweep. `overrides` are those of `--set`; each of `varied` is an argument
-    /// of `--vary`, which replaces the values of its key in the file.
+    /// Reads a scenario file with its sweep. `overrides` are arguments of `--set`. Each of
+    /// `varied` is an argument of `--vary`, which replaces the values of its key in the file.
     ///
     /// # Errors
-    /// All faults of the file and its sweep, but not those of the values of each case, which are reported by
-    /// [`CaseSet::scenario_of`].
+    /// All faults of the file and its sweep, but not of the values of the cases.
+    /// [`CaseSet::scenario_of`] reports those.
     pub fn load(
         experiments: Experiments,
         path: &Path,
@@ -50,7 +50,8 @@ impl CaseSet {
         Self::new(experiments, &load::name_of(path), sources, document, varied)
     }
 
-    /// The set of cases in the text of a scenario, called `name`, that names other files relative to `directory`.
+    /// The set of cases of a scenario given as text, called `name`. File names are relative to
+    /// `directory`.
     ///
     /// # Errors
     /// As [`CaseSet::load`].
@@ -64,8 +65,8 @@ impl CaseSet {
         Self::new(experiments, name, sources, document, &[])
     }
 
-    /// The set of cases in a table in memory, called `name`, that names other files relative to `directory`; `overrides` and
-    /// `varied` as [`CaseSet::load`] takes them.
+    /// The set of cases of a table in memory, called `name`. File names are relative to
+    /// `directory`; `overrides` and `varied` as in [`CaseSet::load`].
     ///
     /// # Errors
     /// As [`CaseSet::load`].
@@ -203,7 +204,7 @@ impl CaseSet {
         }
     }
 
-    /// The axis of an argument, which takes the place of that of the file.
+    /// The axis of an argument, which replaces the axis of the same key in the file.
     fn vary(&mut self, sources: &mut Sources, argument: &str) -> Result<Axis, ScenarioError> {
         let source = sources.add("--vary".to_owned(), Some(argument.into()), Path::new(""));
         let axis = vary::read(source, argument).map_err(|message| {
@@ -223,7 +224,8 @@ impl CaseSet {
         Ok(axis)
     }
 
-    /// Refuses keys that cannot vary, and keys of which one would override the other, however their paths are typed.
+    /// Rejects keys that cannot vary, and keys that would override each other, however their paths
+    /// are typed.
     fn refuse_impossible_keys(&self) -> Result<(), ScenarioError> {
         let mut seen: Vec<(Vec<String>, &str)> = Vec::new();
         let searched = self.search.iter().map(|search| &search.key);
@@ -246,7 +248,7 @@ impl CaseSet {
         Ok(())
     }
 
-    /// The path to a key, with elements of arrays by their numbers.
+    /// The path to a key, with elements of arrays as indices.
     fn steps_of(&self, key: &str) -> Vec<String> {
         overrides::numbered_steps(&self.document, key)
     }
@@ -261,17 +263,17 @@ impl CaseSet {
         !self.axes.is_empty() || self.search.is_some()
     }
 
-    /// The search, where there is one; it is then made for each case of the other keys.
+    /// The search, if there is one. It is repeated for each case of the other keys.
     pub fn search(&self) -> Option<&Search> {
         self.search.as_ref()
     }
 
-    /// The derivatives that are added to the table, where there are any.
+    /// The derivatives that the sweep adds to the table, if any.
     pub fn derivatives(&self) -> Option<&SweptDerivatives> {
         self.derivatives.as_ref()
     }
 
-    /// A fault of `[sweep.derivatives]`, at its place.
+    /// A fault of `[sweep.derivatives]`, with its position.
     pub fn refuse_derivatives(&self, message: &str, help: Option<String>) -> ScenarioError {
         let issue = Issue::new(sweep_path().key("derivatives"), message).with_help(help);
         let typed = self.derivatives.as_ref().map(|table| &table.typed);
@@ -279,18 +281,19 @@ impl CaseSet {
         Located::new(&self.sources, issue, keys.map(|node| node.span.clone())).into()
     }
 
-    /// Seed of the samples, where there are any.
+    /// Seed of the samples, if there are any.
     pub fn seed(&self) -> Option<u64> {
         self.seed
     }
 
-    /// Number of cases: the product of the lengths of all axes; the largest number where that overflows.
+    /// Number of cases: the product of the lengths of all axes, or the largest integer if that
+    /// overflows.
     pub fn count(&self) -> u128 {
         let lengths = self.axes.iter().map(|axis| axis.points.len() as u128);
         lengths.fold(1, u128::saturating_mul)
     }
 
-    /// The keys that vary, in the order of [`Case::parameters`]; the key of a search is the last.
+    /// The varied keys, in the order of [`Case::parameters`]; the searched key is the last.
     pub fn keys(&self) -> Vec<&str> {
         let searched = self.search.iter().map(|search| &search.key);
         let keys = self.axes.iter().flat_map(|axis| &axis.keys);
@@ -299,15 +302,16 @@ impl CaseSet {
             .collect()
     }
 
-    /// A case; the last axis runs fastest.
+    /// A case; the last axis varies fastest.
     ///
     /// # Panics
-    /// Where `index` is not less than [`CaseSet::count`].
+    /// If `index` is not less than [`CaseSet::count`].
     pub fn case(&self, index: usize) -> Case {
         Case::new(self.parameters(&self.position(index)))
     }
 
-    /// The case of the search whose key has the given number in front of its unit, for a case of the other keys.
+    /// The case of a search: a case of the other keys, with this number, in front of its unit, for
+    /// the searched key.
     pub fn searched_case(&self, index: usize, number: f64) -> Case {
         let mut parameters = self.parameters(&self.position(index));
         if let Some(search) = &self.search {
@@ -316,7 +320,8 @@ impl CaseSet {
         Case::new(parameters)
     }
 
-    /// Cases in which each value of each axis occurs at least once, the others at their first.
+    /// Indices of cases in which each value of each axis occurs at least once, while the other
+    /// axes have their first value.
     pub fn probes(&self) -> impl Iterator<Item = usize> + '_ {
         let strides = self.axes.iter().enumerate().map(|(number, axis)| {
             let after = &self.axes[number + 1..];
@@ -357,7 +362,7 @@ impl CaseSet {
         .collect()
     }
 
-    /// A value with the names of files as ids and tables show them.
+    /// A value with file names as in ids and tables.
     fn labelled(&self, key: &str, node: &Node) -> Node {
         let mut node = node.clone();
         let mut path = key.split('.').map(str::to_owned).collect();
@@ -374,7 +379,7 @@ impl CaseSet {
     /// The scenario of a case.
     ///
     /// # Errors
-    /// All its faults; faults of varied values point at the values in the sweep.
+    /// All its faults; faults of varied values refer to their positions in the sweep.
     pub fn scenario_of(&self, index: usize) -> Result<Loaded, ScenarioError> {
         self.changed_scenario(index, None, &[])
     }
@@ -387,7 +392,8 @@ impl CaseSet {
         self.changed_scenario(index, Some(number), &[])
     }
 
-    /// The number of a dotted key, in SI units, as the scenario states it or its expression gives it; `None` where it states none.
+    /// The number at a dotted key, in SI units, as the scenario states it or its expression
+    /// evaluates; `None` if it states none.
     ///
     /// # Errors
     /// Faults of the first case.
@@ -401,10 +407,10 @@ impl CaseSet {
         Ok(number_at(loaded.document(), &steps))
     }
 
-    /// The set with further changes as `--set` takes them.
+    /// The set with further changes in the form of `--set` arguments.
     ///
     /// # Errors
-    /// The first change that is impossible.
+    /// The first invalid change.
     pub fn changed(&self, changes: &[String]) -> Result<Self, ScenarioError> {
         let mut changed = self.clone();
         for text in changes {
@@ -421,7 +427,7 @@ impl CaseSet {
         self.changed_with(numbers, &[])
     }
 
-    /// The same with further changes as `--set` takes them.
+    /// Like [`Self::scenario_with`], with further changes in the form of `--set` arguments.
     ///
     /// # Errors
     /// All its faults.
@@ -440,7 +446,8 @@ impl CaseSet {
         load::finish(self.experiments, &self.name, sources, document)
     }
 
-    /// The scenario of a case, of a search with its number, with further changes as `--set` takes them.
+    /// The scenario of a case with further changes in the form of `--set` arguments. A search also
+    /// needs the number of its key.
     ///
     /// # Errors
     /// As [`CaseSet::scenario_of`].
@@ -495,7 +502,7 @@ fn number_at(document: &Node, key: &str) -> Option<f64> {
     Parameter::new(key, &node.value).number
 }
 
-/// The fault of varying the key at `steps` beside another, if any.
+/// The fault of varying the key at `steps` together with another key, if any.
 fn overlap(steps: &[String], other: &[String], typed: &str) -> Option<String> {
     if steps == other {
         return Some(format!("this key is varied twice, as `{typed}`, too"));

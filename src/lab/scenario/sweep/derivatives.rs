@@ -9,9 +9,9 @@ use crate::scenario::typed;
 /// Probes and keys of `[sweep.derivatives]`.
 #[derive(Clone, Debug)]
 pub struct SweptDerivatives {
-    /// Probes or columns; all of them where it is empty.
+    /// Probes or columns; empty for all of them.
     pub of: Vec<String>,
-    /// Dotted keys over which they are differentiated.
+    /// Dotted keys to differentiate over.
     pub to: Vec<String>,
     /// The table as typed.
     pub(super) typed: Node,

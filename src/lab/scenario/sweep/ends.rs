@@ -12,7 +12,7 @@ use crate::scenario::source::Sources;
 const OF_RANGE: [&str; 2] = ["from", "to"];
 const OF_SEARCH: [&str; 3] = ["from", "to", "tolerance"];
 
-/// Expressions become numbers, with the parameters of the scenario itself.
+/// Evaluates expressions at the ends, with the parameters of the scenario itself.
 pub struct Ends<'a> {
     /// The available experiments.
     pub experiments: Experiments,
@@ -78,7 +78,8 @@ impl Ends<'_> {
         }
     }
 
-    /// Evaluates the ends of one range of a key. Where one is an expression, all are in SI units.
+    /// Evaluates the ends of a range. If one of them is an expression, all become numbers in SI
+    /// units.
     fn evaluate_ends(
         &self,
         range: &mut Node,

@@ -7,11 +7,11 @@ use crate::scenario::overrides::parse_value;
 use crate::scenario::source::Span;
 use std::path::Path;
 
-/// Reads a header line of dotted keys and a row per point; lines that begin with `#` are comments. Values are
-/// read as after `--set`. `span` is the place that messages show.
+/// Reads a header line of dotted keys and a row per point. Lines that begin with `#` are comments.
+/// Values are read as in `--set`. Messages refer to the position `span`.
 ///
 /// # Errors
-/// A message with the file and, for a faulty row, its line.
+/// A message with the file, and with the line of a faulty row.
 pub fn read(path: &Path, span: &Span) -> Result<Axis, String> {
     let place = path.display();
     let bytes = input_file::read(path, LARGEST_TEXT)?;

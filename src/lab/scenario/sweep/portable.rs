@@ -1,4 +1,4 @@
-//! The scenario of a whole sweep as one that needs nothing from elsewhere.
+//! The scenario of a whole sweep as a self-contained scenario.
 
 use super::axis::Axis;
 use super::case_set::CaseSet;
@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 /// A scenario with its sweep, and all files that it reads.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Portable {
-    /// The scenario file: with the copies beside it, it has the same cases.
+    /// The scenario file. With the copies beside it, it has the same cases.
     pub toml: String,
     /// The copies, by name.
     pub inputs: Vec<InputFile>,
@@ -24,14 +24,14 @@ pub struct Portable {
 /// A copy of a file that a sweep reads.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputFile {
-    /// Its name in the folder [`INPUTS`], steps joined by `/`.
+    /// Its name in the folder [`INPUTS`], with components separated by `/`.
     pub name: String,
     /// Its contents.
     pub contents: Vec<u8>,
 }
 
 impl CaseSet {
-    /// The scenario of the whole, with copies of the files that any of its cases may read.
+    /// The scenario of the whole sweep, with copies of the files that any of its cases may read.
     ///
     /// # Errors
     /// A file cannot be read, or two files would have the same name.
@@ -79,14 +79,15 @@ impl CaseSet {
     }
 }
 
-/// Copies that were taken so far.
+/// Copies made so far.
 struct Copies<'a> {
     case_set: &'a CaseSet,
     contents: BTreeMap<String, Vec<u8>>,
 }
 
 impl Copies<'_> {
-    /// Reads the files that are named at or below the node of a dotted key, and names their copies in their place.
+    /// Reads the files named at or below the node of a dotted key, and replaces their names by
+    /// those of the copies.
     fn take(&mut self, node: &mut Node, key: &str) -> Result<(), ScenarioError> {
         let case_set = self.case_set;
         let steps = key.split('.').filter(|step| !step.is_empty());
@@ -99,7 +100,7 @@ impl Copies<'_> {
         let Value::String(name) = &mut node.value else {
             return Ok(());
         };
-        // In a copied table each copy may have a file of its own: "curve{i}.csv".
+        // In a table with copies each copy may have its own file: "curve{i}.csv".
         if name.contains('{') {
             for index in self.case_set.probes() {
                 let loaded = self.case_set.scenario_of(index)?;
@@ -114,7 +115,7 @@ impl Copies<'_> {
         Ok(())
     }
 
-    /// Reads the file of a name that was typed at `span`.
+    /// Reads the file whose name was typed at `span`.
     fn copy(&mut self, name: &str, span: &Span) -> Result<(), ScenarioError> {
         let sources = &self.case_set.sources;
         let fault = |message: String| {

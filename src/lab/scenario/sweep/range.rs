@@ -1,4 +1,4 @@
-//! Numbers from one end to the other, in one unit.
+//! Ranges of numbers in one unit.
 
 use crate::scenario::document::Value;
 use crate::scenario::units::split_number;
@@ -10,7 +10,7 @@ pub struct Number {
     pub value: f64,
     /// The unit; empty for SI units.
     pub unit: String,
-    /// Typed without a fraction and without a unit.
+    /// Whether it was typed without a fraction and without a unit.
     pub whole: bool,
 }
 
@@ -72,7 +72,7 @@ impl Interval {
     /// The interval between two numbers.
     ///
     /// # Errors
-    /// A message, where the units differ or ends of a logarithmic scale are not positive.
+    /// A message, if the units differ, or if ends of a logarithmic scale are not positive.
     pub fn new(from: &Number, to: &Number, scale: Scale) -> Result<Self, String> {
         if from.unit != to.unit {
             return Err(format!(
@@ -92,7 +92,7 @@ impl Interval {
         })
     }
 
-    /// The value at a fraction of the way from one end to the other.
+    /// The value at a fraction of the distance from one end to the other.
     pub fn at(&self, fraction: f64) -> Value {
         let number = match (fraction, self.scale) {
             (0.0, _) => self.from,
@@ -109,10 +109,11 @@ impl Interval {
         (0..count).map(move |index| self.at(index as f64 / last))
     }
 
-    /// The values from the first end by equal steps, up to the last end.
+    /// The values from the first end in equal steps, up to the last end.
     ///
     /// # Errors
-    /// A message, where the steps do not go from one end to the other, or makes more than `most` values.
+    /// A message, if the steps do not lead from one end to the other, or if there would be more
+    /// than `most` values.
     pub fn stepped(&self, step: f64, most: usize) -> Result<Vec<Value>, String> {
         let steps = (self.to - self.from) / step;
         if !(steps >= 0.0) {
@@ -121,7 +122,7 @@ impl Interval {
                 self.from, self.to
             ));
         }
-        // The last value counts even where round-off puts it a little beyond the end.
+        // The last value counts even if round-off puts it slightly beyond the end.
         let last = (steps + 1e-9).floor();
         if last >= most as f64 {
             return Err(format!("{last} values are too many; at most {most}"));
@@ -142,7 +143,7 @@ impl Interval {
     }
 }
 
-/// The number of 12 significant digits that is nearest: 0.3 and not 0.30000000000000004.
+/// The number rounded to 12 significant digits: 0.3 instead of 0.30000000000000004.
 pub fn rounded(number: f64) -> f64 {
     format!("{number:.11e}")
         .parse()

@@ -13,7 +13,7 @@ const MOST_SAMPLES: i64 = 1_000_000;
 /// An axis whose points are samples of the ranges.
 ///
 /// # Errors
-/// The key of `[sweep.sample]` at fault, and a message.
+/// The faulty key of `[sweep.sample]`, and a message.
 pub fn sample(ranges: &[SampledRange], sample: &Sample) -> Result<Axis, (&'static str, String)> {
     if !(1..=MOST_SAMPLES).contains(&sample.count) {
         let count = sample.count;
@@ -38,7 +38,8 @@ pub fn sample(ranges: &[SampledRange], sample: &Sample) -> Result<Axis, (&'stati
     }
     let mut random = Pcg64::seed_from_u64(seed);
     let mut draw = || random.next_u64() as u32;
-    // A random shift, the same for all points, keeps the even spread; without a seed there is none.
+    // A random shift, the same for all points, preserves the even spread. Without a seed there is
+    // no shift.
     let shifts: Vec<u32> = ranges
         .iter()
         .map(|_| if seed == 0 { 0 } else { draw() })

@@ -7,7 +7,7 @@ use crate::scenario::document::{Entry, Node, Value};
 use crate::scenario::issue::{Issue, Issues};
 use crate::scenario::typed::{self, SearchMethod};
 
-/// A search, validated. The numbers are in front of the unit of the ends.
+/// A validated search. Its numbers are those in front of the unit of the ends.
 #[derive(Clone, Debug)]
 pub struct Search {
     /// Method.
@@ -78,7 +78,7 @@ impl Search {
         })
     }
 
-    /// The value of the key where the number in front of the unit is `number`.
+    /// The value of the key for a `number` in front of the unit.
     pub(super) fn value(&self, number: f64) -> Value {
         self.interval
             .at((number - self.from) / (self.to - self.from))

@@ -1,4 +1,4 @@
-//! Sweeps as they are typed, from the text to the scenarios of the cases.
+//! Sweeps, from their text to the scenarios of the cases.
 
 use super::CaseSet;
 use crate::scenario::INPUTS;
@@ -45,7 +45,7 @@ fn fault(sweep: &str) -> String {
     .to_string()
 }
 
-/// The case set of its own portable scenario, and the directory that this lies in.
+/// The case set of its own portable scenario, and the directory of that scenario.
 fn copied(case_set: &CaseSet, name: &str) -> (CaseSet, tempfile::TempDir) {
     let directory = tempfile::tempdir().unwrap();
     let portable = case_set.portable().unwrap();
@@ -244,7 +244,7 @@ fn one_key_by_two_paths_is_varied_twice() {
     );
     assert!(message.contains("one is a part of the other"), "{message}");
 
-    // On the command line the key replaces that of the file, whichever way it is named there.
+    // On the command line the key replaces the key in the file, even if it is spelt differently.
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("rope.toml");
     fs::write(&path, format!("{ROPE}[sweep]\nrods.rope.edges = [4, 6]")).unwrap();
@@ -252,7 +252,7 @@ fn one_key_by_two_paths_is_varied_twice() {
     let case_set = CaseSet::load(*EXPERIMENTS, &path, &[], &varied).unwrap();
     assert_eq!(case_set.keys(), ["rods.0.edges"]);
     assert_eq!(case_set.count(), 3);
-    // Of two arguments for one key the second replaced the first without a word.
+    // Two arguments for one key are an error; the second must not silently replace the first.
     for second in ["rods.rope.edges=4,6", "rods.0.edges=4,6"] {
         let varied = ["rods.0.edges=8,10".to_owned(), second.to_owned()];
         let error = CaseSet::load(*EXPERIMENTS, &path, &[], &varied).unwrap_err();

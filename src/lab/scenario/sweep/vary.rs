@@ -72,7 +72,7 @@ fn stepped(from: &Number, to: &Number, step: &Number) -> Result<Vec<Value>, Stri
     Interval::new(from, to, Scale::Linear)?.stepped(step.value, MOST_VALUES)
 }
 
-/// Splits at the commas outside of brackets, braces and quotes.
+/// Splits at commas outside brackets, braces and quotes.
 fn split_list(text: &str) -> Vec<&str> {
     let (mut depth, mut quoted, mut start) = (0usize, false, 0);
     let mut parts = Vec::new();

@@ -5,7 +5,7 @@ use crate::scenario::section::{NON_NEGATIVE, POSITIVE, Section};
 use crate::scenario::units::{Length, Mass, MomentOfInertia};
 
 keys! {
-    /// A mass at a node of a rod, or a rigid body welded to it there.
+    /// A point mass at a node of a rod, or a rigid body welded to the rod at the node.
     table BodyKeys "body" => Body(index: usize) {
         /// Name for messages. Default: "body 0", "body 1", ...
         name: text() derived(format!("body {index}")),
@@ -15,14 +15,15 @@ keys! {
         at: place() required,
         /// Its mass.
         mass: number(Mass, POSITIVE) required,
-        /// Its shape, of uniform density, which gives its inertia. With `[contact]` a sphere without `offset` touches rods, planes,
-        /// obstacles and other spheres; other shapes touch nothing. Default: a point mass.
+        /// Shape of a body of uniform density, from which its inertia is computed. With
+        /// `[contact]` a sphere without `offset` touches rods, planes, obstacles and other
+        /// spheres; other shapes have no contact. Default: a point mass.
         shape: table(BodyShapeKeys => BodyShape) optional,
-        /// From the node to its centre of mass, along the two material directors and the tangent of the rod at the node. Default:
-        /// [0, 0, 0].
+        /// Vector from the node to the centre of mass, with components along the two material
+        /// directors and the tangent of the rod at the node. Default: [0, 0, 0].
         offset: vector(Length) optional,
-        /// Instead of a shape, its principal moments of inertia about its centre of mass, and axes along the two material directors
-        /// and the tangent of the rod at the node.
+        /// Principal moments of inertia about the centre of mass, instead of a shape. The
+        /// principal axes are the two material directors and the tangent of the rod at the node.
         inertia: numbers(MomentOfInertia, 3, NON_NEGATIVE) optional,
     }
 }
@@ -58,7 +59,7 @@ pub fn bodies(top: &Section<'_>, typed: &[BodyKeys]) -> Vec<Body> {
         .collect()
 }
 
-/// Checks a body; an offset of zero is none.
+/// Checks a body. A zero offset counts as no offset.
 fn body(section: &Section<'_>, body: Body) -> Body {
     if body.shape.is_some() && body.inertia.is_some() {
         section.fault("inertia", "give `shape` or `inertia`, not both");
@@ -81,15 +82,15 @@ fn body(section: &Section<'_>, body: Body) -> Body {
 }
 
 impl Body {
-    /// Principal moments of inertia about the centre of mass, and axes along the two material directors and the tangent, kg m²;
-    /// `None` for a point mass at the node.
+    /// Principal moments of inertia about the centre of mass, with axes along the two material
+    /// directors and the tangent, kg m²; `None` for a point mass at the node.
     pub fn moments_of_inertia(&self) -> Option<[f64; 3]> {
         let of_shape = self.shape.map(|shape| shape.moments_of_inertia(self.mass));
         let off_node = self.offset.map(|_| [0.0; 3]);
         of_shape.or(self.inertia).or(off_node)
     }
 
-    /// Radius of the ball around the node for contact, m; `None` for a body that touches nothing.
+    /// Radius of the ball around the node for contact, m; `None` for a body without contact.
     pub fn ball(&self) -> Option<f64> {
         match self.shape {
             Some(BodyShape::Sphere { radius }) if self.offset.is_none() => Some(radius),
@@ -99,7 +100,7 @@ impl Body {
 }
 
 impl BodyShape {
-    /// Principal moments of inertia of a uniform body of a mass (kg), kg m².
+    /// Principal moments of inertia of a uniform body with a mass (kg), kg m².
     fn moments_of_inertia(&self, mass: f64) -> [f64; 3] {
         match *self {
             Self::Sphere { radius } => [0.4 * mass * radius * radius; 3],

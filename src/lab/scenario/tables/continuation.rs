@@ -6,16 +6,17 @@ use crate::scenario::units::Dimensionless;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Most points that a branch may have.
+/// Maximum number of points of a branch.
 const MOST_POINTS: usize = 1_000_000;
 
 keys! {
-    /// The path of equilibria that time.mode = "continuation" follows. A parameter replaces the time:
-    /// clamps that move and loads with a schedule use it as their time.
+    /// The path of equilibria that time.mode = "continuation" follows. A parameter replaces the
+    /// time: moving clamps and loads with a schedule use it as their time.
     table ContinuationKeys "continuation" => #[derive(Copy)] Continuation() {
         /// Parameter at the start.
         from: number(Dimensionless, FINITE) default(0.0),
-        /// Parameter at the end. A path that turns back may also end where it began.
+        /// Value of the parameter at the end of the path. A path that turns back may also end at
+        /// its initial value.
         to: number(Dimensionless, FINITE) required,
         /// First step of the parameter. Default: a hundredth of the range.
         step: number(Dimensionless, POSITIVE) derived(0.01 * (to - from).abs()),
@@ -24,9 +25,9 @@ keys! {
         /// "arclength" (the default: passes folds, where the parameter turns back) or "natural" (the parameter
         /// only grows; at a fold the run fails or jumps to a distant equilibrium).
         method: word(PathMethod) default(PathMethod::Arclength),
-        /// Whether the branches that leave at bifurcations of the first branch are followed, too.
+        /// Whether to follow also the branches that bifurcate from the first branch.
         switch_branches: flag() default(true),
-        /// Most points on one branch.
+        /// Maximum number of points of a branch.
         most_points: count(2..=MOST_POINTS) default(1000),
     }
 }
@@ -43,7 +44,7 @@ pub enum PathMethod {
     Arclength,
 }
 
-/// Resolves the path below `section`.
+/// Resolves the path in `section`.
 pub fn continuation(section: &Section<'_>, typed: &ContinuationKeys) -> Continuation {
     let path = typed.resolve(section);
     let range = (path.to - path.from).abs();

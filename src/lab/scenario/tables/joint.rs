@@ -6,54 +6,61 @@ use crate::scenario::units::{Angle, Force, ForcePerLength, Length, Moment, Turni
 use std::f64::consts::PI;
 
 keys! {
-    /// Two nodes, of one rod or of two, that are one point from time zero on, of which one slides along the rod of the other, or
-    /// that a spring ties. Where three rods meet, two
-    /// joints share a node.
+    /// A connection between two nodes of one rod or of two rods. Depending on its kind the nodes
+    /// coincide from time zero on, one slides along the rod of the other, or a spring ties them.
+    /// To connect three rods at a point, use two joints that share a node.
     kinds JointKeys "joint", "kebab-case" => Joint(index: usize)
     before {
         /// Name for messages. Default: "joint 0", "joint 1", ...
         name: text() derived(format!("joint {index}")),
-        /// Names of the two rods; the same one twice to join a rod to itself. In a slide, a node of the first slides along the second.
+        /// Names of the two rods; the same name twice joins a rod to itself. In a slide, a node of
+        /// the first rod slides along the second rod.
         rods: word([String; 2], "the names of two rods, such as [\"mast\", \"boom\"]") required,
-        /// "start", "end", or the number of a node, of each: ["end", 4]. A slide begins at the second.
+        /// Node of each rod: "start", "end", or a number, as in ["end", 4]. The second node of a
+        /// slide is the place where the slide begins.
         at: places("a node of each rod, such as [\"end\", \"start\"]") required,
-        /// Largest force that it bears, in a dynamic run; it breaks where a step ends with more. Of balls, hinges and rigid joints
-        /// only where they share their nodes with no other joint. Default: it never breaks.
+        /// Largest force that the joint can bear, in a dynamic run. It breaks if the force is
+        /// larger at the end of a step. For balls, hinges and rigid joints the nodes must not
+        /// belong to another joint, too. Default: it never breaks.
         break_at: number(Force, POSITIVE) optional,
     }
     also {
-        /// Largest moment that it bears, that of a spring included, as `break_at`.
+        /// Largest moment that the joint can bear, including the moment of its spring. It breaks
+        /// like `break_at`.
         break_at_moment: number(Moment, POSITIVE) optional,
     }
     #[derive(Copy)] JointKind {
-        /// The rods turn freely against each other.
+        /// The rods turn freely relative to each other.
         Ball,
         /// The rods are welded: angles between them, and between their cross-sections, stay as placed.
         Rigid also,
-        /// The second rod turns against the first about an axis only.
+        /// The second rod turns relative to the first rod about one axis only.
         Hinge also {
             /// Direction of the axis as placed; it turns with the first rod.
             axis: direction() required,
-            /// Moment per angle of a spring about the axis. Default: none.
+            /// Moment per angle of a spring about the axis. Default: no spring.
             stiffness: number(TurningStiffness, POSITIVE) optional,
-            /// Angle of the second rod against the first, from where they are placed, at which that spring exerts no moment.
-            /// Default: 0.
+            /// Angle of the second rod relative to the first, measured from where they are placed,
+            /// at which this spring exerts no moment. Default: 0.
             rest_angle: number(Angle, FINITE) optional,
         },
-        /// The first node slides along the rod of the second, without friction, between stops at its ends.
+        /// The first node slides without friction along the rod of the second node, between stops
+        /// at its ends.
         Slide,
-        /// A spring pulls the nodes together and pushes them apart, or turns the rods towards each other there; the nodes need not
-        /// lie at one point. It has a `stiffness`, a `turning_stiffness`, or both.
+        /// A spring between the nodes, which need not coincide. It acts on their distance, or on
+        /// the rotation of the rods relative to each other. It has a `stiffness`, a
+        /// `turning_stiffness`, or both.
         Spring also {
             /// Force per lengthening.
             stiffness: number(ForcePerLength, POSITIVE) optional,
-            /// Length without force. Default: the distance of the nodes as placed.
+            /// Natural length of the spring. Default: the distance of the nodes as placed.
             rest_length: number(Length, NON_NEGATIVE) optional,
-            /// Moment per angle by which the material frame of the second rod has turned against that of the first, about any
-            /// axis, up to half a turn. Default: none.
+            /// Moment per angle of rotation of the second rod's material frame relative to the
+            /// first rod's, about any axis, up to half a turn. Default: none.
             turning_stiffness: number(TurningStiffness, POSITIVE) optional,
-            /// Rotation vector of the second frame against the first, from where they are placed, without moment: its direction is
-            /// the axis, which turns with the first rod, its length the angle. Default: [0, 0, 0].
+            /// Rotation of the second frame relative to the first, measured from where they are
+            /// placed, at which the moment is zero. It is a rotation vector: its direction is the
+            /// axis, which turns with the first rod, its length the angle. Default: [0, 0, 0].
             rest_rotation: vector(Angle) optional,
         },
     }
@@ -61,14 +68,14 @@ keys! {
 }
 
 impl Joint {
-    /// Whether there is a force or moment under which it breaks.
+    /// Whether a force or moment can break it.
     pub fn may_break(&self) -> bool {
         self.break_at.is_some() || self.break_at_moment.is_some()
     }
 }
 
 impl JointKind {
-    /// Whether rods are clamped to a frame that turns with it.
+    /// Whether it transmits moments between the rods.
     pub fn turns(&self) -> bool {
         let springs_turn =
             matches!(self, Self::Spring { turning_stiffness, .. } if turning_stiffness.is_some());
@@ -88,7 +95,7 @@ pub fn joints(top: &Section<'_>, typed: &[JointKeys], is_dynamic: bool) -> Vec<J
     joints.map(joint).collect()
 }
 
-/// Reports keys of springs without the stiffness that they are for.
+/// Reports keys of springs without the stiffness to which they belong.
 fn refuse_half_a_spring(section: &Section<'_>, typed: &JointKeys) {
     match typed {
         JointKeys::Hinge {
@@ -135,7 +142,7 @@ fn refuse_half_a_spring(section: &Section<'_>, typed: &JointKeys) {
     }
 }
 
-/// Checks that go beyond the range of a key.
+/// Checks of several keys, or of more than the range of a key.
 fn check(section: &Section<'_>, joint: &Joint, is_dynamic: bool) {
     if let JointKind::Spring {
         rest_rotation: Some(vector),

@@ -27,8 +27,8 @@ keys! {
             at: place() required,
             /// The force.
             force: vector(Force) required,
-            /// "space" (the default: a fixed direction), or "material": components along the two material directors and the
-            /// tangent of the rod, with which the load turns.
+            /// "space" (the default: a fixed direction), or "material": components along the two
+            /// material directors and the tangent of the rod, so that the load turns with the rod.
             #[serde(skip_serializing_if = "LoadFrame::is_space")]
             frame: word(LoadFrame) default(LoadFrame::Space),
         },
@@ -40,8 +40,8 @@ keys! {
             at: place() required,
             /// The moment.
             moment: vector(Moment) required,
-            /// "space" (the default: a fixed direction), or "material": components along the two material directors and the
-            /// tangent of the rod, with which the load turns.
+            /// "space" (the default: a fixed direction), or "material": components along the two
+            /// material directors and the tangent of the rod, so that the load turns with the rod.
             #[serde(skip_serializing_if = "LoadFrame::is_space")]
             frame: word(LoadFrame) default(LoadFrame::Space),
         },
@@ -51,12 +51,12 @@ keys! {
             rod: text() optional,
             /// Force per length.
             force_per_length: vector(ForcePerLength) required,
-            /// "space" (the default: a fixed direction), or "material": components along the two material directors and the
-            /// tangent of the rod, with which the load turns.
+            /// "space" (the default: a fixed direction), or "material": components along the two
+            /// material directors and the tangent of the rod, so that the load turns with the rod.
             #[serde(skip_serializing_if = "LoadFrame::is_space")]
             frame: word(LoadFrame) default(LoadFrame::Space),
         },
-        /// Drag against velocity and spin, at least one of them.
+        /// Drag that opposes velocity, spin, or both.
         Drag {
             /// Name of the rod. Default: all rods.
             rod: text() optional,
@@ -78,7 +78,7 @@ keys! {
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum LoadFrame {
-    /// That of the scene: a fixed direction.
+    /// The frame of the scene: a fixed direction.
     #[default]
     Space,
     /// The material frame of the rod: the load turns with it.

@@ -13,9 +13,9 @@ keys! {
         normal: direction() default([0.0, 0.0, 1.0]),
         /// Friction coefficient between plane and rods. Default: that of `contact.friction`.
         friction: number(Dimensionless, NON_NEGATIVE) optional,
-        /// Whether the plane is a no-slip wall of the flow, at which the fluid of the model "rss" is at rest. At most one plane can
-        /// be; false leaves the plane out of the flow, which then passes through it. Default: true with the model "rss",
-        /// otherwise false.
+        /// Whether the plane is a no-slip wall of the flow, at which the fluid of the model "rss"
+        /// is at rest. At most one plane can be a wall. With false the flow passes through the
+        /// plane. Default: true with the model "rss", otherwise false.
         wall: flag() optional,
     }
 }

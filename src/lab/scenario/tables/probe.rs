@@ -6,11 +6,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 keys! {
-    /// A quantity that is measured at every output: columns of `series.csv`, whose names begin with that of the probe and
-    /// end with the unit, and on request of `summary.csv`.
+    /// A quantity that is measured at every output. Its columns in `series.csv`, and on request in
+    /// `summary.csv`, begin with the name of the probe and end with the unit.
     kinds ProbeKeys "probe", "snake_case" => Probe()
     before {
-        /// Name with which the columns begin: small letters, digits and underscores.
+        /// Name of the probe, with which its columns begin: small letters, digits and underscores.
         name: column() required,
     }
     also {}
@@ -22,7 +22,7 @@ keys! {
             /// "start", "end", or the number of a node, counted from zero.
             at: place() required,
         },
-        /// Displacement of a node from where it was placed: columns _x_m, _y_m, _z_m.
+        /// Displacement of a node from its placed position: columns _x_m, _y_m, _z_m.
         Displacement {
             /// Name of the rod. Default: the only rod there is.
             rod: text() optional,
@@ -42,9 +42,9 @@ keys! {
             rod: text() optional,
             /// Name of the other rod. Default: the same rod.
             to_rod: text() optional,
-            /// "start", "end", or the number of a node; goes with `to`.
+            /// "start", "end", or the number of a node; requires `to`.
             at: place() optional,
-            /// Node of the other rod; goes with `at`.
+            /// Node of the other rod; requires `at`.
             to: place() optional,
         },
         /// Force and moment that a clamp exerts on the rod at its node: columns _force_x_n, _force_y_n, _force_z_n,
@@ -55,14 +55,14 @@ keys! {
             /// "start", "end", or the number of a node, counted from zero.
             at: place() required,
         },
-        /// Tension of an edge, positive where it is stretched: column _n.
+        /// Tension of an edge, positive if it is stretched: column _n.
         Tension {
             /// Name of the rod. Default: the only rod there is.
             rod: text() optional,
             /// "start", "end", or the number of an edge. Default: where the value is largest in size along the rod.
             at: place() optional,
         },
-        /// Size of the bending moment at a node: column _n_m. Empty at free ends.
+        /// Magnitude of the bending moment at a node: column _n_m. Empty at free ends.
         BendingMoment {
             /// Name of the rod. Default: the only rod there is.
             rod: text() optional,
@@ -97,13 +97,14 @@ keys! {
             /// "start", "end", or the number of a node. Default: where the value is largest in size along the rod.
             at: place() optional,
         },
-        /// Contact force on a rod from another, from a plane, or from all: columns _x_n, _y_n, _z_n (the sum), _normal_n
-        /// and _tangential_n (the sizes of all contacts added up). Empty before the first step.
+        /// Contact force on a rod from another rod, a plane, an obstacle, or all of them: columns
+        /// _x_n, _y_n, _z_n (the total force), _normal_n and _tangential_n (the magnitudes of all
+        /// contacts added up). Empty before the first step.
         ContactForce {
             /// Name of the rod on which the force acts. Default: the only rod there is.
             rod: text() optional,
-            /// Name of the rod that presses on it; its own name for contact with itself, whose sum is zero. Default: all rods,
-            /// planes and obstacles.
+            /// Name of the rod that presses on it. Its own name selects contact with itself, whose
+            /// total force is zero. Default: all rods, planes and obstacles.
             from_rod: text() optional,
             /// Number of the plane that presses on it, counted from zero, instead of a rod.
             from_plane: index() optional,
@@ -115,13 +116,14 @@ keys! {
             /// Name of the rod. Default: the only rod there is.
             rod: text() optional,
         },
-        /// Writhe of the centreline, by Gauss' integral; an open rod is not closed for it. Column without a unit.
+        /// Writhe of the centreline, by Gauss' integral; the ends of an open rod are not joined.
+        /// Column without a unit.
         Writhe {
             /// Name of the rod. Default: the only rod there is.
             rod: text() optional,
         },
-        /// Linking number of two centrelines, by Gauss' integral: a whole number where both are closed. Column without a
-        /// unit.
+        /// Linking number of two centrelines, by Gauss' integral: a whole number if both are
+        /// closed. Column without a unit.
         LinkingNumber {
             /// Name of the one rod.
             rod: text("the name of a rod") required,
@@ -133,9 +135,9 @@ keys! {
             /// Name of the rod. Default: the only rod there is.
             rod: text() optional,
         },
-        /// Force of a spring between nodes, positive where it pulls, 0 after it broke: column _n.
+        /// Force of a spring between nodes, positive if it pulls, 0 after it broke: column _n.
         SpringForce {
-            /// Name of the joint that is the spring.
+            /// Name of the joint with the spring.
             joint: text("the name of a joint of kind = \"spring\"") required,
         },
     }
@@ -156,18 +158,18 @@ pub enum Summary {
     Max,
     /// The smallest.
     Min,
-    /// The mean of all rows that have one.
+    /// The mean of all rows that have a value.
     Mean,
 }
 
 keys! {
-    /// A condition that ends the run with the output at which it holds.
+    /// A condition that ends the run at the first output at which it holds.
     table StopKeys "stop_when" => StopWhen() {
-        /// The probe, where it has one column, or the column, such as "tip_z_m".
+        /// A column, such as "tip_z_m", or the name of a probe with a single column.
         probe: text("the name of a probe or of one of its columns") required,
-        /// The run ends where the column exceeds this number, in the unit of the column.
+        /// The run ends if the column exceeds this number, in the unit of the column.
         above: word(f64) optional,
-        /// The run ends where the column falls below this number.
+        /// The run ends if the column falls below this number.
         below: word(f64) optional,
     }
 }
@@ -190,7 +192,7 @@ pub fn probes(top: &Section<'_>, typed: &[ProbeKeys]) -> Vec<Probe> {
     probes
 }
 
-/// Checks keys of a kind against each other.
+/// Checks several keys of a kind against each other.
 fn check(section: &Section<'_>, kind: &ProbeKind) {
     match kind {
         ProbeKind::Distance {

@@ -7,12 +7,13 @@ use crate::scenario::units::{Dimensionless, Time};
 keys! {
     /// Newton's method.
     table SolverKeys "solver" => #[derive(Copy)] Solver() {
-        /// Residual that a correction of Newton's method may leave at any degree of freedom, as a multiple of the largest of
-        /// EI/L², loads and contact forces of the same rod; at most 1e-3.
+        /// Largest residual that Newton's method may leave at any degree of freedom, as a multiple
+        /// of the largest of EI/L², loads and contact forces of the same rod; at most 1e-3.
         force_tolerance: number(Dimensionless, FORCE_TOLERANCE) default(1e-6),
-        /// Last correction allowed, as a multiple of the rod radius; at most 1.
+        /// Largest final correction of Newton's method, as a multiple of the rod radius; at most
+        /// 1.
         displacement_tolerance: number(Dimensionless, DISPLACEMENT_TOLERANCE) default(1e-4),
-        /// Newton iterations after which a step counts as failed and is halved.
+        /// Number of Newton iterations after which a step counts as failed and is halved.
         maximum_iterations: count(1..=100_000) default(40),
         /// Smallest step before the run fails. Default: a millionth of the step; with step = "auto" a millionth of the first
         /// step, which is a thousandth of the largest.
@@ -23,7 +24,8 @@ keys! {
 keys! {
     /// Files that are written, and how often.
     table OutputKeys "output" => #[derive(Copy)] Output() {
-        /// Time between outputs, at least a millionth of the end time. Default: a hundredth of it.
+        /// Time between outputs, at least a millionth of the end time. Default: a hundredth of the
+        /// end time.
         interval: number(Time, POSITIVE) optional,
         /// Whether node positions are written (nodes.csv).
         nodes: flag() default(true),

@@ -4,13 +4,13 @@ use super::{BEAM, EXPERIMENTS, read_with};
 use crate::scenario::{CaseSet, Copied, Scenario, Shape, from_text};
 use std::path::Path;
 
-/// The scenario of a text with overrides; faults in lines.
+/// Reads the scenario of a text with overrides; faults as lines.
 fn read(text: &str, set: &[&str]) -> Result<Scenario, String> {
     let set: Vec<String> = set.iter().map(|&text| text.to_owned()).collect();
     read_with("scene", text, &set).map_err(|error| error.to_string())
 }
 
-/// The beam with another text in one place and parameters in front of its rods.
+/// The beam with another text in one place and parameters before its rods.
 fn beam(from: &str, to: &str, parameters: &str) -> String {
     assert!(BEAM.contains(from), "{from}");
     let text = BEAM.replacen(from, to, 1);
@@ -92,7 +92,7 @@ scene.toml:14:1: `parameters.auto`: `auto` is a word of scenario files; choose a
 "##);
     insta::assert_snapshot!(fault(RADIUS, RADIUS, "seed = 0.5"), @"scene.toml:10:8: `parameters.seed`: the seed of random numbers is a whole number, 0 or greater");
     insta::assert_snapshot!(read(&beam(RADIUS, RADIUS, "radius = 1"), &["parameters.raduis=3mm"]).unwrap_err(), @"--set:1:1: `parameters.raduis`: there is no parameter `raduis` (did you mean `radius`?)");
-    // What is not an expression keeps its own message.
+    // Text that is not an expression keeps its own message.
     insta::assert_snapshot!(fault(RADIUS, "radius = \"5 furlongs\"", "n = 1"), @r##"scene.toml:14:10: `rods.0.radius`: "5 furlongs" has an unknown unit; allowed units: m, cm, mm, µm, um, nm, km, in"##);
     insta::assert_snapshot!(fault(RADIUS, "radius = \"thick\"", "n = 1"), @r##"scene.toml:14:10: `rods.0.radius`: "thick" does not begin with a number; allowed units: m, cm, mm, µm, um, nm, km, in"##);
 }
@@ -200,7 +200,7 @@ fn random_numbers_depend_on_seed_key_and_copy_only() {
     let first = starts(&text, &[]);
     assert_eq!(first, starts(&text, &["parameters.seed=0"]));
     assert_ne!(first, starts(&text, &["parameters.seed=1"]));
-    // Fewer copies, and other tables before them, change nothing.
+    // Adding tables before them, or reducing the count, does not change the copies.
     assert_eq!(first[..2], starts(&text, &["parameters.n=1"])[..]);
     let without = text.replacen("name = \"first\"", "count = 2\nname = \"first{i}\"", 1);
     assert_eq!(first, starts(&without, &[])[2..]);

@@ -1,4 +1,4 @@
-//! Every fault names file, line, column, key and what is allowed; nothing panics.
+//! Every fault names file, line, column, key and the allowed values; nothing panics.
 
 use super::{BEAM, EXPERIMENTS, read};
 use crate::scenario::{CaseSet, from_text, load};
@@ -96,7 +96,7 @@ fn chains_of_3000_extended_files_are_refused() {
         error.contains("64 files extend each other in a row"),
         "{error}"
     );
-    // A chain that people might write is read.
+    // A chain of realistic length is read.
     load(*EXPERIMENTS, &path(2950), &[]).unwrap();
 }
 
@@ -172,7 +172,7 @@ beam.toml:1:1: missing key `experiment` ("scene", "flagella", "knot-tightening",
 "###);
 }
 
-/// It would stay where it is at time 0, without a word.
+/// Such a run would silently stay at its configuration at time 0.
 #[test]
 fn a_static_run_with_a_motion_or_a_schedule_is_refused() {
     let moving = BEAM.replace(
@@ -184,7 +184,7 @@ fn a_static_run_with_a_motion_or_a_schedule_is_refused() {
         assert!(error.contains(key), "{error}");
     }
     assert!(error.contains("a static run has no time"), "{error}");
-    // It would be read for the direction in which the clamp holds the rod.
+    // The axis could be misread as the direction in which the clamp holds the rod.
     let turned = BEAM.replace("at = \"start\"", "at = \"start\"\naxis = [0, 1, 0]");
     let error = read(&turned).unwrap_err().to_string();
     assert!(error.contains("clamps.0.axis"), "{error}");
@@ -332,7 +332,7 @@ fn the_viscosity_of_a_material_is_given_once_and_what_relaxes_with_its_time() {
     let found = scenario.rods[0].material.viscosity;
     assert!((found / viscosity - 1.0).abs() < 1e-14);
     assert_eq!(read(&scenario.to_toml()).unwrap(), scenario);
-    // That of a rod goes before that of all.
+    // The material of a rod takes precedence over the common one.
     let own = viscous.replace("edges = 50", "edges = 50\nmaterial = { viscosity = 2.0 }");
     assert_eq!(read(&own).unwrap().rods[0].material.viscosity, 2.0);
     let midpoint = viscous.replace(

@@ -15,7 +15,7 @@ fn directory(files: &[(&str, &str)]) -> tempfile::TempDir {
     directory
 }
 
-/// Loads a file of a directory; faults without the directory's name.
+/// Loads a file of a directory; faults do not contain the directory's name.
 fn load_from(directory: &tempfile::TempDir, name: &str, set: &[&str]) -> Result<Scenario, String> {
     let set: Vec<String> = set.iter().map(|&text| text.to_owned()).collect();
     load(*EXPERIMENTS, &directory.path().join(name), &set)
@@ -96,7 +96,7 @@ fn included_files_add_to_a_scenario() {
     };
     assert_eq!(names(&scenario), ["beam", "curve"]);
     assert_eq!(scenario.rods[1].radius, 2e-3);
-    // What is set stays, and what is not is added.
+    // Existing keys are kept; missing ones are added.
     assert_eq!(scenario.rods[0].material.density, 1000.0);
     assert_eq!(scenario.rods[0].material.viscosity, 1.0);
     let scenario = load_from(&directory, "list.toml", &["parameters.r=3mm"]).unwrap();
@@ -185,7 +185,7 @@ fn keys_are_set_from_the_command_line() {
     insta::assert_snapshot!(fault("rods.0.radius"), @r#"--set:1:1: expected key=value (for example --set rods.0.radius="5 mm")"#);
     insta::assert_snapshot!(fault("rods..radius=1"), @"--set:1:1: expected keys joined by dots, such as time.end");
     insta::assert_snapshot!(fault("extends=other.toml"), @"--set:1:1: `extends`: this key cannot be set from the command line");
-    // A value cannot smuggle in further keys.
+    // A value cannot contain further keys.
     let title = "\"a\"
 rods=3";
     let scenario = load_from(&directory, "beam.toml", &[&format!("title={title}")]);

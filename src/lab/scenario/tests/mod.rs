@@ -1,4 +1,4 @@
-//! Whole scenario files: what is accepted, what is refused and how.
+//! Whole scenario files: accepted ones, and rejected ones with their messages.
 
 mod expansion;
 mod faults;
@@ -12,7 +12,7 @@ use crate::experiment::kind_named;
 use std::path::Path;
 use std::sync::LazyLock;
 
-/// The experiments of the thesis: messages and lists name all that there are.
+/// The experiments of the thesis. Messages and lists name all existing experiments.
 pub static EXPERIMENTS: LazyLock<Experiments> = LazyLock::new(|| {
     let names = [
         "scene",
@@ -58,10 +58,11 @@ fn read(text: &str) -> Result<Scenario, ScenarioError> {
     read_with("beam", text, &[])
 }
 
-/// The scenario of a text with overrides; a table of the same values gives the same scenario or the same faults.
+/// Reads the scenario of a text with overrides. A table with the same values must give the same
+/// scenario or the same faults.
 fn read_with(name: &str, text: &str, set: &[String]) -> Result<Scenario, ScenarioError> {
     let of_text = super::from_text(*EXPERIMENTS, name, text, Path::new(""), set);
-    // Text that is not TOML, and numbers that only text can have, make no table.
+    // Text that is not TOML, and numbers that only text can express, cannot become a table.
     if let Ok(table) = text.parse() {
         let of_table = super::from_table(*EXPERIMENTS, name, table, Path::new(""), set);
         match (&of_text, &of_table) {

@@ -1,5 +1,5 @@
-//! Scenarios that are built in memory: faults name the table and the key. That they are those of files is asserted by
-//! `read_with`, in all tests of faults.
+//! Scenarios built in memory: faults name the table and the key. All tests of faults also assert,
+//! in `read_with`, that these are the faults of the corresponding file.
 
 use super::{BEAM, EXPERIMENTS};
 use crate::scenario::{CaseSet, Contact, Loaded, ScenarioError, from_table};
@@ -40,7 +40,7 @@ fn faults_name_table_key_and_range() {
 beam: `time`: missing key `end` (a time, greater than 0)
 beam: missing key `experiment` ("scene", "flagella", "knot-tightening", "knot-inversion" or "helix-stability")
 "#);
-    // An override has a text of its own.
+    // An override has its own text.
     insta::assert_snapshot!(read(beam(), &["rods.beam.radius=-1"]).unwrap_err().to_string(), @"--set:1:18: `rods.0.radius`: -1.0 is out of range; allowed: greater than 0");
 }
 
@@ -79,7 +79,7 @@ fn files_are_named_relative_to_the_directory() {
         panic!("{:?}", loaded.scenario.contact);
     };
     assert_eq!(distance_tolerance, 5e-4);
-    // A fault in the extended file has its place there.
+    // A fault in the extended file is reported at its position there.
     std::fs::write(directory.path().join("base.toml"), BEAM.replace("50", "0")).unwrap();
     let error = read(variant).unwrap_err().to_string();
     assert!(error.contains("base.toml:12:9: `rods.0.edges`"), "{error}");

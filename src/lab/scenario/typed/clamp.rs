@@ -15,10 +15,10 @@ moving! {
         at: place() required,
         /// "position", "frame" (tangent and material frame), or "both" (the default).
         hold: word(Hold) default(Hold::Both),
-        /// Displacement of the clamp, before the run, from where the rod is placed. The rod is carried along; its shape
-        /// without stress stays.
+        /// Displacement of the clamp from where the rod is placed, applied before the run. The rod
+        /// moves with it; the natural shape of the rod does not change.
         offset: vector(Length) default([0.0; 3]),
-        /// Rotation of the clamp about its node in the same way: an axis times an angle.
+        /// Rotation of the clamp about its node, applied before the run: an axis times an angle.
         rotation: vector(Angle) default([0.0; 3]),
     }
 }

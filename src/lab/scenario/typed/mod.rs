@@ -1,5 +1,5 @@
-//! The common tables of scenario files as typed: every allowed key, none of them checked yet. Tables that
-//! belong to some experiments only are typed where those are.
+//! The common tables of scenario files as typed, with every allowed key. Nothing is checked yet.
+//! Tables that only some experiments have are typed in the modules of those experiments.
 //!
 //! The comments of these types are the descriptions in the JSON Schema and the texts of `rodlab explain`.
 
@@ -43,33 +43,34 @@ use std::collections::BTreeMap;
 pub struct ScenarioFile {
     /// Title shown to readers. Default: the name of the file.
     pub title: Option<String>,
-    /// Another scenario file whose keys hold unless this one sets them, relative to this file. Tables are
-    /// merged key by key, arrays replaced.
+    /// Another scenario file, relative to this file, whose keys are used unless this file sets
+    /// them. Tables are merged key by key, arrays are replaced.
     #[expect(dead_code, reason = "files are merged before they are decoded")]
     pub extends: Option<String>,
     /// Keys of that file that are not inherited, such as ["time.end", "rods.beam.twist"].
     #[expect(dead_code, reason = "files are merged before they are decoded")]
     pub unset: Option<Vec<String>>,
-    /// Another file, or a list of them, relative to this file, that adds to this one: tables are merged, keys that are set
-    /// already stay, and arrays of tables such as [[rods]] grow.
+    /// Another file, or a list of files, relative to this file, whose tables are added: tables are
+    /// merged, existing keys are kept, and arrays of tables such as [[rods]] grow.
     #[expect(dead_code, reason = "files are merged before they are decoded")]
     pub include: Option<Included>,
-    /// Named numbers, with units or without, for expressions: radius = "2 mm" lets other keys be "2*radius + 1 mm". They may
-    /// use each other in any order. `seed` starts random numbers; 0 without it.
+    /// Named numbers, with units or without, for expressions: radius = "2 mm" lets other keys be
+    /// "2*radius + 1 mm". They may use each other in any order. `seed` is the seed of random
+    /// numbers. Default of `seed`: 0.
     #[expect(dead_code, reason = "parameters are put in before files are decoded")]
     #[serde(default)]
     pub parameters: BTreeMap<String, Parameter>,
-    /// Material of all rods that have none of their own.
+    /// Material of all rods without a material of their own.
     pub material: Option<Material>,
     /// Rods that an experiment such as "flagella" builds; scenes use [[rods]].
     pub rod: Option<BuilderRod>,
-    /// The rods of a scene; in experiments that build rods, those beside them.
+    /// The rods of a scene. In experiments that build rods, these are additional rods.
     #[serde(default)]
     pub rods: Vec<Rod>,
     /// Held or driven nodes.
     #[serde(default)]
     pub clamps: Vec<Clamp>,
-    /// Rods that are joined at one point.
+    /// Joints between rods.
     #[serde(default)]
     pub joints: Vec<JointKeys>,
     /// Masses and rigid bodies that rods carry.
@@ -94,9 +95,10 @@ pub struct ScenarioFile {
     pub probes: Vec<ProbeKeys>,
     /// A condition on a probe that ends the run.
     pub stop_when: Option<StopKeys>,
-    /// Contact between rods, with planes and with obstacles; without this table everything passes through.
+    /// Contact between rods, with planes and with obstacles. Without this table everything passes
+    /// through everything else.
     pub contact: Option<Contact>,
-    /// The surrounding fluid; without this table a vacuum.
+    /// The surrounding fluid. Default: a vacuum.
     pub fluid: Option<Fluid>,
     /// Dynamic, static or along a path of equilibria, and the time steps.
     pub time: Option<Time>,

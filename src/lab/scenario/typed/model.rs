@@ -9,11 +9,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 keys! {
-    /// Rods that a builder makes.
+    /// Rods built by a builder.
     table BuilderRod "builder_rod" {
         /// Radius of each rod.
         radius: number(Length, POSITIVE) required,
-        /// Number of nodes of each rod, the hook's included.
+        /// Number of nodes of each rod, including those of the hook.
         nodes: raw(i64) raw,
     }
 }
@@ -27,17 +27,20 @@ keys! {
         model: word(ContactModel) default(ContactModel::Imc),
         /// Coulomb friction coefficient.
         friction: number(Dimensionless, NON_NEGATIVE) default(0.0),
-        /// Distance δ beyond the surfaces at which force begins, at most the smallest radius. Smaller is more
-        /// exact and stiffer; "complementarity" only looks so far for contacts. Default: a hundredth of the
-        /// smallest radius.
+        /// Distance δ beyond the surfaces at which force begins, at most the smallest radius.
+        /// Smaller is more exact and stiffer. With "complementarity" it is only the distance
+        /// within which contacts are searched. Default: a hundredth of the smallest radius.
         distance_tolerance: number(Length, POSITIVE) derived,
-        /// Sliding slower than this counts as sticking, so sticking contacts creep at a part of it: an eighth where they bear
-        /// three quarters of the largest friction, a fifth at nine tenths. Not with "complementarity". Default:
-        /// √(a h)/1000, with the least radius h and the gravity a (without any 10 m/s², and at most 1e-4 m/s), or a tenth of the
-        /// fastest straight motion of a clamp where that is less. `rodlab check` prints the creep.
+        /// Sliding speed below which a contact sticks. Sticking contacts creep at a fraction of
+        /// it: an eighth if they bear three quarters of the largest friction, a fifth at nine
+        /// tenths. Not with "complementarity". Default: √(a h)/1000, with the least radius h and
+        /// the gravity a, or a tenth of the fastest straight motion of a clamp if that is less.
+        /// Without gravity a is 10 m/s², and the default at most 1e-4 m/s. `rodlab check` prints
+        /// the creep.
         slip_tolerance: number(Velocity, POSITIVE) derived,
-        /// Factor of the adaptive contact stiffness. "imc": stiffness over the largest force near contact, in m, 1e8 times the
-        /// radius of the thinnest rod by default: 1e5 for 1 mm. "ipc": force that is borne at a gap of δ/2 over the largest force near contact, 1 by default.
+        /// Factor of the adaptive contact stiffness. "imc": stiffness over the largest force near
+        /// contact, in m; by default 1e8 times the radius of the thinnest rod, 1e5 for 1 mm.
+        /// "ipc": contact force at a gap of δ/2 over the largest force near contact; by default 1.
         stiffness_factor: number(Dimensionless, POSITIVE) derived,
         /// Penetration that ends the run, as a fraction of the sum of the two radii, between 0 and 1; not with
         /// "ipc".
@@ -57,27 +60,30 @@ pub enum ContactModel {
     Ipc,
     /// Rigid contact by Signorini's and Coulomb's laws (thesis 3.3).
     Complementarity,
-    /// Everything passes through.
+    /// No contact: everything passes through.
     None,
 }
 
 keys! {
     /// The surrounding fluid, at low Reynolds number.
     table Fluid "fluid" {
-        /// "rss" (the default here: regularized Stokeslet segments, every node feels every edge, and the wall if there is a
-        /// plane: see planes.wall), "resistive" (local drag coefficients, cheap, no walls) or "none".
+        /// "rss" (the default here: regularized Stokeslet segments, in which every edge acts on
+        /// every node; a plane can be a wall, see planes.wall), "resistive" (local drag
+        /// coefficients, cheap, no walls) or "none".
         model: word(FluidModel) default(FluidModel::Rss),
         /// Dynamic viscosity, greater than 0.
         viscosity: number(Viscosity, POSITIVE) required,
-        /// Regularisation of "rss" as a multiple of the rod radius. 1.02 is that of the thesis; 1.65 gives the drag of a slender
-        /// cylinder, and matters near a wall. Default: 1.65 with a plane that is a wall (see planes.wall), otherwise 1.02.
+        /// Regularisation of "rss" as a multiple of the rod radius. The thesis uses 1.02; 1.65
+        /// gives the drag of a slender cylinder, which matters near a wall. Default: 1.65 with a
+        /// plane that is a wall (see planes.wall), otherwise 1.02.
         regularization: number(Dimensionless, POSITIVE) derived,
         /// Relative error allowed in the drag of "rss" from approximating the flow of distant nodes, 1e-6 to
         /// 1e-2, or 0 for none. Scenes of less than a thousand nodes, and those beside a wall (at most 5000 nodes), are always
         /// exact.
         far_field_error: number(Dimensionless, FAR_FIELD_ERROR) default(1e-4),
-        /// Whether the fluid resists that rods spin about their own axes, by a torque of 4π viscosity radius² spin per length; in
-        /// "rss" without a wall spinning rods also move the fluid. Default: true, but false for `flagella`, as in the thesis.
+        /// Whether the fluid resists rotation of rods about their own axes, with a torque of 4π
+        /// viscosity radius² spin per length. In "rss" without a wall spinning rods also move the
+        /// fluid. Default: true, but false for `flagella`, as in the thesis.
         spin: raw(bool) raw,
     }
 }
@@ -103,28 +109,29 @@ keys! {
         /// move and loads with a schedule are errors), or
         /// "continuation" (equilibria along a path, with folds, bifurcations and stability; see [continuation]).
         mode: word(Mode) default(Mode::Dynamic),
-        /// "implicit-euler" (first order, damps all oscillations, takes impacts and friction as they are), "implicit-midpoint"
-        /// (second order, nearly conserves energy, damps nothing), "backward-differences" (second order, third where drag
-        /// rules, damps fast modes), or "auto" (the default): "implicit-euler" where there is contact, otherwise
-        /// "backward-differences".
+        /// "implicit-euler" (first order, damps all oscillations, handles impacts and friction),
+        /// "implicit-midpoint" (second order, nearly conserves energy, damps nothing),
+        /// "backward-differences" (second order, third if drag dominates, damps fast modes), or
+        /// "auto" (the default): "implicit-euler" with contact, otherwise "backward-differences".
         scheme: word(SchemeChoice) default(SchemeChoice::Auto),
         /// Time step, or "auto" to choose it by the local error. Corners of motions and schedules end a step in any case.
         /// Default: a thousandth of the end time.
         step: number(units::Time, POSITIVE) derived,
         /// With step = "auto": local error allowed per step, as a multiple of the rod radius; at most 1.
         tolerance: number(Dimensionless, DISPLACEMENT_TOLERANCE) default(1e-2),
-        /// With step = "auto": the largest step. Default: the output interval. Backward differences take at least 200 steps
-        /// while a clamp turns once.
+        /// With step = "auto": the largest step. Default: the output interval. Backward
+        /// differences take at least 200 steps per turn of a clamp.
         maximum_step: number(units::Time, POSITIVE) derived,
         /// End of the simulated time.
         end: number(units::Time, POSITIVE) required,
-        /// "placed" (the default: the motion begins with the rods as placed), or "equilibrium" (they come to rest at time
-        /// zero first, without friction, and the motion begins there).
+        /// "placed" (the default: the motion begins with the rods as placed), or "equilibrium"
+        /// (the rods first come to rest at time zero, without friction, and the motion begins
+        /// there).
         begin: word(Begin) default(Begin::Placed),
     }
 }
 
-/// Shapes at which motions begin.
+/// Configurations in which a motion can begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
@@ -148,7 +155,7 @@ pub enum SchemeChoice {
     ImplicitEuler,
     /// Second order, nearly conserves energy.
     ImplicitMidpoint,
-    /// Second order, third where drag rules; damps fast modes.
+    /// Second order, third if drag dominates; damps fast modes.
     BackwardDifferences,
 }
 

@@ -1,4 +1,4 @@
-//! Motion of a clamp or an obstacle, as typed.
+//! Typed motion of a clamp or an obstacle.
 
 use crate::scenario::quantity::{Quantity, Vector};
 use crate::scenario::units::{Angle, Dimensionless, Length, Time};
@@ -10,7 +10,7 @@ pub type Translation = Vec<(Quantity<Time>, Vector<Length>)>;
 /// Angle at given times.
 pub type Turn = Vec<(Quantity<Time>, Quantity<Angle>)>;
 
-/// The motion of a clamp or an obstacle: the keys given there, with their numbers checked.
+/// The given keys of the motion of a clamp or an obstacle, with checked numbers.
 pub struct TypedMovement<'a> {
     pub translation: &'a [(Quantity<Time>, Vector<Length>)],
     pub angle: &'a [(Quantity<Time>, Quantity<Angle>)],
@@ -34,20 +34,22 @@ macro_rules! moving {
                 /// Angle about the axis at given times, [[time, angle], ...], linear between them. Default: 0 always.
                 #[serde(rename = "turn")]
                 angle: raw(Turn) raw,
-                /// Steady rate of turning about the axis, added to `turn`.
+                /// Constant angular velocity about the axis, added to `turn`.
                 angular_velocity: number(AngularVelocity, FINITE) default(0.0),
-                /// Direction about which it turns. Default: the tangent of the rod at the node of a clamp; [0, 0, 1] of an
-                /// obstacle.
+                /// Axis of the rotation. Default: for a clamp the tangent of the rod at its node,
+                /// for an obstacle [0, 0, 1].
                 axis: direction() optional,
-                /// Fixed point of the rotation. Default: the node of a clamp; the centre of the shape of an obstacle, the mean
-                /// of the vertices of a mesh.
+                /// Fixed point of the rotation. Default: for a clamp its node, for an obstacle the
+                /// centre of its shape (for a mesh the mean of its vertices).
                 pivot: vector(Length) optional,
-                /// CSV file of poses that it follows as one rigid body, such as those of a gripper, relative to the scenario
-                /// file: columns time_s, x_m, y_m, z_m and the quaternion qw, qx, qy, qz. At the first pose it is where it was
-                /// placed. Instead of `move`, `turn`, `axis` and `pivot`.
+                /// CSV file of poses to follow as a rigid body, such as the poses of a gripper;
+                /// relative to the scenario file. Columns: time_s, x_m, y_m, z_m and the
+                /// quaternion qw, qx, qy, qz. The first pose corresponds to the placed position.
+                /// Replaces `move`, `turn`, `axis` and `pivot`.
                 follow: raw(String) raw,
-                /// The poses themselves, [[time, [x, y, z], [qw, qx, qy, qz]], ...]: positions go straight between them,
-                /// orientations the shorter way at constant speed.
+                /// The poses themselves, [[time, [x, y, z], [qw, qx, qy, qz]], ...]. Between two
+                /// poses the position moves straight, and the orientation turns the shorter way at
+                /// constant speed.
                 poses: raw(Vec<Pose>) raw,
             }
         }

@@ -11,10 +11,11 @@ use serde::Deserialize;
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "network")]
 pub struct Network {
-    /// Its rods are named by it and a number: "net_0", "net_1", ... Default: "net", which then must be the only one.
+    /// Prefix of the names of its rods: "net_0", "net_1", ... Default: "net", which only one
+    /// network may use.
     pub name: Option<String>,
-    /// Properties of all its rods: the keys of [[rods]] except `name`, `shape` and `closed`. `edges` counts between neighbouring
-    /// crossings.
+    /// Properties of all its rods: the keys of [[rods]] except `name`, `shape` and `closed`. Here
+    /// `edges` is the number of edges between adjacent crossings.
     pub rod: Option<Rod>,
     /// Places of its rods.
     pub shape: Option<NetworkShape>,
@@ -24,7 +25,7 @@ pub struct Network {
     pub boundary: Option<Boundary>,
 }
 
-/// Places of the rods of a network.
+/// Layout of the rods of a network.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(tag = "kind", deny_unknown_fields, rename = "network_shape")]
@@ -36,14 +37,16 @@ pub enum NetworkShape {
         corner: Option<Vector<Length>>,
         /// The two sides from there.
         sides: Option<[Vector<Length>; 2]>,
-        /// Numbers of rods along the first side and along the second, at least 2 each; the outer ones lie on the rim.
+        /// Numbers of rods along the first side and along the second, at least 2 each; the
+        /// outermost rods form the rim.
         rods: Option<[i64; 2]>,
     },
     /// Polylines through numbered points: a tree, a lattice, a design from another program.
     Table {
         /// CSV file of the points, relative to the scenario file: columns x_m, y_m, z_m; the first one is number 0.
         points_file: Option<String>,
-        /// CSV file of the rods: columns rod and point, a row for each point that a rod runs through, in order.
+        /// CSV file of the rods: columns rod and point, a row for each point of a rod, in order
+        /// along the rod.
         rods_file: Option<String>,
         /// The points themselves, instead of the file.
         points: Option<Vec<Vector<Length>>>,
@@ -52,7 +55,7 @@ pub enum NetworkShape {
     },
 }
 
-/// The rim of a network: ends of its rods.
+/// The rim of a network: clamps at ends of its rods.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "boundary")]
 pub struct Boundary {
@@ -60,6 +63,7 @@ pub struct Boundary {
     pub hold: Option<Hold>,
     /// Held ends: "all" (the default), or only those at "corners", where ends of two rods meet.
     pub ends: Option<crate::scenario::resolved::HeldEnds>,
-    /// Their distance from their centre over that distance as placed, at given times: [[time, factor], ...].
+    /// Factor of the distances of the held ends from their centre, relative to the placed
+    /// distances, at given times: [[time, factor], ...].
     pub scale: Option<Vec<(Quantity<Time>, Quantity<Dimensionless>)>>,
 }

@@ -13,7 +13,7 @@ moving! {
     table Obstacle "obstacle" {
         /// Name for probes and messages. Default: "obstacle 0", "obstacle 1", ...
         name: raw(String) raw,
-        /// Its shape, and where it is at time zero.
+        /// Shape of the obstacle, and its place at time zero.
         shape: raw(ObstacleShape) raw,
         /// Friction coefficient between obstacle and rods. Default: that of [contact].
         friction: number(Dimensionless, NON_NEGATIVE) optional,
@@ -31,8 +31,8 @@ pub enum ObstacleShape {
     Capsule(Capsule),
     /// A cylinder without ends.
     Cylinder(Cylinder),
-    /// The inside of a tube, open at both ends.
-    /// Rods inside stay inside, and a rod that leaves by an end bears on the rim; rods outside pass by.
+    /// The inside of a tube, open at both ends. Rods inside stay inside, and a rod that leaves
+    /// through an end touches the rim. There is no contact from outside.
     Tube(Capsule),
     /// A box, with edges rounded to the radius `rounding`.
     Box(Cuboid),
@@ -83,27 +83,28 @@ keys! {
         centre: vector(Length) required,
         /// Lengths of the three sides, from surface to surface.
         size: vector(Length, POSITIVE) required,
-        /// Radius to which its edges are rounded, less than half of the shortest side.
+        /// Radius of the rounding of its edges, less than half of the shortest side.
         rounding: number(Length, NON_NEGATIVE) default(0.0),
-        /// Direction about which it is turned.
+        /// Axis of its rotation.
         axis: direction() default(UP),
-        /// Angle by which it is turned about its centre.
+        /// Angle of its rotation about its centre.
         angle: number(Angle, FINITE) default(0.0),
     }
 }
 
 keys! {
-    /// A triangle mesh; give `file`, or `vertices` and `triangles`. It is scaled first, turned then, and moved last.
+    /// A triangle mesh; give `file`, or `vertices` and `triangles`. It is first scaled, then
+    /// turned, then moved.
     table Mesh "mesh" {
         /// STL or OBJ file, relative to the scenario file.
         file: raw(String) raw,
         /// Length of a unit of the file, for example "1 mm".
         unit: number(Length, POSITIVE) default(1.0),
-        /// Place of the origin of the file.
+        /// Position of the origin of the file.
         position: vector(Length) default([0.0; 3]),
-        /// Direction about which it is turned.
+        /// Axis of its rotation.
         axis: direction() default(UP),
-        /// Angle by which it is turned about the origin of the file.
+        /// Angle of its rotation about the origin of the file.
         angle: number(Angle, FINITE) default(0.0),
         /// The vertices themselves, in m.
         vertices: raw(Vec<[f64; 3]>) raw,
@@ -118,9 +119,9 @@ keys! {
 keys! {
     /// A surface over a grid along x and y.
     table Heights "heights" {
-        /// Place of the first height.
+        /// Position of the first height.
         origin: vector(Length) default([0.0; 3]),
-        /// Distance of neighbours in the grid.
+        /// Spacing of the grid.
         spacing: number(Length, POSITIVE) required,
         /// Heights above the origin: rows along y of values along x, at least two of each.
         heights: raw(Vec<Vec<Quantity<Length>>>) raw,

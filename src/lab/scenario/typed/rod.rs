@@ -29,9 +29,10 @@ keys! {
         loss_factor: number(Dimensionless, NON_NEGATIVE) optional,
         /// Frequency f at which the material has its `loss_factor`.
         loss_frequency: number(Frequency, POSITIVE) optional,
-        /// Modulus E₁ that relaxes, of a standard linear solid: strained at once the material has the modulus E + E₁, and after a while
-        /// E; bending and twisting relax in the same proportion. Needs `relaxation_time`; not with the scheme "implicit-midpoint".
-        /// Default: 0.
+        /// Relaxing modulus E₁ of a standard linear solid: under sudden strain the material has
+        /// the modulus E + E₁, after relaxation E. Bending and twisting relax in the same
+        /// proportion. Needs `relaxation_time`; not with the scheme "implicit-midpoint". Default:
+        /// 0.
         relaxing_modulus: number(Pressure, POSITIVE) optional,
         /// Relaxation time τ in which the stress of `relaxing_modulus` falls to 1/e at constant strain, greater than 0.
         relaxation_time: number(Time, POSITIVE) optional,
@@ -47,31 +48,36 @@ keys! {
         /// Radius of the surface that touches other rods and the fluid, and of a circular cross-section.
         /// Default for a rectangle: half its smaller side.
         radius: number(Length, POSITIVE) required,
-        /// Number of edges into which the rod is cut. Default for points: as many as their polyline has.
+        /// Number of edges of the rod. Default for points: that of their polyline.
         edges: raw(i64) raw,
         /// Whether the last node is joined to the first. Default: true for a ring, else false.
         closed: raw(bool) raw,
-        /// Whether the rod is a rigid obstacle that stays where it was placed.
+        /// Whether the rod is a rigid obstacle that stays where it is placed.
         held: flag() default(false),
         /// The placed shape of the rod.
         shape: raw(Shape) raw,
-        /// The shape without stress: "as-placed" (the default), "straight", or a table with a `kind`.
+        /// The natural shape, without stress: "as-placed" (the default), "straight", or a table
+        /// with a `kind`.
         natural_shape: raw(NaturalShape) raw,
-        /// Natural curvatures [a, b] about the first and the second material director, m₁ and m₂; the shape without
-        /// stress is then an arc or helix, independent of the shape in which the rod is placed. Along it the tangent t turns by
-        /// dt/ds = (a m₁ + b m₂) × t = b m₁ − a m₂: a positive b bends the rod towards m₁, a positive a away from m₂.
-        /// `explain rods.director` has a drawing. Default: that of the natural shape.
+        /// Natural curvatures [a, b] about the first and the second material director, m₁ and m₂;
+        /// the natural shape is then an arc or helix, independent of the placed shape. Along it
+        /// the tangent t turns by dt/ds = (a m₁ + b m₂) × t = b m₁ − a m₂: a positive b bends the
+        /// rod towards m₁, a positive a away from m₂. `explain rods.director` has a drawing.
+        /// Default: the curvatures of `natural_shape`.
         natural_curvature: numbers(Curvature, 2, FINITE) optional,
-        /// Natural twist of the material frame per length. Default: 0 beside a natural curvature, else that of the natural shape.
+        /// Natural twist of the material frame per length. Default: 0 with a natural curvature,
+        /// else the twist of `natural_shape`.
         natural_twist: number(Twist, FINITE) optional,
         /// Total twist put into the placed rod from its first to its last edge.
         twist: number(Angle, FINITE) default(0.0),
-        /// Tension T in the placed rod: it begins stretched by the strain T/EA, so that its length without stress is that placed
-        /// over 1 + T/EA, and pulls on the clamps that hold its ends; negative where it begins pushed together. Density, section,
-        /// natural curvature and twist are those without stress.
+        /// Tension T in the placed rod. The rod begins stretched by the strain T/EA, so its
+        /// natural length is the placed length over 1 + T/EA, and it pulls on the clamps that hold
+        /// its ends. A negative T compresses the rod. Density, section, natural curvature and
+        /// twist are those without stress.
         pretension: number(Force, FINITE) default(0.0),
-        /// Direction of the first material director m₁ on the first edge; its part normal to the edge counts.
-        /// Matters for rectangles, natural curvature and unequal bending stiffnesses. Default: any normal.
+        /// Direction of the first material director m₁ on the first edge; only the component
+        /// normal to the edge is used. Matters for rectangles, natural curvature and unequal
+        /// bending stiffnesses. Default: any normal.
         ///
         /// ```text
         ///          m₂
@@ -87,7 +93,7 @@ keys! {
         ///
         /// A strip that lies flat on the ground has its director parallel to the ground: it sags easily, about m₁.
         director: direction() optional,
-        /// Material of this rod; its keys go before those of the common [material].
+        /// Material of this rod; its keys override those of the common [material].
         #[serde(default)]
         material: tables(Material) raw,
         /// Shape of the cross-section: "circle" (the default) or a table with a `kind`.
@@ -95,11 +101,12 @@ keys! {
         /// Stiffnesses that replace those derived from material and cross-section.
         #[serde(default)]
         stiffness: tables(StiffnessKeys) raw,
-        /// Inertia of edges at their nodes: "lumped", half at either node (vibrations of second order in the edge length);
-        /// "consistent", as edges that move linearly from node to node (of fourth order for straight rods), with the strains and
-        /// the weights of vertices beside clamps that go with it, in equilibria, too; the guide's page `accuracy` has the numbers;
-        /// or "auto" (the default): "consistent" for naturally straight rods of a `scene` without contact and fluid, else
-        /// "lumped".
+        /// How the inertia of edges is assigned to nodes. "lumped": half to each node, with errors
+        /// of vibrations of second order in the edge length. "consistent": the velocity is linear
+        /// along each edge, with errors of fourth order for straight rods. It also changes strains
+        /// and the weights of vertices beside clamps, even in equilibria; the guide's page
+        /// `accuracy` has the numbers. "auto" (the default): "consistent" for naturally straight
+        /// rods of a `scene` without contact and fluid, else "lumped".
         inertia: word(InertiaChoice) default(InertiaChoice::Auto),
         /// Velocity of the rod at time zero. Default: at rest.
         velocity: vector(Velocity) default([0.0; 3]),
@@ -135,7 +142,7 @@ fn plain_cross_sections(schema: &mut Schema) {
     allow_text(schema, &["circle"]);
 }
 
-/// Inertia of edges at their nodes, and the choice between both kinds.
+/// How the inertia of edges is assigned to nodes, with an automatic choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
@@ -143,8 +150,8 @@ pub enum InertiaChoice {
     #[default]
     /// Chosen by the rod and the contents of the scene.
     Auto,
-    /// Half of an edge at either node.
+    /// Half of the inertia of an edge at each of its nodes.
     Lumped,
-    /// Edges that move linearly from node to node.
+    /// Velocity that is linear along each edge.
     Consistent,
 }

@@ -91,7 +91,7 @@ keys! {
     table Helix "helix" {
         /// First point of the helix itself.
         start: vector(Length) optional,
-        /// Point of the axis beside the first point of the helix.
+        /// Point of the axis nearest to the first point of the helix.
         centre: vector(Length) optional,
         /// Direction of the axis.
         axis: direction() default(UP),
@@ -118,7 +118,7 @@ keys! {
         start: vector(Length) required,
         /// Direction at the first point.
         tangent: direction() required,
-        /// Direction about which the arc turns; its part normal to `tangent` counts.
+        /// Axis about which the arc turns; only the component normal to `tangent` is used.
         normal: direction() required,
         /// Radius of the circle.
         radius: number(Length, POSITIVE) required,
@@ -132,7 +132,7 @@ keys! {
     table Ring "ring" {
         /// Centre.
         centre: vector(Length) required,
-        /// Direction about which the ring runs.
+        /// Normal of the plane of the ring, which runs counter-clockwise about it.
         normal: direction() default(UP),
         /// Radius of the circle.
         radius: number(Length, POSITIVE) required,
@@ -140,11 +140,12 @@ keys! {
 }
 
 keys! {
-    /// A chain that hangs between two points: near the equilibrium of a heavy, soft rod, which starts there without a fall.
+    /// A chain that hangs between two points. This is near the equilibrium of a heavy, soft rod,
+    /// which therefore starts without a fall.
     table Catenary "catenary" {
         /// First point.
         start: vector(Length) required,
-        /// Last point; not above or below the first.
+        /// Last point; not directly above or below the first.
         end: vector(Length) required,
         /// Length of the chain, greater than the distance of its ends.
         length: number(Length, POSITIVE) required,
@@ -154,8 +155,8 @@ keys! {
 }
 
 keys! {
-    /// A rod that is longer than its ends are apart, laid in the arc of a circle between them; its edges are equal and have exactly
-    /// the stated length together.
+    /// A rod that is longer than the distance of its ends, laid in a circular arc between them.
+    /// Its edges are equal and add up to exactly the stated length.
     table Slack "slack" {
         /// First point.
         start: vector(Length) required,
@@ -163,32 +164,34 @@ keys! {
         end: vector(Length) required,
         /// Length of the rod, greater than the distance of its ends and at most a thousand times that.
         length: number(Length, POSITIVE) required,
-        /// Direction in which its middle lies off the line of its ends; its part normal to that line counts.
+        /// Direction from the line between the ends to the middle of the rod; only the component
+        /// normal to that line is used.
         towards: direction() required,
     }
 }
 
 keys! {
-    /// A rod coiled flat, in a spiral of Archimedes from its inner end outwards; its edges are equal and have exactly the stated
-    /// length together.
+    /// A rod coiled flat, in a spiral of Archimedes from its inner end outwards. Its edges are
+    /// equal and add up to exactly the stated length.
     table Coil "coil" {
         /// Middle of the coil.
         centre: vector(Length) required,
-        /// Direction about which it winds.
+        /// Axis about which the rod winds.
         normal: direction() default(UP),
-        /// Distance of its inner end from the middle.
+        /// Distance of its inner end from the centre.
         inner_radius: number(Length, POSITIVE) required,
-        /// Distance of neighbouring turns from each other, greater than the diameter of the rod.
+        /// Distance between adjacent turns, greater than the diameter of the rod.
         spacing: number(Length, POSITIVE) required,
-        /// Length of the rod; it has as many turns as that makes.
+        /// Length of the rod, which determines the number of turns.
         length: number(Length, POSITIVE) required,
         /// Angle of the inner end about the normal, from the direction of x (of y about a normal along x).
         phase: number(Angle, FINITE) default(0.0),
     }
 }
 
-/// A polyline; give `file` or `points`. With `edges` it is resampled to equal arc lengths, which cuts corners between nodes
-/// and shortens the rod; `rodlab check` warns from 0.01 % on.
+/// A polyline; give `file` or `points`. With `edges` it is resampled to equal arc lengths, which
+/// cuts corners between nodes and shortens the rod; `rodlab check` warns if the rod becomes
+/// shorter by 0.01 % or more.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "points")]
 pub struct Points {
@@ -198,8 +201,9 @@ pub struct Points {
     pub points: Option<Vec<Vector<Length>>>,
 }
 
-/// Natural curvature and twist over the natural arc length; give `file`, or lists of equal lengths. With a row for each node they are
-/// those of the nodes, and natural lengths of edges the distances of the rows; other numbers of rows are interpolated at nodes of equal
+/// Natural curvature and twist over the natural arc length; give `file`, or lists of equal
+/// lengths. If there is one row for each node, the rows belong to the nodes, and their distances
+/// are the natural lengths of the edges. Otherwise the rows are interpolated at nodes of equal
 /// distances.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "strains")]
@@ -207,7 +211,7 @@ pub struct Strains {
     /// CSV file with a header line and columns arc_length (m), curvature_1, curvature_2 (1/m) and twist (rad/m), relative to the
     /// scenario file; `rodlab design` writes it.
     pub file: Option<String>,
-    /// Natural arc lengths from 0 on, m.
+    /// Natural arc lengths, starting at 0, m.
     pub arc_length: Option<Vec<f64>>,
     /// Natural curvatures about the first material director, 1/m.
     pub curvature_1: Option<Vec<f64>>,

@@ -1,4 +1,4 @@
-//! Starts from the end of another run as typed.
+//! Typed starts from the end of another run.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -10,7 +10,8 @@ use serde::Deserialize;
 pub struct Start {
     /// A results directory, relative to this file, or the end_state.csv in one.
     pub from: Option<String>,
-    /// Whether rods keep the velocities that they had; if not, they start with those of [[rods]]. Default: true.
+    /// Whether rods keep the velocities of that state. If not, they start with those of [[rods]].
+    /// Default: true.
     pub velocities: Option<bool>,
     /// BLAKE3 hash that the file must have, in hexadecimal; results record it, so that their start can be identified.
     pub hash: Option<String>,

@@ -14,7 +14,8 @@ use std::collections::BTreeMap;
     reason = "read key by key in `scenario::sweep`; this is its schema"
 )]
 pub struct Sweep {
-    /// Keys that vary together: tables of lists of the same length, the first values of all, the second, ...
+    /// Keys that vary together: tables of lists of the same length. The first point has the first
+    /// value of each list, and so on.
     #[serde(default)]
     pub zip: Vec<BTreeMap<String, Zipped>>,
     /// CSV file with a header line of dotted keys and a row per case, relative to this file.
@@ -47,7 +48,8 @@ pub struct Sample {
     pub method: SampleMethod,
     /// Number of samples, at least 1.
     pub count: i64,
-    /// Seed of "random", or of the random shift of "sobol". Default: 0, for "sobol" no shift.
+    /// Seed of "random", or of the random shift of "sobol". Default: 0, with which "sobol" has no
+    /// shift.
     #[serde(default)]
     pub seed: i64,
 }
@@ -74,15 +76,15 @@ pub struct SweptDerivatives {
     pub of: Vec<String>,
 }
 
-/// A search for the value of one key at which an outcome reaches a target, or is least.
+/// A search for the value of one key at which an outcome reaches a target, or has its minimum.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "search")]
 pub struct Search {
-    /// "bisect" (where the objective passes `target`) or "golden" (where it is least).
+    /// "bisect" (finds where the objective crosses `target`) or "golden" (finds its minimum).
     pub method: SearchMethod,
-    /// The dotted key that is varied.
+    /// The dotted key to vary.
     pub parameter: String,
-    /// A column of summary.csv, or of series.csv, whose last row counts.
+    /// The objective: a column of summary.csv, or the last row of a column of series.csv.
     pub objective: String,
     /// One end of the interval: a number, text with a unit, or an expression over `[parameters]`.
     pub from: End,
@@ -90,7 +92,7 @@ pub struct Search {
     pub to: End,
     /// Width of the interval at which the search ends, in the unit of `from` and `to`.
     pub tolerance: End,
-    /// Value of the objective that "bisect" looks for. Default: 0.
+    /// Target of the objective for "bisect". Default: 0.
     #[serde(default)]
     pub target: f64,
 }
@@ -100,9 +102,9 @@ pub struct Search {
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum SearchMethod {
-    /// Halve the interval on which the objective passes the target.
+    /// Halves the interval in which the objective crosses the target.
     Bisect,
-    /// Shrink the interval around the least value by the golden ratio.
+    /// Shrinks the interval around the minimum by the golden ratio.
     Golden,
 }
 
