@@ -1,4 +1,4 @@
-//! Contact that held up a run once, from the scenario file to its end.
+//! Contact problems that once stopped a run, from the scenario file to the end of the run.
 
 use crate::run::{RunError, RunOutcome};
 use crate::test_support::{self, prepared};
@@ -9,7 +9,8 @@ fn ran(text: &str) -> Result<RunOutcome, RunError> {
     test_support::ran(&prepared).map(|(outcome, _)| outcome)
 }
 
-/// A soft rope falls onto a held post, hangs over it and swings, with much friction, at steps of 1 ms.
+/// A soft rope falls onto a held post, hangs over it and swings, with high friction, at steps of 1
+/// ms.
 #[test]
 fn a_rope_over_a_post_passes_with_ipc() {
     let text = r#"
@@ -38,7 +39,7 @@ fn a_rope_over_a_post_passes_with_ipc() {
     let case = ran(text).unwrap().case;
     assert!((case.simulated_time - 0.6).abs() < 1e-12);
     assert!(case.minimum_distance_ratio.unwrap() > 1.0);
-    // It hangs over the post: it touches it, and its ends have fallen on both sides.
+    // The rope hangs over the post: it touches the post, and its ends have fallen on both sides.
     assert!(case.steps_with_contact > 400, "{case:?}");
     assert!(case.gravitational_energy.unwrap() < 0.0);
     assert!(
@@ -49,9 +50,9 @@ fn a_rope_over_a_post_passes_with_ipc() {
     assert!(case.newton_iterations_mean().unwrap() < 8.0);
 }
 
-/// Two soft rings that meet at 34 m/s, four times as fast as waves run in them: implicit Euler damps the impact, also within a
-/// run of the midpoint rule, and continues with rods that are stretched beyond the theory; or the run ends, by that or because
-/// energy came from nowhere.
+/// Two soft rings that meet at 34 m/s, four times the wave speed in them. Implicit Euler damps the
+/// impact, even in a run with the midpoint rule, and the run continues with rods stretched beyond
+/// the theory. Otherwise the run ends for this reason, or because of spurious energy.
 #[test]
 fn an_impact_faster_than_the_waves_in_a_rod_never_passes_without_that_reason() {
     for (scheme, model) in [

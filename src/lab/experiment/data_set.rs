@@ -1,4 +1,5 @@
-//! Experiments that fill a table, a row per point, each solved on its own: samples for a network to learn from, and others.
+//! Experiments that fill a table with one row per point, each solved independently, such as
+//! training samples for a network.
 
 use super::kind::{
     FigureError, Figures, Kind, Page, SCENE_TABLES, SampleColumns, refuse_surroundings,
@@ -36,21 +37,21 @@ pub struct DataSet {
     pub summary: &'static str,
     /// Its table of keys.
     pub tables: &'static [OwnTable],
-    /// Why a scenario has no scene, and why it has no time, contact and fluid.
+    /// Reasons why a scenario has no scene, and why it has no time, contact and fluid.
     pub refusals: [&'static str; 2],
-    /// Resolves the table of keys; `None` if something is at fault, which is reported.
+    /// Resolves the table of keys; `None` after a fault, which is reported.
     pub resolve: fn(&Request<'_>) -> Option<Experiment>,
     /// The scenario file that `rodlab init` writes.
     pub template: &'static str,
     /// The scene that represents all rows.
     pub scene: fn(&Scenario) -> Result<Scene, Issue>,
-    /// The computation of the rows.
+    /// The job that computes the rows.
     pub job: fn(&Scenario) -> Arc<dyn TableRun>,
-    /// Its files, the table first.
+    /// The files of the experiment; the table is the first.
     pub files: &'static [FileDescription],
-    /// The figures of the rows in a results directory, by the names of their files.
+    /// The figures of the rows in a results directory, by file name.
     pub figures: fn(&Path) -> Result<Figures, FigureError>,
-    /// Page of `rodlab view` for the rows in a results directory.
+    /// The page of `rodlab view` for the rows in a results directory.
     pub page: fn(&Path) -> Result<Page, ResultsError>,
     /// Columns for the training of a network, if any.
     pub columns: Option<SampleColumns>,
@@ -128,7 +129,8 @@ impl Kind for DataSet {
     }
 }
 
-/// A rod that hangs under its weight between its ends, of which the first is clamped, and the last held with or without its frame.
+/// A rod that hangs under its weight between its ends. The first end is clamped; the last is held
+/// with or without its frame.
 pub fn hanging(rod: RodDescription, holds_last_frame: bool) -> Scene {
     let clamp = |node, holds_frame| Clamp {
         rod: 0,

@@ -1,4 +1,4 @@
-//! Numbers derived from a scenario, to judge it before it runs.
+//! Numbers derived from a scenario, for assessing it before it runs.
 
 mod slides;
 mod text;
@@ -21,7 +21,7 @@ const STEPS_PER_TURN: f64 = 400.0;
 /// Steps per period of the lowest bending mode in the advised step.
 const STEPS_PER_PERIOD: f64 = 50.0;
 
-/// Numbers that follow from a scenario.
+/// Numbers derived from a scenario.
 #[derive(Clone, Debug, Serialize)]
 pub struct DerivedNumbers {
     /// Title of the scenario.
@@ -45,23 +45,24 @@ pub struct DerivedNumbers {
     /// Derived numbers of its kind of experiment.
     #[serde(flatten)]
     pub own: Option<OwnNumbers>,
-    /// Unknowns of Newton's method, those held by clamps and obstacles not counted.
+    /// Unknowns of Newton's method, without those held by clamps and obstacles.
     pub degrees_of_freedom: usize,
     /// Reynolds number ρ v h/η of the fastest driven motion, with the rods' density and radius; `None`
     /// without fluid or drive.
     pub reynolds_number: Option<f64>,
-    /// Step that resolves drive and vibration, s; `None` in a static run or where nothing sets a scale.
+    /// Recommended step that resolves drive and vibration, s; `None` in a static run, or if
+    /// nothing sets a time scale.
     pub advised_step: Option<f64>,
     #[serde(skip)]
     scheme: Scheme,
-    /// Part of its amplitude that the slowest bending oscillation loses in a period by the time scheme alone; `None` without
-    /// fixed steps.
+    /// Fraction of its amplitude that the slowest bending oscillation loses per period due to the
+    /// time scheme alone; `None` without fixed steps.
     pub lost_per_period: Option<f64>,
-    /// Part by which the time scheme alone makes its period longer.
+    /// Relative increase of its period due to the time scheme alone.
     pub longer_period: Option<f64>,
     /// Steps of the whole run; `None` in a static run or with automatic steps.
     pub steps: Option<f64>,
-    /// Creep of contacts that stick by friction; `None` without such friction.
+    /// Creep of contacts that stick by friction; `None` without such contacts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub creep: Option<Creep>,
 }
@@ -73,7 +74,7 @@ pub struct Creep {
     pub slip_tolerance: f64,
     /// Speed of a contact that bears nine tenths of the largest friction, m/s.
     pub speed: f64,
-    /// Distance at that speed in the whole run, m.
+    /// Distance covered at that speed in the whole run, m.
     pub way: f64,
     /// Distance `way` over the radius of the thinnest rod.
     pub way_in_radii: f64,
@@ -106,9 +107,9 @@ pub struct DerivedRod {
 pub struct DerivedObstacle {
     /// Name.
     pub name: String,
-    /// Triangles; 0 for one that has none.
+    /// Number of triangles; 0 if there are none.
     pub triangles: usize,
-    /// Extents along x, y and z, m; those of endless ones are large.
+    /// Extents along x, y and z, m; those of infinite obstacles are large.
     pub extents: [f64; 3],
 }
 
@@ -163,7 +164,7 @@ fn derived_rod(rod: &RodDescription, gravity: f64) -> DerivedRod {
         .sum::<f64>();
     let bending = rod.stiffness.bending[0].min(rod.stiffness.bending[1]);
     let weight = rod.mass_per_length * gravity;
-    // First root of cos x cosh x = −1 squared: the clamped–free beam.
+    // Square of the first root of cos x cosh x = −1: the clamped–free beam.
     let frequency = 3.516 * (bending / rod.mass_per_length).sqrt() / (length * length);
     DerivedRod {
         name: rod.name.clone(),
@@ -193,7 +194,7 @@ fn derived_obstacle(obstacle: &Obstacle) -> DerivedObstacle {
     }
 }
 
-/// Size of the total acceleration of free fall, m/s².
+/// Magnitude of the total acceleration of free fall, m/s².
 fn gravity(scene: &Scene) -> f64 {
     let total: Vector3 = scene
         .loads
@@ -225,10 +226,11 @@ fn degrees_of_freedom(scene: &Scene) -> usize {
     (free + added).saturating_sub(3 * held.len() + taken)
 }
 
-/// Part of the largest friction that a contact bears whose creep is derived.
+/// Fraction of the largest friction for which the creep of a contact is derived.
 const BORNE: f64 = 0.9;
 
-/// Creep of sticking contacts in a run: the smoothed law μ tanh(7.5 v/ν) bears a part of μ only in motion.
+/// Creep of sticking contacts in a run. By the smoothed law μ tanh(7.5 v/ν), a contact bears
+/// friction only if it moves.
 fn creep(prepared: &PreparedRun) -> Option<Creep> {
     let (scene, Mode::Dynamic { end, .. }) = (&prepared.scene, prepared.mode) else {
         return None;
@@ -256,7 +258,7 @@ fn creep(prepared: &PreparedRun) -> Option<Creep> {
     })
 }
 
-/// Largest speed that clamps give to any node of their rods, were these rigid, m/s.
+/// Largest speed that clamps would give to any node of their rods if these were rigid, m/s.
 fn driven_speed(scene: &Scene) -> f64 {
     let clamp_speed = |clamp: &Clamp| {
         let rod = &scene.rods[clamp.rod];
@@ -289,7 +291,7 @@ fn end_tangent(rod: &RodDescription, node: usize) -> Option<Vector3> {
     }
 }
 
-/// Largest rate at which a clamp turns, rad/s.
+/// Largest angular velocity of a clamp, rad/s.
 fn turning(clamp: &Clamp) -> f64 {
     let turns = clamp
         .motion
@@ -311,15 +313,15 @@ fn reynolds_number(scene: &Scene, speed: f64) -> Option<f64> {
     (speed > 0.0).then(|| numbers.fold(0.0, f64::max))
 }
 
-/// A step that resolves every turn of the drives and the lowest bending modes, and in which no driven node
-/// moves by more than half a radius.
+/// A step that resolves the turns of the drives and the lowest bending modes. No driven node moves
+/// by more than half a radius in a step.
 fn advised_step(scene: &Scene, rods: &[DerivedRod], speed: f64) -> Option<f64> {
     let turning = scene.clamps.iter().map(turning).fold(0.0, f64::max);
     let free = || scene.rods.iter().zip(rods).filter(|(rod, _)| !rod.held);
     let radius = free()
         .map(|(rod, _)| rod.radius)
         .fold(f64::INFINITY, f64::min);
-    // Viscous fluid damps vibration, so that only the drive sets the step.
+    // Viscous fluid damps vibration; then only the drive sets the step.
     let period = match scene.fluid {
         Some(_) => f64::INFINITY,
         None => free()
@@ -335,15 +337,15 @@ fn advised_step(scene: &Scene, rods: &[DerivedRod], speed: f64) -> Option<f64> {
 /// Effect of a time scheme on an oscillation, per period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Swing {
-    /// Part of the amplitude that is lost.
+    /// Fraction of the amplitude that is lost.
     lost: f64,
-    /// Part by which the period is longer.
+    /// Relative increase of the period.
     longer: f64,
 }
 
 impl Swing {
-    /// Of q̈ + ω² q = 0 with steps h that turn it by ωh = `turned` (rad): a step multiplies q by a complex number, whose
-    /// argument should be ωh and whose modulus 1.
+    /// The effect on q̈ + ω² q = 0 with steps h of the phase ωh = `turned` (rad). A step
+    /// multiplies q by a complex number, which should have the argument ωh and the modulus 1.
     fn of(scheme: Scheme, turned: f64) -> Self {
         let (modulus, argument) = match scheme {
             // 1/(1 − iωh)
@@ -359,14 +361,15 @@ impl Swing {
     }
 }
 
-/// Modulus and argument of the root next to 1 of D₃(w) D₂(w) + ω²h² = 0, where w = 1/z is one step back and D₃ and D₂ are
-/// the differences of third and of second order times the step: of velocities and of accelerations.
+/// Modulus and argument of the root near 1 of D₃(w) D₂(w) + ω²h² = 0, where w = 1/z is the shift
+/// by one step back. D₃ and D₂ are the differences of third and second order, times the step, for
+/// velocities and accelerations.
 fn backward_differences(turned: f64) -> (f64, f64) {
     let third = |w: Complex<f64>| 11.0 / 6.0 + w * (-3.0 + w * (1.5 - w / 3.0));
     let second = |w: Complex<f64>| 1.5 + w * (-2.0 + w * 0.5);
     let third_slope = |w: Complex<f64>| -3.0 + w * (3.0 - w);
     let second_slope = |w: Complex<f64>| -2.0 + w;
-    // From a small step on, the root moves from e^{−iωh}.
+    // Follows the root from e^{−iωh} for a small step.
     let mut w = Complex::new(1.0, 0.0);
     let stages = 64;
     for stage in 1..=stages {
@@ -435,7 +438,7 @@ mod tests {
     fn equal_rods_at_different_places_share_their_lines() {
         let mut numbers = derived("flagella_m2.toml", &[]);
         let rod = numbers.rods[0].clone();
-        // Places written to some digits, and rods of another kind between them.
+        // Positions with a limited number of digits, and a rod of another kind among them.
         numbers.rods = (0..20)
             .map(|k| DerivedRod {
                 name: format!("link_{k}"),
@@ -469,7 +472,7 @@ mod tests {
 
     #[test]
     fn every_scheme_reports_its_error_for_the_slowest_mode() {
-        // With steps of a fiftieth of the period: the leading terms of the errors.
+        // With steps of a fiftieth of the period, compare with the leading terms of the errors.
         let turned = TAU / 50.0;
         let errors = [
             (Scheme::ImplicitEuler, PI * turned, turned * turned / 3.0),

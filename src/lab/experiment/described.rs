@@ -1,4 +1,5 @@
-//! Descriptions of files and columns of results directories: those of every run, and those that kinds of experiments add.
+//! Descriptions of files and columns of results directories, for every run and for kinds of
+//! experiments.
 
 use super::KINDS;
 use rodlab_files::results::{Column, FILES, FileDescription};
@@ -6,7 +7,7 @@ use rodlab_files::results::{Column, FILES, FileDescription};
 /// Meaning of a key of `rodlab explain` such as `series.contacts`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Described<'a> {
-    /// A file: its description for every run, then the additions of the kinds of experiments.
+    /// A file: its general description, then the additions of kinds of experiments.
     File(Vec<&'static FileDescription>),
     /// A column of a file.
     Column(&'static FileDescription, &'static Column),
@@ -25,8 +26,8 @@ pub fn described_files() -> Vec<&'static FileDescription> {
     files
 }
 
-/// Looks up a file or a column: `series.csv`, `series`, `series.contacts` or `series.csv.contacts`. `None` where the
-/// key names no file.
+/// Looks up a file or a column: `series.csv`, `series`, `series.contacts` or
+/// `series.csv.contacts`. `None` if the key does not name a file.
 pub fn describe(key: &str) -> Option<Described<'_>> {
     let called = |word: &str| -> Vec<&'static FileDescription> {
         let files = described_files().into_iter();
@@ -36,7 +37,8 @@ pub fn describe(key: &str) -> Option<Described<'_>> {
     if !whole.is_empty() {
         return Some(Described::File(whole));
     }
-    // The longest name of a file counts, so that `series.csv.contacts` is not a column `csv.contacts`.
+    // The longest matching file name is used, so that `series.csv.contacts` is not read as a
+    // column `csv.contacts`.
     key.rmatch_indices('.').find_map(|(dot, _)| {
         let (word, name) = (&key[..dot], &key[dot + 1..]);
         let files = called(word);
@@ -51,7 +53,7 @@ pub fn describe(key: &str) -> Option<Described<'_>> {
     })
 }
 
-/// The files that have a column of this name.
+/// The files with a column of this name.
 pub fn files_with_column(name: &str) -> Vec<(&'static FileDescription, &'static Column)> {
     let files = described_files().into_iter();
     files
@@ -73,7 +75,7 @@ mod tests {
         for key in ["series.contacts", "series.csv.contacts"] {
             assert_eq!(column(key), ("series.csv", "contacts"));
         }
-        // Of a kind, in a common file and in one of its own.
+        // Columns of a kind, in a common file and in a file of its own.
         assert_eq!(
             column("series.traction_start_n"),
             ("series.csv", "traction_start_n")

@@ -1,4 +1,4 @@
-//! Checks the rods of a run beside the wall of its flow.
+//! Checks the distance of the rods of a run from the wall of its flow.
 
 use crate::run::{Finding, Observer, Sample};
 use rodlab_engine::mechanics::fluid::FluidModel;
@@ -7,9 +7,10 @@ use rodlab_engine::mechanics::{Vector3, dynamics::Simulation};
 use rodlab_files::results::{SeriesRow, Value};
 use serde::{Deserialize, Serialize};
 
-/// Height of a centreline over the wall, in radii, below which the drag at the wall is not resolved.
+/// Height of a centreline above the wall, in radii, below which the drag is not resolved.
 const UNRESOLVED: f64 = 2.0;
-/// Distance from a held node, in radii, within which a rod may be nearer: there it is fastened to the wall.
+/// Distance from a held node, in radii, within which a rod may be nearer to the wall, because it
+/// is fastened there.
 const FASTENED: f64 = 4.0;
 
 /// Reports rods that are too near to the wall of the flow.
@@ -19,12 +20,12 @@ pub struct FlowGuard {
     regularization: f64,
     point: Vector3,
     normal: Vector3,
-    /// Radius of the rod at each node, m; `None` for nodes that are not watched.
+    /// Radius of the rod at each node, m; `None` for nodes that are not checked.
     radii: Vec<Option<f64>>,
     nearest: Option<Near>,
 }
 
-/// The smallest height so far that is not resolved.
+/// The smallest unresolved height so far.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Near {
     /// Height of the centreline, in radii.
@@ -49,7 +50,7 @@ impl FlowGuard {
         })
     }
 
-    /// Boundary of the flow, a sentence.
+    /// Boundary of the flow, as a sentence.
     pub fn wall(&self) -> String {
         format!(
             "plane {} is a no-slip wall (regularization {} radii); drag is not resolved where a rod is less than a radius away from it",
@@ -85,7 +86,7 @@ impl FlowGuard {
     }
 }
 
-/// Radius at each node, except for held rods and fastened parts.
+/// Radius at each node; `None` for held rods and fastened parts.
 fn watched_radii(scene: &Scene) -> Vec<Option<f64>> {
     let mut radii = Vec::new();
     for (index, rod) in scene.rods.iter().enumerate() {

@@ -1,11 +1,12 @@
-//! Walls of the flow from scenario files: which plane it is, what is refused, and what is reported as left out.
+//! Walls of the flow from scenario files: the chosen plane, rejected scenes, and reports of parts
+//! that the flow leaves out.
 
 use super::derived_numbers;
 use crate::run::PreparedRun;
 use crate::test_support::{self, ran};
 use rodlab_engine::mechanics::dynamics::Simulation;
 
-/// A filament three radii over the plane z = 0, pulled along itself.
+/// A filament three radii above the plane z = 0, pulled along itself.
 const GLIDING: &str = r#"
     experiment = "scene"
     material = { youngs_modulus = "1 GPa", poissons_ratio = 0.5, density = 1000.0 }
@@ -45,7 +46,7 @@ fn remarks(rest: &str) -> Vec<String> {
 
 #[test]
 fn a_plane_beside_a_fluid_slows_a_filament_that_glides_along_it() {
-    // By a dense solution with images: 2.729e-4 over 7.615e-4 m/s.
+    // From a dense solution with images: 2.729e-4 over 7.615e-4 m/s.
     let free = speed(FLUID);
     for plane in [
         "[[planes]]\n",

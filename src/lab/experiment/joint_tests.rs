@@ -1,4 +1,5 @@
-//! Joints, bodies and networks from scenario files: what is refused and in which words, and what becomes of them.
+//! Joints, bodies and networks from scenario files: rejected input with its messages, and the
+//! resolved elements.
 
 use crate::scenario::{JointKind, Place, Scenario, Shape};
 use crate::test_support::{assert_reads_back, cases, loaded, simulation};
@@ -6,7 +7,7 @@ use crate::test_support::{assert_reads_back, cases, loaded, simulation};
 const RODS: &str = "experiment = \"scene\"\n[material]\nyoungs_modulus = 1e6\npoissons_ratio = 0.5\ndensity = 1000.0\n\
     [[rods]]\nname = \"post\"\nradius = 0.005\nedges = 10\nshape = { kind = \"straight\", start = [0, 0, 0], end = [0, 0, 0.5] }\n\
     [[rods]]\nname = \"boom\"\nradius = 0.005\nedges = 10\nshape = { kind = \"straight\", start = [0, 0, 0.5], end = [0.5, 0, 0.5] }\n";
-/// A ball around the end of the boom, so large that it reaches the post.
+/// A ball around the end of the boom that is large enough to reach the post.
 const BALL: &str = "[[bodies]]\nrod = \"boom\"\nat = \"end\"\nmass = \"1 g\"\nshape = { kind = \"sphere\", radius = 0.6 }\n";
 const NET: &str = "[[networks]]\nrod = { radius = \"1 mm\", edges = 2 }\n";
 
@@ -192,10 +193,10 @@ fn a_network_is_its_rods_joints_and_clamps() {
     assert_eq!((rods[0].edges, rods[3].edges), (6, 4));
     assert_eq!(scenario.joints.len(), 12);
     assert_eq!(scenario.clamps.len(), 4);
-    // A corner half as far from the middle.
+    // The corner has moved to half its distance from the middle.
     let moved = scenario.clamps[0].movement.translation[1].1;
     assert!((moved[0] - 0.075).abs() < 1e-15 && (moved[1] - 0.05).abs() < 1e-15);
-    // The resolved scenario is a scenario, and the same one.
+    // The resolved scenario reads back to itself.
     let again = loaded("rods", &scenario.to_toml()).unwrap();
     assert_eq!(again.scenario.joints, scenario.joints);
     assert_eq!(again.scenario.rods, scenario.rods);
@@ -210,7 +211,8 @@ fn a_tree_is_joined_where_its_rods_share_points() {
     let scenario = scenario(&text).unwrap();
     assert_eq!(scenario.joints.len(), 1);
     assert_eq!(scenario.rods[2].edges, 4);
-    // Every piece is cut into two edges, from its first point on, and the second rod begins where the first has a corner.
+    // Every segment is cut into two edges, from its first point on. The second rod begins at the
+    // corner of the first.
     let Shape::Points { points } = &scenario.rods[2].shape else {
         panic!("{:?}", scenario.rods[2].shape);
     };
@@ -225,7 +227,8 @@ fn a_tree_is_joined_where_its_rods_share_points() {
     assert_eq!(scenario.joints[0].at, [Place::Number(2), Place::Number(0)]);
 }
 
-/// Three strips that meet at a point, two of them rigidly and the third at a hinge, under a small force there.
+/// Three strips that meet at a point, two joined rigidly and the third by a hinge, under a small
+/// force at the point.
 #[test]
 fn a_static_frame_of_many_edges_comes_to_rest_under_any_force() {
     for (edges, size) in [(20, 1.0), (80, 1.0), (80, 1e-2), (80, 10.0), (160, 1.0)] {
@@ -256,7 +259,7 @@ fn a_static_frame_of_many_edges_comes_to_rest_under_any_force() {
             "{}",
             report.newton_iterations
         );
-        // What the walls bear is the force.
+        // The walls bear the whole force.
         let borne: rodlab_engine::mechanics::Vector3 = [edges, 2 * edges + 1, 3 * edges + 2]
             .map(|node| simulation.reaction(node))
             .into_iter()

@@ -1,4 +1,4 @@
-//! Interface of a kind of experiment to the rest of the program.
+//! Interface between a kind of experiment and the rest of the program.
 
 use crate::run::PreparedRun;
 use crate::scenario::keys::{CommonTables, ExperimentKeys, Section};
@@ -12,39 +12,41 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::path::Path;
 
-/// Figures of a run, by the names of their files as SVG.
+/// Figures of a run, each with its file name as SVG.
 pub type Figures = Vec<(&'static str, Figure)>;
 
 /// A kind of experiment.
 ///
-/// Its name, its keys and how they are resolved are its [`ExperimentKeys`]; this trait defines their use. A new kind
-/// is a folder beside this file and an entry in [`KINDS`](super::KINDS).
+/// [`ExperimentKeys`] defines its name, its keys and how they are resolved; this trait defines
+/// their use. A new kind needs a folder beside this file and an entry in [`KINDS`](super::KINDS).
 pub trait Kind: ExperimentKeys {
-    /// The scenario file that `rodlab init` writes. Lines that begin with `#: ` are further keys.
+    /// The scenario file that `rodlab init` writes. Lines that begin with `#: ` are optional keys.
     fn template(&self) -> &'static str;
 
-    /// Adds its rods, clamps and loads to a scene that has none yet; those that the scenario lists come after them.
+    /// Adds the kind's rods, clamps and loads to an empty scene; those listed in the scenario
+    /// follow.
     ///
     /// # Errors
-    /// Parts that cannot be built, at their keys.
+    /// Parts that cannot be built, with their keys.
     fn build(&self, _scenario: &Scenario, _scene: &mut Scene) -> Result<(), Issue> {
         Ok(())
     }
 
-    /// Adds observers and controllers of the run, whose scene is complete.
+    /// Adds the observers and controllers of the run, whose scene is complete.
     ///
     /// # Errors
-    /// Parts that cannot be run, at their keys.
+    /// Parts that cannot be run, with their keys.
     fn attach(&self, _scenario: &Scenario, _run: &mut PreparedRun) -> Result<(), Issue> {
         Ok(())
     }
 
-    /// Numbers for `rodlab check` beside those of any scene.
+    /// Numbers for `rodlab check` in addition to those of any scene.
     fn derived(&self, _run: &PreparedRun) -> Option<OwnNumbers> {
         None
     }
 
-    /// The files of its own in a results directory, and its columns in the common ones, for `rodlab explain`.
+    /// Its own files in a results directory, and its columns in the common files, for
+    /// `rodlab explain`.
     fn files(&self) -> &'static [FileDescription] {
         &[]
     }
@@ -54,7 +56,7 @@ pub trait Kind: ExperimentKeys {
         None
     }
 
-    /// Its own figures of a run; none where the run wrote nothing for them.
+    /// Its own figures of a run; empty if the run wrote no data for them.
     ///
     /// # Errors
     /// [`FigureError`] where files of the run cannot be read.
@@ -62,12 +64,12 @@ pub trait Kind: ExperimentKeys {
         Ok(Vec::new())
     }
 
-    /// Whether its rods lie on a table, the plane z = 0, which pictures show.
+    /// Whether its rods lie on a table, the plane z = 0, which pictures should show.
     fn has_table(&self) -> bool {
         false
     }
 
-    /// The page of `rodlab view`, where it is not rods in motion.
+    /// The page of `rodlab view`, if it does not show rods in motion.
     ///
     /// # Errors
     /// Where files of the run cannot be read.
@@ -82,7 +84,7 @@ impl fmt::Debug for dyn Kind {
     }
 }
 
-/// Tables of the contents of a scene, which dimensionless kinds do not use.
+/// Tables with the contents of a scene. Dimensionless kinds do not use them.
 pub(super) const SCENE_TABLES: [&str; 11] = [
     "material",
     "rod",
@@ -97,7 +99,7 @@ pub(super) const SCENE_TABLES: [&str; 11] = [
     "obstacles",
 ];
 
-/// Refuses time, contact and fluid, for kinds that have none of them; `why` is the reason for the user.
+/// Rejects time, contact and fluid for kinds without them; `why` is the reason for the user.
 pub(super) fn refuse_surroundings(top: &Section<'_>, common: &CommonTables<'_>, why: &str) {
     let keys = [
         ("time", *common.time != Time::Static),
@@ -107,7 +109,7 @@ pub(super) fn refuse_surroundings(top: &Section<'_>, common: &CommonTables<'_>, 
     top.refuse(&keys, why);
 }
 
-/// Numbers that follow from the scenario of one kind of experiment.
+/// Numbers derived from the scenario by one kind of experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OwnNumbers {
     key: &'static str,
@@ -116,7 +118,7 @@ pub struct OwnNumbers {
 }
 
 impl OwnNumbers {
-    /// Numbers with the JSON key `key`, and the same as text: name and value of each line.
+    /// Numbers with the JSON key `key`, and as lines of text, each with a name and a value.
     pub fn new<'a>(
         key: &'static str,
         numbers: &impl Serialize,
@@ -154,9 +156,9 @@ pub struct SampleColumns {
     pub file: &'static str,
     /// Columns from which a network predicts.
     pub inputs: &'static [&'static str],
-    /// Columns that it predicts; rows where they are empty are left out.
+    /// Columns that it predicts; rows with empty values are left out.
     pub outputs: &'static [&'static str],
-    /// Weights of the errors of these; equal where there are none.
+    /// Weights of the errors of these columns; empty for equal weights.
     pub weights: &'static [f64],
     /// Quantities whose errors are reported.
     pub compared: &'static [Compared],
@@ -165,7 +167,7 @@ pub struct SampleColumns {
 /// Page that `rodlab view` shows of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Page {
-    /// Its rods in motion, as of any run.
+    /// Rods in motion, as in any run.
     RodsInMotion,
     /// A page of its own.
     Own(String),
@@ -173,7 +175,7 @@ pub enum Page {
     Nothing(&'static str),
 }
 
-/// Why a figure of an experiment is not drawn.
+/// Reason why a figure of an experiment is not drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
     /// The scenario of the results could not be read.

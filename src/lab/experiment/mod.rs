@@ -1,7 +1,7 @@
-//! Experiments: from a scenario to a scene with its observers.
+//! Experiments: they turn a scenario into a scene with observers.
 //!
-//! Each kind of experiment is a folder of this module that implements [`Kind`] and is listed in [`KINDS`]; no other code
-//! names it.
+//! Each kind of experiment has a folder in this module, implements [`Kind`] and is listed in
+//! [`KINDS`]. No other code names it.
 //!
 //! | file | what |
 //! |---|---|
@@ -78,7 +78,7 @@ use crate::scenario::{self, CaseSet, Experiments, Loaded, Scales, ScenarioError}
 use std::path::Path;
 use std::sync::LazyLock;
 
-/// All kinds of experiments, in the order in which they are listed.
+/// All kinds of experiments, in the order in which messages list them.
 pub static KINDS: &[&dyn Kind] = &[
     &scene::SceneKind,
     &flagella::FlagellaKind,
@@ -91,7 +91,7 @@ pub static KINDS: &[&dyn Kind] = &[
     &folding::FoldingKind,
 ];
 
-/// The same with the parts of scenes, as scenario files see them.
+/// All kinds of experiments, with the parts of scenes, for the reading of scenario files.
 static EXPERIMENTS: LazyLock<Experiments> = LazyLock::new(|| {
     let keys: Vec<&dyn ExperimentKeys> = KINDS.iter().map(|kind| *kind as _).collect();
     Experiments::new(keys.leak(), parts::TABLES)
@@ -110,7 +110,7 @@ pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded, ScenarioError> 
     scenario::load(*EXPERIMENTS, path, overrides)
 }
 
-/// Resolves the text of a scenario, called `name`, that names other files relative to `directory`; see
+/// Resolves the text of a scenario called `name`. File names are relative to `directory`; see
 /// [`scenario::from_text`].
 ///
 /// # Errors
@@ -124,8 +124,8 @@ pub fn from_text(
     scenario::from_text(*EXPERIMENTS, name, text, directory, overrides)
 }
 
-/// Resolves a scenario that is a table in memory, called `name`, that names other files relative to `directory`; see
-/// [`scenario::from_table`].
+/// Resolves a scenario called `name`, given as a table in memory. File names are relative to
+/// `directory`; see [`scenario::from_table`].
 ///
 /// # Errors
 /// All its faults.
@@ -189,7 +189,7 @@ pub fn expanded_toml(loaded: &Loaded) -> String {
 /// A scenario file in other units; see [`scenario::rescaled`].
 ///
 /// # Errors
-/// The faults of the text as TOML.
+/// Syntax errors in the TOML text.
 pub fn rescaled(text: &str, scales: &Scales) -> Result<String, toml::de::Error> {
     scenario::rescaled(*EXPERIMENTS, text, scales)
 }

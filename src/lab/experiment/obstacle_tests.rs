@@ -1,4 +1,5 @@
-//! Obstacles from scenario files: what is refused and in which words, and that every shape bears a rod.
+//! Obstacles from scenario files: rejected input with its messages, and the support of a rod by
+//! every shape.
 
 use crate::test_support::{self, advance_to, cases};
 use rodlab_engine::mechanics::dynamics::Simulation;
@@ -169,7 +170,7 @@ fn a_rod_shot_at_an_obstacle_at_ten_diameters_a_step_does_not_pass() {
     for (shape, height) in shapes {
         for model in ["imc", "ipc", "complementarity"] {
             let text = with(shape).replace("friction", &format!("model = \"{model}\"\nfriction"));
-            // 100 m/s, a tenth of the speed of waves, at steps of 1 ms.
+            // 100 m/s, a tenth of the wave speed, at steps of 1 ms.
             let shot = ROD
                 .replace("youngs_modulus = 1e6", "youngs_modulus = 1e9")
                 .replace("edges = 20", "edges = 20\nvelocity = [0, 0, -100]");

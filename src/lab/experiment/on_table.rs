@@ -12,11 +12,11 @@ pub const GRAVITY: f64 = 9.81;
 const STEP: f64 = 5e-3;
 /// Largest relative error of a length.
 const LARGEST_ERROR: f64 = 0.9;
-/// Period of the fastest jitter of a gripper where none is given, s.
+/// Default period of the fastest jitter of a gripper, s.
 pub const JITTER_PERIOD: f64 = 1.0;
-/// Edges that may be asked for.
+/// Allowed numbers of edges.
 const EDGES: [usize; 2] = [10, 100_000];
-/// Default least and largest number of them.
+/// Minimum and maximum of the default number of edges.
 const USUAL_EDGES: [f64; 2] = [80.0, 400.0];
 
 /// The default time steps, up to `end`, s.
@@ -29,7 +29,7 @@ pub fn usual_time(end: f64) -> Time {
     }
 }
 
-/// Refuses a run without time; `why` is the process that needs time.
+/// Rejects a run without time; `why` is the process that needs time.
 pub fn need_time(request: &Request<'_>, why: &str) {
     if !matches!(request.time, Time::Dynamic { .. }) {
         let message = format!("{why}: use \"dynamic\"");
@@ -37,14 +37,14 @@ pub fn need_time(request: &Request<'_>, why: &str) {
     }
 }
 
-/// Reports a table that cannot be touched; `what` is done on it.
+/// Reports a table without contact; `what` is the action on the table.
 pub fn need_contact(top: &Section<'_>, contact: &Contact, what: &str) {
     if *contact == Contact::None {
         top.missing("contact", format!("a table that {what} on: [contact]"));
     }
 }
 
-/// Resolves the relative error of the gravito-bending length that is planned for.
+/// Resolves the relative error of the gravito-bending length in the plan.
 pub fn length_error(section: &Section<'_>, typed: &Option<Quantity<Dimensionless>>) -> f64 {
     let error = section.with_default("length_error", typed, FINITE, 0.0);
     if error.abs() > LARGEST_ERROR {
@@ -63,8 +63,8 @@ pub fn seed(section: &Section<'_>, typed: Option<i64>) -> u64 {
     seed.max(0).unsigned_abs()
 }
 
-/// Resolves the number of edges of a simulated rod, about `usual` where none is given; `None` if it is out of range, which is
-/// reported.
+/// Resolves the number of edges of a simulated rod, about `usual` by default; `None` if it is out
+/// of range, which is reported.
 pub fn edges(section: &Section<'_>, typed: Option<i64>, usual: f64) -> Option<usize> {
     let [fewest, most] = EDGES;
     if typed.is_some() {
@@ -86,7 +86,7 @@ pub fn material(rod: &DeployedRod, density: f64) -> Material {
     }
 }
 
-/// Adds weight, and a table of some friction.
+/// Adds weight, and a table with a friction coefficient.
 pub fn add_table(scene: &mut Scene, friction: f64) {
     scene.loads.push(Load {
         kind: LoadKind::Gravity {

@@ -1,9 +1,9 @@
-//! Rods by their names, and places on them: numbers of nodes and edges.
+//! Lookup of rods by name, and of nodes and edges on them by place.
 
 use crate::scenario::{Issue, KeyPath, Place, did_you_mean};
 use rodlab_engine::mechanics::scene::RodDescription;
 
-/// The number of a place given at a key, among the `count` nodes or edges of a rod.
+/// The index of a place among the `count` nodes or edges of a rod; faults name the key.
 pub fn find_place(
     place: Place,
     count: usize,
@@ -26,7 +26,7 @@ pub fn find_place(
     }
 }
 
-/// The rod of a name given at a key.
+/// The rod with a name; faults name the key.
 pub fn find_rod(name: &str, rods: &[RodDescription], key: &KeyPath) -> Result<usize, Issue> {
     rods.iter().position(|rod| rod.name == name).ok_or_else(|| {
         let names: Vec<&str> = rods.iter().map(|rod| rod.name.as_str()).collect();
@@ -36,7 +36,7 @@ pub fn find_rod(name: &str, rods: &[RodDescription], key: &KeyPath) -> Result<us
     })
 }
 
-/// Names as text; only the first ones of a long list.
+/// Names as text, only the first ones of a long list.
 fn listed(names: &[&str]) -> String {
     const MOST: usize = 12;
     match names.get(..MOST) {

@@ -1,4 +1,4 @@
-//! Probes of a scenario: names and places become rods, nodes and edges of the scene.
+//! Resolves the probes of a scenario: names and places become rods, nodes and edges of the scene.
 
 use super::places::find_place;
 use crate::run::probes::{
@@ -12,8 +12,8 @@ use rodlab_files::results::{SummaryRow, series_columns};
 /// Adds the probes of a scenario to the observers of a run.
 ///
 /// # Errors
-/// Rods, nodes, edges, clamps and planes that do not exist, columns that are there already, and probes of an experiment
-/// that runs no scene. Each names its key.
+/// Rods, nodes, edges, clamps and planes that do not exist, columns that exist already, and probes
+/// of an experiment without a simulation. Each fault names its key.
 pub fn add(prepared: &mut PreparedRun, scenario: &Scenario) -> Result<(), Issues> {
     let mut issues = Issues::default();
     if scenario.probes.is_empty() && scenario.stop_when.is_none() {
@@ -37,7 +37,7 @@ pub fn add(prepared: &mut PreparedRun, scenario: &Scenario) -> Result<(), Issues
     let condition = scenario.stop_when.as_ref();
     let stop_when = condition.map(|condition| stop_when(condition, &probes));
     let stop_when = match stop_when.transpose() {
-        // A condition on a faulty probe is not to blame.
+        // A condition on a faulty probe is not an additional fault.
         Err(issue) if issues.0.is_empty() => {
             issues.push(issue);
             None
@@ -73,7 +73,7 @@ impl Taken {
         }
     }
 
-    /// Takes the columns of a probe, too.
+    /// Reserves the columns of a probe.
     fn take(&mut self, probe: Probe, key: &KeyPath) -> Result<Probe, Issue> {
         for (columns, taken, table) in [
             (probe.columns(), &mut self.series, "series.csv"),
@@ -185,13 +185,13 @@ fn names_of<T>(all: &[T], name: fn(&T) -> &String) -> Vec<&str> {
     all.iter().map(|one| name(one).as_str()).collect()
 }
 
-/// The name that was meant, or all that there are.
+/// The name that was probably meant, or all existing names.
 fn help_with(name: &str, what: &str, names: &[&str]) -> String {
     let meant = did_you_mean(name, names.iter().copied());
     meant.unwrap_or_else(|| format!("the {what} are: {}", names.join(", ")))
 }
 
-/// The rods of a scene as a probe calls them.
+/// The rods of a scene, as named by a probe.
 struct Rods<'a> {
     scene: &'a Scene,
     /// The probe.
@@ -211,7 +211,7 @@ impl Rods<'_> {
             })
     }
 
-    /// A rod by its name, or the only one.
+    /// A rod by its name, or the only rod.
     fn rod(&self, name: Option<&String>) -> Result<usize, Issue> {
         match (name, &self.scene.rods[..]) {
             (Some(name), _) => self.named(name, "rod"),
@@ -364,7 +364,7 @@ impl Rods<'_> {
     }
 }
 
-/// The condition on the column that it names, or on the only column of the probe that it names.
+/// The condition on the named column, or on the only column of the named probe.
 fn stop_when(condition: &scenario::StopWhen, probes: &[Probe]) -> Result<StopWhen, Issue> {
     let key = KeyPath::from("stop_when.probe");
     let columns: Vec<String> = probes.iter().flat_map(Probe::columns).collect();

@@ -1,10 +1,10 @@
-//! What is remarked at the end of a run, from the scenario file to the tables.
+//! Remarks at the end of a run, from the scenario file to the tables.
 
 use crate::run::run_until;
 use crate::test_support::{prepared, quiet, ran};
 use rodlab_files::results::{MAIN_CASE, Manifest, SUMMARY, Table};
 
-/// What a run remarks, and its summary and manifest do too.
+/// Remarks of a run, which are also in its summary and manifest.
 fn remarks(text: &str) -> Vec<String> {
     let prepared = prepared("remarks", text).unwrap();
     let (outcome, directory) = ran(&prepared).unwrap();
@@ -14,13 +14,14 @@ fn remarks(text: &str) -> Vec<String> {
     assert_eq!(told, [remarks.join("; ")]);
     let manifest = Manifest::read(directory.path()).unwrap().unwrap();
     assert_eq!(manifest.cases[MAIN_CASE].outcome.remarks, remarks);
-    // A finished run is left alone and tells the same.
+    // A finished run is left alone and repeats its remarks.
     let again = run_until(&prepared, &quiet(directory.path()), &|| None).unwrap();
     assert_eq!(again.case.remarks, remarks);
     remarks
 }
 
-/// A rod of radius 5 mm, naturally straight, closed to a ring of the given radius: κh = 5 mm over that.
+/// A naturally straight rod with the radius 5 mm, closed to a ring of the given radius: κh is 5 mm
+/// over that radius.
 fn ring(radius: &str) -> Vec<String> {
     remarks(&format!(
         r#"
@@ -49,7 +50,7 @@ fn bending_beyond_the_theory_of_rods_is_remarked() {
     assert!(ring("40 mm").is_empty());
 }
 
-/// A rod of 0.1 m and radius 5 mm whose end turns by φ: its surface shears by φ h/L.
+/// A rod of 0.1 m with the radius 5 mm whose end is turned by φ: its surface is sheared by φ h/L.
 #[test]
 fn twist_beyond_the_theory_of_rods_is_remarked() {
     let twisted = |angle: f64| {

@@ -1,9 +1,10 @@
-//! Rods that are clamped where they overlap or touch: in a floor, on a scalp, in a tube wall, beside each other.
+//! Rods whose clamped ends overlap or touch something: a floor, a scalp, a tube wall, each other.
 
 use crate::test_support::{advance_to, simulation};
 use std::f64::consts::PI;
 
-/// A stalk of 10 MPa, 20 cm long and 3 mm thick, clamped upright at the origin and pushed aside at its tip by 0.1 mN.
+/// A stalk of 10 MPa, 20 cm long and 3 mm thick, clamped upright at the origin and pushed sideways
+/// at its tip by 0.1 mN.
 fn stalk(body: &str, model: &str) -> String {
     format!(
         r#"
@@ -87,17 +88,17 @@ fn a_stalk_set_in_a_body_bends_as_a_cantilever_and_bears_nothing() {
 
 #[test]
 fn what_lies_farther_than_a_root_reaches_is_refused_and_touches() {
-    // It lies in the floor along all of its length.
+    // It lies in the floor along its whole length.
     let flat = stalk(FLOOR, "imc").replace("end = [0, 0, 0.2]", "end = [0.2, 0, 0]");
     let error = simulation("roots", &flat).err().unwrap();
     assert!(error.contains("interpenetrate"), "{error}");
-    // A clamp that moves on its own is not set in the floor.
+    // A clamp that moves relative to the floor is not set in it.
     let moving = stalk(FLOOR, "imc").replace(
         "at = \"start\"",
         "at = \"start\"\nmove = [[0, [0, 0, 0]], [1, [0.1, 0, 0]]]",
     );
     assert!(simulation("roots", &moving).is_err());
-    // Pushed over, it comes to lie on the floor beyond its root, and not in it.
+    // Pushed over, it lies on the floor beyond its root, and not in it.
     let bent = stalk(FLOOR, "imc").replace("[\"0.1 mN\", 0, 0]", "[\"30 mN\", 0, \"-150 mN\"]");
     let mut simulation = simulation("roots", &bent).unwrap();
     advance_to(&mut simulation, 3.0);
@@ -154,11 +155,12 @@ fn held_nodes_that_touch_bear_no_force() {
         advance_to(&mut simulation, 4.0);
         let forces = simulation.contact_forces();
         let largest = forces.iter().map(|force| force.norm()).fold(0.0, f64::max);
-        // What keeps the second nodes apart by less than δ = 30 µm: at most 3 EI δ/(2 h³) with the edges h = 10 mm.
+        // The force that keeps the second nodes apart by less than δ = 30 µm is at most 3 EI δ/(2
+        // h³), with the edges h = 10 mm.
         let stiffness = 1e7 * PI / 4.0 * 0.003_f64.powi(4);
         let bound = 1.5 * stiffness * 3e-5 / 1e-6;
         assert!(largest < bound, "{model}: {largest} of {bound}");
-        // The held nodes themselves bear nothing of it.
+        // The held nodes themselves carry none of it.
         assert!(forces[0].norm() < 1e-3 * bound, "{model}: {}", forces[0]);
         let reaction = simulation.reaction(0).norm();
         assert!(reaction < 2.0 * bound, "{model}: {reaction}");
@@ -203,7 +205,7 @@ fn hairs_from_one_root_are_held_alike_by_clamps_and_by_a_rigid_joint() {
         assert_eq!(remarks.len(), usize::from(clamps == two), "{remarks:?}");
         advance_to(&mut simulation, 0.2);
         tips.push([40, 81].map(|node| simulation.positions()[node]));
-        // The first edges keep their directions: the root does not turn.
+        // The first edges keep their directions: the root does not rotate.
         for (node, end) in [(1, [0.04, 0.0, 0.04]), (42, [0.04, 0.014, 0.04])] {
             let along = simulation.positions()[node] - simulation.positions()[node - 1];
             let placed = rodlab_engine::mechanics::Vector3::from(end).normalize();

@@ -1,4 +1,4 @@
-//! Every kind in the list has all its parts.
+//! Checks that every kind in the list has all its parts.
 
 use super::{KINDS, Kind, explain, from_text, json_schema, prepare};
 use crate::report::plot_results;
@@ -67,7 +67,7 @@ fn keys_of_each_kind_are_in_the_schema_and_explained() {
     }
 }
 
-/// Runs the template of each kind for two steps, and draws what came out.
+/// Runs the template of each kind for two steps, and draws the results.
 #[test]
 fn each_kind_runs_has_figures_and_describes_its_files() {
     for kind in KINDS {
@@ -104,7 +104,7 @@ fn each_kind_runs_has_figures_and_describes_its_files() {
             let table = Table::read(&directory.path().join(name)).unwrap();
             let said: Vec<&str> = file.columns().map(|column| column.name).collect();
             let there: Vec<&str> = table.columns().iter().map(String::as_str).collect();
-            // Of common files the last columns are those of the kind.
+            // In common files the last columns are those of the kind.
             let own = match name {
                 SERIES | SUMMARY => &there[there.len() - said.len()..],
                 _ => &there[..],

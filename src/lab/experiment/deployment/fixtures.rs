@@ -1,4 +1,4 @@
-//! Pegs on the table of a robot cell, beside the pattern that passes them.
+//! Pegs on the table of a robot cell, beside the pattern.
 
 use super::keys::{Deployment, Peg};
 use super::outcome::PassedPegs;
@@ -6,7 +6,7 @@ use super::pegs;
 use rodlab_engine::mechanics::scene::RodDescription;
 use rodlab_planning::plan::pattern::{PatternError, Point};
 
-/// Pegs, and the pattern that passes them, in the frame of the pattern, m.
+/// Pegs and the pattern between them, in the frame of the pattern, m.
 #[derive(Clone, Debug)]
 pub struct Fixtures {
     pegs: Vec<Peg>,
@@ -14,7 +14,7 @@ pub struct Fixtures {
 }
 
 impl Fixtures {
-    /// Fixtures of a deployment; without pegs where it has none.
+    /// Fixtures of a deployment, possibly without pegs.
     ///
     /// # Errors
     /// The pattern is invalid.
@@ -30,12 +30,13 @@ impl Fixtures {
         &self.pegs
     }
 
-    /// The pattern from above, m.
+    /// The pattern seen from above, m.
     pub fn outline(&self) -> Vec<Point> {
         self.outline.iter().map(|&point| point.into()).collect()
     }
 
-    /// The rigid obstacles that represent the pegs in another frame on the same table: `place` maps to that frame.
+    /// The rigid obstacles that represent the pegs in another frame on the same table. `place`
+    /// maps to that frame.
     pub fn posts(&self, place: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<RodDescription> {
         let numbered = self.pegs.iter().enumerate();
         let posts = numbered.map(|(number, peg)| {
@@ -48,7 +49,8 @@ impl Fixtures {
         posts.collect()
     }
 
-    /// The pegs that a rod passes, seen from above, as the pattern does; see [`PassedPegs`].
+    /// The pegs that a rod, seen from above, passes on the same side as the pattern; see
+    /// [`PassedPegs`].
     pub fn passed(&self, rod: &[Point]) -> PassedPegs {
         let passes = |peg: &&Peg| pegs::passes_beside(rod, &self.outline, peg);
         PassedPegs {
@@ -57,7 +59,7 @@ impl Fixtures {
         }
     }
 
-    /// Circles of the pegs from above for a plot, with gaps between them, m.
+    /// Circles of the pegs seen from above for a plot, with gaps between them, m.
     pub fn circles(&self) -> Vec<(f64, Option<f64>)> {
         pegs::outlines(&self.pegs)
     }

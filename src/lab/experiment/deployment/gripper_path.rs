@@ -1,4 +1,5 @@
-//! The path of a gripper that lays a rod, with its prescribed errors: computed before the run, followed during it.
+//! The path of a gripper that lays a rod, with its prescribed errors. The path is computed before
+//! the run.
 
 use super::keys::Deployment;
 use super::planned::{PathError, Planned};
@@ -13,51 +14,54 @@ use rodlab_planning::plan::pattern::{Pattern, PatternPoint, Point};
 use rodlab_planning::plan::tying::GripperPoses;
 use std::f64::consts::TAU;
 
-/// Distance of neighbouring poses along the pattern, m.
+/// Distance between adjacent poses along the pattern, m.
 const POSE_SPACING: f64 = 3e-3;
-/// Distance of the poses from which times are computed, m.
+/// Distance between the poses from which times are computed, m.
 const TIMING_SPACING: f64 = 12e-3;
 /// Poses per period of the fastest jitter.
 const POSES_PER_PERIOD: f64 = 10.0;
-/// Time in which a waiting rod is brought to the start of its laying, s: it is moved over its first point, hangs until it no longer
-/// swings, and is lowered.
+/// Time in which a waiting rod is brought to the start of its laying, s. The rod is moved over its
+/// first point, hangs until it no longer swings, and is lowered.
 pub const BRINGING: f64 = 10.0;
 const HANGING: [f64; 2] = [4.0, 2.0];
-/// Waiting place: behind the start of its pattern, clear of the rod that is laid before, m.
+/// Distance of the waiting place behind the start of the pattern, clear of the rod that is laid
+/// first, m.
 const WAITING_BEHIND: f64 = 0.25;
-/// Height of its free end over the table meanwhile, and over its first point, in gravito-bending lengths.
+/// Height of the rod's free end over the table while waiting, and over its first point, in
+/// gravito-bending lengths.
 const WAITING_ABOVE: f64 = 2.0;
 const HANGING_ABOVE: f64 = 0.1;
 
 /// Laying of one rod: pattern, poses and times.
 pub struct GripperPath {
-    /// Length of the pattern, its lead-in included, m.
+    /// Length of the pattern with its lead-in, m.
     pub length: f64,
     /// The pattern.
     pub curve: Pattern,
     /// Friction demand of the pattern.
     pub feasibility: Feasibility,
-    /// Times (s) of the poses and what has been laid then, m.
+    /// Times (s) of the poses, and the length laid by then, m.
     pub laid: Vec<(f64, f64)>,
-    /// The pattern at these times, where the planner sees it.
+    /// Points of the pattern at these times, as the planner assumes them.
     pub points: Vec<PatternPoint>,
     /// The poses as planned.
     pub planned: Vec<GripperPose>,
-    /// Displacement (m) and turn (rad) of the gripper from them.
+    /// Displacement (m) and rotation (rad) of the gripper relative to them.
     pub jitter: Vec<(Vector3, Vector3)>,
-    /// The poses, errors included.
+    /// The poses with errors.
     pub poses: Vec<GripperPose>,
     /// Model that the planner assumes.
     pub seen: Planned,
     /// The rod at the start, m.
     pub start: Vec<Vector3>,
-    /// The poses of a rod that waits, from the start to the first pose of the laying, errors included; none of one that does not.
+    /// The poses of a waiting rod from the start to the first pose of the laying, with errors;
+    /// empty if the rod does not wait.
     pub brought: GripperPoses,
-    /// The poses after the laying, errors included, where its end is led further at once.
+    /// The poses with errors after the laying, if the gripper then leads the end of the rod on.
     pub led: GripperPoses,
 }
 
-/// A path without times: its speed is not chosen yet.
+/// A path without times, since its speed is not chosen yet.
 pub struct UnpacedPath<'a> {
     deployment: &'a Deployment,
     curve: Pattern,
@@ -68,7 +72,8 @@ pub struct UnpacedPath<'a> {
 }
 
 impl<'a> UnpacedPath<'a> {
-    /// The path of a deployment of one rod on a table of some `friction`; `pivot` is the first point of the first pattern, m.
+    /// The path of a deployment of one rod on a table with a `friction`. `pivot` is the first
+    /// point of the first pattern, m.
     ///
     /// # Errors
     /// The pattern cannot be laid.
@@ -106,13 +111,13 @@ impl<'a> UnpacedPath<'a> {
         self.curve.at(0.0).position
     }
 
-    /// Its duration at a speed of 1 m/s, s.
+    /// Duration of the path at a speed of 1 m/s, s.
     pub fn duration(&self) -> f64 {
         self.passed.last().copied().unwrap_or(0.0)
     }
 
-    /// The path that is followed between two times, s; poses lie at whole numbers of steps of `step` where steps have a size, s. A
-    /// rod that is laid later waits until then.
+    /// The path between two times, s. With a fixed `step`, s, the times of poses are multiples of
+    /// it. A rod that is laid later waits until the first time.
     ///
     /// # Errors
     /// The pattern cannot be laid.
@@ -127,7 +132,7 @@ impl<'a> UnpacedPath<'a> {
         let time = end - begin;
         let spacing = deployment.pose_spacing(time, length);
         let spacing = step.map_or(spacing, |step| {
-            // A hair less than a whole number is that number.
+            // A ratio just below a whole number counts as that number.
             step * (spacing / step + 1e-9).floor().max(1.0)
         });
         refuse_many(end / spacing)?;
@@ -140,7 +145,7 @@ impl<'a> UnpacedPath<'a> {
             })
             .collect();
         let mut points: Vec<PatternPoint> = laid.iter().map(|&(_, s)| self.curve.at(s)).collect();
-        // Angles blend into each other.
+        // Makes the angles continuous.
         for index in 1..points.len() {
             let turns = (points[index - 1].angle - points[index].angle) / TAU;
             points[index].angle += TAU * turns.round();
@@ -199,7 +204,8 @@ fn refuse_many(count: f64) -> Result<(), PathError> {
     }
 }
 
-/// Waiting place of the gripper of a rod, and the place from which it lowers it, relative to its first laying place, m. There the rod hangs straight.
+/// Waiting place of the gripper of a rod, and the place from which it lowers the rod, relative to
+/// its first laying place, m. At both places the rod hangs straight.
 fn brought_from(first: &PatternPoint, rod: &DeployedRod, place: &Vector3) -> [Vector3; 2] {
     let (sine, cosine) = libm::sincos(first.angle);
     let behind = -WAITING_BEHIND * Vector3::new(cosine, sine, 0.0);
@@ -210,7 +216,7 @@ fn brought_from(first: &PatternPoint, rod: &DeployedRod, place: &Vector3) -> [Ve
     [over(WAITING_ABOVE) + behind, over(HANGING_ABOVE)]
 }
 
-/// Grows from 0 to 1 between 0 and 1, at rest at both ends.
+/// Smooth step: increases from 0 to 1 between 0 and 1, with zero slope at both ends.
 fn smooth(part: f64) -> f64 {
     let part = part.clamp(0.0, 1.0);
     part * part * (3.0 - 2.0 * part)
@@ -238,12 +244,12 @@ impl GripperPath {
         brought.unwrap_or((self.poses[0].position, self.poses[0].rotation))
     }
 
-    /// All poses of the gripper, errors included.
+    /// All poses of the gripper with errors.
     pub fn followed(&self) -> GripperPoses {
         let laying = self.laid.iter().zip(&self.poses);
         let laying = laying.map(|((time, _), pose)| (*time, pose.position, pose.rotation));
         let before = self.brought.iter().copied();
-        // It begins with the last pose of the laying.
+        // The first of these poses is the last pose of the laying.
         let after = self.led.iter().skip(1).copied();
         before.chain(laying).chain(after).collect()
     }
@@ -286,7 +292,7 @@ impl Deployment {
         Jitter::new(rms, self.jitter_period, self.seed)
     }
 
-    /// Time between poses that follows pattern and jitter, s.
+    /// Time between poses that resolves pattern and jitter, s.
     fn pose_spacing(&self, end: f64, length: f64) -> f64 {
         let along = end * POSE_SPACING / length;
         if self.jitter > 0.0 || self.jitter_angle > 0.0 {

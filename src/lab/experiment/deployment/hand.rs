@@ -1,4 +1,4 @@
-//! A gripper that grasps rods at their planned places, leads them, and releases them.
+//! A gripper that grasps rods at planned places, moves them, and releases them.
 
 use super::tying::{Hold, Part};
 use crate::run::Controller;
@@ -9,7 +9,8 @@ use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Nodes beside the ends of a rod that do not count as a strand: a gripper is there already, or too little rod.
+/// Number of nodes next to the ends of a rod that do not count as a strand: another gripper is
+/// there, or the rest of the rod is too short.
 const BESIDE_ENDS: usize = 2;
 
 /// Grasps rods, one after the other.
@@ -18,7 +19,7 @@ pub struct Hand {
     name: String,
     tasks: Vec<Task>,
     reach: f64,
-    /// Tasks that are finished, or have missed.
+    /// Number of tasks that are finished, or whose grasp missed.
     done: usize,
     /// The clamp of the held node.
     clamp: Option<usize>,
@@ -33,13 +34,13 @@ struct Task {
     nodes: Range<usize>,
     /// Times (s) and places (m).
     places: Vec<(f64, Vector3)>,
-    /// Times (s) and orientations; empty where it does not turn.
+    /// Times (s) and orientations; empty for a constant orientation.
     turns: Vec<(f64, UnitQuaternion)>,
 }
 
 impl Hand {
-    /// The gripper of a number with these tasks. `nodes` are those of the rods of the scene. It grasps the node that is nearest to
-    /// it, seen from above, if it is within `reach`, m.
+    /// The gripper with this number and these tasks. `nodes` are the nodes of the rods of the
+    /// scene. Seen from above, it grasps the nearest node if that is within `reach`, m.
     pub fn new(number: usize, holds: &[Hold], nodes: &[Range<usize>], reach: f64) -> Self {
         let task = |hold: &Hold| {
             let Range { start, end } = nodes[hold.rod].clone();
@@ -76,7 +77,7 @@ impl Hand {
 }
 
 impl Task {
-    /// The node within reach of a place.
+    /// The nearest node within reach of a place.
     fn node_at(&self, place: &Vector3, reach: f64, positions: &[Vector3]) -> Option<usize> {
         let away = |node: &usize| (positions[*node] - place).xy().norm();
         let nodes = self.nodes.clone();
@@ -84,11 +85,11 @@ impl Task {
         nearest.filter(|node| away(node) <= reach)
     }
 
-    /// The motion of a node that was grasped at a place.
+    /// The motion of a node that was grasped at the place `found`.
     fn motion(&self, first: &Vector3, found: &Vector3) -> Motion {
         let ways = self.places.iter().map(|(time, place)| {
             let mut way = place - first;
-            // Jitter of the gripper does not press the rod into the table.
+            // Jitter must not press the rod into the table.
             way.z = way.z.max(0.0);
             (*time, way)
         });

@@ -188,7 +188,7 @@ mod tests {
         let outcome = laid(ARC, 15.0);
         assert!(outcome.mean_error_m.unwrap() < 1e-3, "{outcome:?}");
         assert_eq!(outcome.share_above_friction, 0.0);
-        // It hangs from the gripper, most of it at the start: ρ g π h² L = 0.0395 N.
+        // The rod hangs from the gripper, most of it at the start: ρ g π h² L = 0.0395 N.
         let force = outcome.largest_gripper_force_n;
         assert!((0.037..0.045).contains(&force), "{force}");
     }
@@ -232,7 +232,8 @@ mod tests {
         let outcome = laid(&format!("{CLIPS}\nframe_shift = [0.0, 0.03]"), 5.0);
         let pegs = outcome.pegs.unwrap();
         assert_eq!((pegs.count, pegs.passed), (6, 3), "{outcome:?}");
-        // A peg on that side of the pattern is passed on the wrong side, one on the other side is not.
+        // A peg on that side of the pattern is passed on the wrong side, one on the other side is
+        // not.
         let peg = |y: f64| {
             let line = "pattern = { kind = \"line\", length = 0.1 }\nframe_shift = [0.0, 0.03]";
             let peg =
@@ -249,13 +250,14 @@ mod tests {
     #[test]
     fn a_second_rod_is_laid_over_the_first() {
         let outcome = laid(SECOND, 16.0);
-        // Its free end slips where it is let down, by about a gravito-bending length; the first rod lies as if there were no other.
+        // Its free end slips by about a gravito-bending length when it is lowered; the first rod
+        // lies as if it were alone.
         assert!(
             outcome.largest_error_m.unwrap() < 1.5 * 0.018,
             "{outcome:?}"
         );
         assert_eq!((outcome.pegs, outcome.knot), (None, None));
-        // The first one is the heavier: ρ g π h² L = 0.0395 N.
+        // The first rod is heavier: ρ g π h² L = 0.0395 N.
         let force = outcome.largest_gripper_force_n;
         assert!((0.037..0.045).contains(&force), "{force}");
     }

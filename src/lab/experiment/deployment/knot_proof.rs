@@ -1,30 +1,37 @@
-//! Type of the knot of rods on the table, and of their patterns.
+//! Knot type of rods on the table, and of their patterns.
 //!
-//! Both ends of a rod are raised straight up and joined far above the table, and, once more, lowered and joined far below it. Of
-//! two rods the end of each is joined to the start of the other, so that the closed curve runs along both forwards; one path lies higher
-//! than the other. Where both closed curves have the same determinant and signature, it does not matter how ends are joined: that is
-//! the knot. Where they differ an end lies within the loops of a rod, and the knot does not hold.
+//! The ends of a rod are extended straight up and joined far above the table; for a second closed
+//! curve they are extended down and joined far below it. With two rods the end of each is joined
+//! to the start of the other, so that the closed curve follows both rods forwards; the two joining
+//! paths have different heights. If both closed curves have the same determinant and signature,
+//! the knot does not depend on how ends are joined. If they differ, an end lies within the loops
+//! of a rod, and the knot does not hold.
 //!
-//! A reef knot is two bights, each of which comes from one side and goes back there through the other one: B comes from the right below
-//! the upper strand of A's bight and goes back below the lower one, or both above. The paths that join A's end on the left with B's start on
-//! the right, above the knot, and B's end with A's start, below it, cross nothing. What is left are the three crossings of the upper strands of
-//! both and the three of the lower ones, each alternately over and under: two trefoils in a row on one closed curve. Seen in a mirror that
-//! lies along the axis of the knot, the upper crossings are the lower ones, over where they are over, so that one trefoil is the
-//! mirror image of the other: 3₁ # m(3₁), of determinant 3·3 and signature 2 − 2. In a granny knot, where B comes from above and goes back
-//! below, both are the same, and the signature is ±4. Without any knot the determinant is 1.
+//! A reef knot has two bights. Each comes from one side and returns to it through the other bight.
+//! B enters from the right below the upper strand of A's bight and returns below the lower strand,
+//! or passes above both. Two paths close the curve: one above the knot from A's end on the left to
+//! B's start on the right, and one below it from B's end to A's start. They cross nothing. Six
+//! crossings remain, three of the upper strands and three of the lower strands, each group
+//! alternating over and under: two trefoils in a row on one closed curve. A mirror along the axis
+//! of the knot maps the upper crossings onto the lower ones and keeps over and under. One trefoil
+//! is therefore the mirror image of the other: 3₁ # m(3₁), with determinant 3·3 and signature 2 −
+//! 2. In a granny knot B enters above and returns below. Both trefoils are then the same, and the
+//! signature is ±4. Without a knot the determinant is 1.
 
 use rodlab_engine::mechanics::{Vector3, scene::piecewise_linear};
 use rodlab_planning::knot::KnotInvariants;
 use rodlab_planning::plan::pattern::{Pattern, PatternPoint};
 use rodlab_planning::plan::tying::{Pass, Passage};
 
-/// Distances above and below the table at which ends are joined, in lengths of the curves; those of the second path over those of the first.
+/// Distance from the table at which ends are joined, in lengths of the curves, and the ratio of
+/// this distance for the second path to that for the first.
 const FAR: f64 = 3.0;
 const FARTHER: f64 = 1.5;
 /// Points of a pattern.
 const POINTS: usize = 1000;
 
-/// The knot of a rod, or of two, on the table, joined above as well as below; `None` where they differ.
+/// The knot of one or two rods on the table, if joining above and below gives the same knot;
+/// `None` otherwise.
 pub fn knot_on_table(rods: &[&[Vector3]]) -> Option<KnotInvariants> {
     let edges = rods.iter().flat_map(|rod| rod.windows(2));
     let length: f64 = edges.map(|edge| (edge[1] - edge[0]).norm()).sum();
@@ -32,7 +39,7 @@ pub fn knot_on_table(rods: &[&[Vector3]]) -> Option<KnotInvariants> {
         let raised = |node: &Vector3, far: f64| node + far * length * Vector3::z();
         let mut closed = Vec::new();
         for (number, rod) in rods.iter().enumerate() {
-            // The path to the start of the first rod is the one of two that lies farther away.
+            // The path to the start of the first rod is the farther one.
             let [to_start, from_end] = match (number, rods.len()) {
                 (0, 2) => [FARTHER * far, far],
                 (1, 2) => [far, FARTHER * far],
@@ -47,7 +54,7 @@ pub fn knot_on_table(rods: &[&[Vector3]]) -> Option<KnotInvariants> {
     above.filter(|_| above == below)
 }
 
-/// The knot of patterns, from their passages.
+/// The knot of patterns, given their passages.
 pub fn knot_of_patterns<'a>(
     curves: impl IntoIterator<Item = &'a Pattern>,
     passages: &[Passage],
@@ -126,16 +133,18 @@ mod tests {
 
     #[test]
     fn an_end_within_a_loop_is_not_a_knot() {
-        // An overhand loop whose end lies over its middle: a trefoil or not, as the end is raised or lowered.
+        // An overhand loop with its end over its middle. It is a trefoil if the end is raised, but
+        // not if it is lowered, or vice versa.
         let curve = trefoil();
         let passages = tied(&curve, &[Over, Under, Over]);
-        // It ends after it went under, before it goes over.
+        // The curve ends after it went under, and before it goes over.
         let between = 0.5 * (passages[1].second.s + passages[2].second.s);
         let open = curve.shortened(between);
         assert_eq!(knot_of_patterns(&[open], &passages[..2]), None);
     }
 
-    /// The two rods of a knot of two throws, laid flat, the second one backwards: as its end is joined to the start of the first.
+    /// The two rods of a knot with two throws, laid flat. The second one is reversed, since its
+    /// end is joined to the start of the first.
     fn lying(throws: TwoThrows) -> [Vec<Vector3>; 2] {
         let size = KnotSize {
             length: 1.0,
@@ -158,7 +167,7 @@ mod tests {
                 (determinant, signature)
             );
         }
-        // One over the other everywhere.
+        // One rod lies over the other everywhere.
         let [first, second] = lying(TwoThrows::REEF);
         let flat = |rod: &[Vector3], height: f64| -> Vec<Vector3> {
             let at = |(index, node): (usize, &Vector3)| {

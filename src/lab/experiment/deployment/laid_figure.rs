@@ -1,4 +1,4 @@
-//! Laid rods from above, beside their patterns and the pegs.
+//! Laid rods seen from above, with their patterns and the pegs.
 
 use super::pegs;
 use super::tables::DeploymentTables;
@@ -11,15 +11,15 @@ use std::path::Path;
 
 /// Points of the pattern.
 const POINTS: usize = 400;
-/// Half the gap of a strand below another, in radii of the rod.
+/// Half the gap drawn in a strand below another, in radii of the rod.
 const BREAK: f64 = 3.0;
 
-/// Points of a curve from above, m; a gap where there is no height.
+/// Points of a curve seen from above, m; a point without a value is a gap.
 pub type Outline = Vec<(f64, Option<f64>)>;
 
 /// Final state of a deployment on the table, seen from above.
 pub struct LaidOutlines {
-    /// The parts of the rods that belong to their patterns; tied rods are complete.
+    /// The parts of the rods that belong to their patterns; for tied rods the whole rods.
     pub rods: Vec<Outline>,
     /// The patterns with their lead-ins.
     pub pattern: Outline,
@@ -27,7 +27,7 @@ pub struct LaidOutlines {
     pub pegs: Outline,
 }
 
-/// Rods, patterns and pegs from above at the last output; `None` where the run wrote no nodes.
+/// Rods, patterns and pegs seen from above at the last output; `None` if the run wrote no nodes.
 ///
 /// # Errors
 /// Files of the run cannot be read.
@@ -56,7 +56,7 @@ pub fn laid_outlines(directory: &Path) -> Result<Option<LaidOutlines>, FigureErr
         };
         let (rod, others) = left.split_at(laying.rod.edges + 1);
         left = others;
-        // A rod that is tied extends beyond the part that was laid.
+        // A tied rod extends beyond the laid part.
         let part = match laying.knot {
             Some(_) => 1.0,
             None => curve.length() / laying.rod.length,
@@ -75,7 +75,8 @@ pub fn laid_outlines(directory: &Path) -> Result<Option<LaidOutlines>, FigureErr
     }))
 }
 
-/// Rods from above, with a gap where one passes below itself or another, nearer than `gap` (m) to the crossing.
+/// Rods seen from above. A strand below another has a gap of `gap` (m) on each side of the
+/// crossing.
 fn broken_below(rods: &[Vec<Vector3>], gap: f64) -> Vec<Outline> {
     let mut below: Vec<Vec<bool>> = rods.iter().map(|rod| vec![false; rod.len()]).collect();
     let edges = |number: usize| (0..rods[number].len() - 1).map(move |index| (number, index));
@@ -121,7 +122,7 @@ fn broken_below(rods: &[Vec<Vector3>], gap: f64) -> Vec<Outline> {
     rods.iter().zip(below).map(outline).collect()
 }
 
-/// The figure of these; `None` where the run wrote no nodes.
+/// The figure of these outlines; `None` if the run wrote no nodes.
 ///
 /// # Errors
 /// Files of the run cannot be read.

@@ -4,10 +4,10 @@ use nalgebra::Vector2;
 use rodlab_engine::mechanics::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Points of the pattern that are compared, as in the thesis.
+/// Number of compared points of the pattern, as in the thesis.
 pub const POINTS: usize = 50;
 
-/// A point of the pattern: arc length from its start, the lead-in included, and place, m.
+/// A point of the pattern: arc length from its start including the lead-in, and position, m.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PatternMark {
     /// Arc length, m.
@@ -21,14 +21,14 @@ pub struct PatternMark {
 pub struct LaidError {
     /// Mean distance e_mean.
     pub mean: f64,
-    /// Standard deviation σ, with the square that Eq. 5.11 as printed lacks: without it σ is zero.
+    /// Standard deviation σ. Eq. 5.11 as printed lacks a square, without which σ would be zero.
     pub deviation: f64,
     /// Largest distance.
     pub largest: f64,
 }
 
-/// Place of a rod at an arc length from its first node, seen from above, m; `length` is that of the rod, whose edges are
-/// equal.
+/// Position of a rod at an arc length from its first node, seen from above, m. `length` is the
+/// length of the rod, whose edges are equal.
 pub fn rod_at(nodes: &[Vector3], length: f64, s: f64) -> Vector2<f64> {
     let edges = nodes.len() - 1;
     let along = (s / length * edges as f64).clamp(0.0, edges as f64);
@@ -37,7 +37,7 @@ pub fn rod_at(nodes: &[Vector3], length: f64, s: f64) -> Vector2<f64> {
     (nodes[edge] * (1.0 - part) + nodes[edge + 1] * part).xy()
 }
 
-/// Distances at the marks that are within the laid length `laid` (m) of the rod, m.
+/// Distances at the marks within the laid length `laid` (m) of the rod, m.
 pub fn distances(marks: &[PatternMark], nodes: &[Vector3], length: f64, laid: f64) -> Vec<f64> {
     let marks = marks.iter().filter(|mark| mark.s <= laid * (1.0 + 1e-9));
     marks
@@ -46,7 +46,7 @@ pub fn distances(marks: &[PatternMark], nodes: &[Vector3], length: f64, laid: f6
 }
 
 impl LaidError {
-    /// Summary of distances; `None` where there are none.
+    /// Summary of distances; `None` if there are none.
     pub fn of(distances: &[f64]) -> Option<Self> {
         if distances.is_empty() {
             return None;
@@ -82,7 +82,7 @@ mod tests {
         assert!((error.largest - 0.03).abs() < 1e-15);
         let none = distances(&marks, &nodes, 1.0, 0.05);
         assert_eq!(LaidError::of(&none), None);
-        // A rod of twice the length has half the places.
+        // A rod with twice the length has half the marks.
         assert!((rod_at(&nodes, 2.0, 1.0) - Vector2::new(0.5, 0.0)).norm() < 1e-15);
         assert_eq!(rod_at(&nodes, 1.0, 7.0), Vector2::new(1.0, 0.0));
     }

@@ -1,4 +1,4 @@
-//! The scenario of a planned deployment: `rodlab run` lays the rod along its trajectory.
+//! The scenario of a planned deployment: `rodlab run` lays the rod along the planned trajectory.
 
 use super::rod_file::RodFile;
 use rodlab_planning::plan::deployment::OptimalGrasps;
@@ -7,7 +7,7 @@ use rodlab_planning::plan::request::DeploymentRequest;
 use rodlab_planning::plan::tying::Pass;
 use serde::Serialize;
 
-/// Friction of the simulated table where none is given.
+/// Default friction of the simulated table.
 const FRICTION: f64 = 0.4;
 /// Time for which a tied rod settles, s.
 const SETTLING: f64 = 2.0;
@@ -20,7 +20,7 @@ pub struct Landing<'a> {
     pub name: &'a str,
     /// The pattern itself.
     pub source: &'a PatternSource,
-    /// Scheme by which it is laid.
+    /// Scheme of the gripper's path.
     pub request: &'a DeploymentRequest<'a>,
     /// Length of its lead-in, m.
     pub lead_in: f64,
@@ -29,7 +29,7 @@ pub struct Landing<'a> {
 }
 
 impl Landing<'_> {
-    /// The points of a drawing beside the scenario, which reads them.
+    /// The points of a drawing, in a file beside the scenario, which reads them.
     pub const DRAWING: &'static str = "drawing.csv";
 
     /// The scenario.
@@ -100,7 +100,7 @@ impl Landing<'_> {
     }
 }
 
-/// The keys of a knot, after which both grippers let go.
+/// The keys of a knot; both grippers release the rods after tying.
 fn knot_keys(passes: &[Pass]) -> String {
     if passes.is_empty() {
         return String::new();
@@ -109,7 +109,7 @@ fn knot_keys(passes: &[Pass]) -> String {
     format!("knot = {{ crossings = [{words}] }}\nrelease = {SETTLING:?}\n")
 }
 
-/// A word of a scenario, in its quotes.
+/// A word as a quoted TOML string.
 fn word(word: &impl Serialize) -> String {
     let value = toml::Value::try_from(word);
     value.expect("names are TOML values").to_string()

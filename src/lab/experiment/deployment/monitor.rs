@@ -1,4 +1,5 @@
-//! Monitors rods while they are laid: their distance from the pattern, their sliding, the forces of their grippers.
+//! Monitors rods while they are laid: their distance from the pattern, their sliding, and the
+//! forces of the grippers.
 
 use super::keys::Peg;
 use super::knot_proof::knot_on_table;
@@ -16,9 +17,9 @@ use std::ops::Range;
 /// A rod that is laid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WatchedRod {
-    /// Points of its pattern that are compared.
+    /// Compared points of its pattern.
     pub marks: Vec<PatternMark>,
-    /// Times (s) and what has been laid then, m.
+    /// Times (s) and the length laid by then, m.
     pub laid: Vec<(f64, f64)>,
     /// Its length, m.
     pub length: f64,
@@ -33,20 +34,21 @@ pub struct WatchedRod {
 /// Parameters of the monitor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Watched {
-    /// The rods, in the order in which they are laid: the first ones of the scene.
+    /// The rods in the order of laying: the first ones of the scene.
     pub rods: Vec<WatchedRod>,
     /// Friction of the table.
     pub friction: f64,
     /// Posts on the table.
     pub pegs: Vec<Peg>,
-    /// The pattern from above, m, where there are pegs.
+    /// The pattern seen from above, m, if there are pegs.
     pub outline: Vec<[f64; 2]>,
-    /// Whether a knot is tied, and if so the knot of the patterns.
+    /// Knot of the patterns, if a knot is tied; the inner `None` is a knot that depends on how
+    /// ends are joined.
     pub knot: Option<Option<KnotInvariants>>,
 }
 
 impl WatchedRod {
-    /// Length that has been laid at a time, m.
+    /// Length laid by a time, m.
     fn laid_at(&self, time: f64) -> f64 {
         piecewise_linear(&self.laid, time).unwrap_or(0.0)
     }
@@ -74,19 +76,19 @@ pub struct DeploymentMonitor {
     interval: f64,
     /// Time of the next sample, s.
     next: f64,
-    /// Places at which nodes were first laid, m.
+    /// Places where nodes were first laid, m.
     touched: Vec<Option<[f64; 2]>>,
     largest_sliding: f64,
     largest_force: f64,
-    /// Mean, standard deviation and largest of the distances at the last output, m.
+    /// Mean, standard deviation and maximum of the distances at the last output, m.
     last: Option<(f64, f64, f64)>,
-    /// Pegs that were passed on the side of the pattern at the last output.
+    /// Number of pegs that were passed on the side of the pattern at the last output.
     passed: usize,
     /// The knot of the rods at the last output.
     knot: Option<KnotInvariants>,
 }
 
-/// Samples in the time of a run.
+/// Number of samples during a run.
 const SAMPLES: f64 = 600.0;
 
 impl DeploymentMonitor {
@@ -111,7 +113,7 @@ impl DeploymentMonitor {
         let mut off = Vec::new();
         let mut force: f64 = 0.0;
         for rod in &self.watched.rods {
-            // A rod that still waits has not started.
+            // A rod that is still waiting has not started.
             if rod
                 .laid
                 .first()
@@ -132,7 +134,8 @@ impl DeploymentMonitor {
         (LaidError::of(&off), force)
     }
 
-    /// Number of pegs that the part of the rod that belongs to the pattern passes on the same side as the pattern.
+    /// Number of pegs that the rod passes on the same side as the pattern. Only the part of the
+    /// rod that belongs to the pattern counts.
     fn pegs_passed(&self, rod: &[Vector3]) -> usize {
         let Watched {
             rods,
@@ -195,7 +198,8 @@ impl Observer for DeploymentMonitor {
     }
 
     fn measure(&mut self, sample: &Sample<'_>, _row: &SeriesRow) -> (Vec<Value>, Finding) {
-        // Sliding and largest force are those of the samples, so that they do not depend on the outputs.
+        // Sliding and largest force come from the samples only, so that they do not depend on the
+        // outputs.
         let kept = (
             self.touched.clone(),
             self.largest_sliding,
@@ -203,7 +207,7 @@ impl Observer for DeploymentMonitor {
         );
         let (error, force) = self.look(sample);
         (self.touched, self.largest_sliding, self.largest_force) = kept;
-        // A rod whose end is led further leaves the pattern along which it was laid.
+        // A rod whose end is led on leaves the pattern along which it was laid.
         let is_led =
             self.watched.knot.is_some() && sample.time() > self.watched.laid_by() * (1.0 + 1e-9);
         let error = error.filter(|_| !is_led);
@@ -252,7 +256,8 @@ impl Observer for DeploymentMonitor {
     }
 }
 
-/// Records the places at which nodes of the laid part of a rod were first laid, and the largest displacement from them, m.
+/// Records where nodes of the laid part of a rod were first laid, and their largest displacement
+/// since then, m.
 fn sliding(
     rod: &WatchedRod,
     nodes: &[Vector3],

@@ -1,4 +1,4 @@
-//! Online correction: the gripper's path is replanned from the observed place of the rod.
+//! Online correction: replans the gripper's path from the observed position of the rod.
 
 use super::gripper_path::GripperPath;
 use super::keys::{Correction, Deployment, Solver};
@@ -12,15 +12,15 @@ use rodlab_planning::plan::deployment::{CorrectedPath, ObservedContact};
 use rodlab_planning::plan::pattern::Point;
 use serde::{Deserialize, Serialize};
 
-/// Least time between two corrections, s: a hanging rod swings, and responds no sooner.
+/// Least time between two corrections, s: a hanging rod swings, and does not respond faster.
 const LEAST_TIME: f64 = 1.0;
-/// Seeds of successive observations are this far apart.
+/// Difference of the seeds of successive observations.
 const SEED_STEP: u64 = 0x9e37_79b9;
 
-/// Replans the gripper's path after each length that has been laid.
+/// Replans the gripper's path whenever a given length has been laid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OnlineCorrection {
-    /// Root mean square by which the camera sees places wrongly, m, and its seed.
+    /// Root mean square error of positions measured by the camera, m, and its seed.
     noise: f64,
     seed: u64,
     solver: Solver,
@@ -28,13 +28,14 @@ pub struct OnlineCorrection {
     path: CorrectedPath,
     /// Model of the camera above the table.
     seen: Planned,
-    /// Clamp of the gripper, nodes of the rod, and height below which a node lies, m.
+    /// Clamp of the gripper, number of nodes of the rod, and height below which a node lies on the
+    /// table, m.
     clamp: usize,
     nodes: usize,
     lying_height: f64,
     /// Times of the poses, s.
     times: Vec<f64>,
-    /// Unmodelled displacement (m) and turn (rad) of the gripper at those times.
+    /// Unmodelled displacement (m) and rotation (rad) of the gripper at those times.
     jitter: Vec<(Vector3, Vector3)>,
     /// The gripper at the start.
     first: (Vector3, UnitQuaternion),
@@ -44,7 +45,7 @@ pub struct OnlineCorrection {
 }
 
 impl OnlineCorrection {
-    /// The correction of a path; `clamp` is that of the gripper.
+    /// The correction of a path; `clamp` is the clamp of the gripper.
     pub fn new(
         deployment: &Deployment,
         keys: Correction,
@@ -85,11 +86,11 @@ impl OnlineCorrection {
             .max(self.times.partition_point(|time| *time < settled))
     }
 
-    /// The lying rod as the camera sees it: arc lengths and places, m.
+    /// The lying rod as the camera measures it: arc lengths and positions, m.
     fn look(&self, positions: &[Vector3]) -> Vec<(f64, Point)> {
         let edge = self.path.rod().length / (self.nodes - 1) as f64;
         let mut number = uniform_numbers(self.seed ^ self.observations.wrapping_mul(SEED_STEP));
-        // Evenly distributed, of variance 1.
+        // Uniformly distributed, of variance 1.
         let mut noise = || self.noise * 12f64.sqrt() * (number() - 0.5);
         let lies = |node: &&Vector3| node.z < self.lying_height;
         let lying = positions[..self.nodes].iter().take_while(lies).count();
@@ -105,7 +106,7 @@ impl OnlineCorrection {
             .collect()
     }
 
-    /// The motion of the gripper, with all that disturbs it.
+    /// The motion of the gripper with all disturbances.
     fn motion(&self) -> Motion {
         let (place, turn) = self.first;
         let timed = || {

@@ -11,11 +11,11 @@ pub struct DerivedDeployment {
     pub pattern_length: f64,
     /// Length of the lead-in, m.
     pub lead_in: f64,
-    /// Least radius of curvature, m; `None` where all is straight.
+    /// Least radius of curvature, m; `None` if the pattern is straight.
     pub least_radius: Option<f64>,
-    /// The largest friction that the pattern asks for.
+    /// The largest friction demand of the pattern.
     pub largest_friction_demand: f64,
-    /// Part of the pattern that demands more friction than the table has.
+    /// Fraction of the pattern that demands more friction than the table has.
     pub share_above_friction: f64,
     /// Largest speed of the gripper, m/s.
     pub largest_gripper_speed: f64,
@@ -62,20 +62,20 @@ pub struct DeploymentOutcome {
     pub largest_gripper_force_n: f64,
     /// The largest friction that the pattern demands (thesis Eq. 5.2).
     pub largest_friction_demand: f64,
-    /// Part of the pattern that demands more friction than the table has.
+    /// Fraction of the pattern that demands more friction than the table has.
     pub share_above_friction: f64,
-    /// Outcome of the pegs; `None` where there are none.
+    /// Outcome of the pegs; `None` without pegs.
     pub pegs: Option<PassedPegs>,
-    /// Outcome of the knot; `None` where none is tied.
+    /// Outcome of the knot; `None` without a knot.
     pub knot: Option<TiedKnot>,
 }
 
 /// Knots by their invariants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TiedKnot {
-    /// Knot of the pattern, or of both patterns; `None` where it depends on how ends are joined.
+    /// Knot of the pattern, or of both patterns; `None` if it depends on how ends are joined.
     pub pattern: Option<KnotInvariants>,
-    /// Knot of the rod, or of both rods; `None` where it depends on how ends are joined.
+    /// Knot of the rod, or of both rods; `None` if it depends on how ends are joined.
     pub rod: Option<KnotInvariants>,
 }
 
@@ -86,7 +86,7 @@ impl TiedKnot {
     }
 }
 
-/// Pegs that a rod passes on the same side as its pattern, below their tops.
+/// Number of pegs that a rod passes on the same side as its pattern, below their tops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PassedPegs {
     /// Number of pegs.
@@ -96,7 +96,7 @@ pub struct PassedPegs {
 }
 
 impl PassedPegs {
-    /// Whether the rod is placed: it passes all of them in this way.
+    /// Whether the rod is placed: it passes all pegs in this way.
     pub fn are_all(&self) -> bool {
         self.passed == self.count
     }
@@ -125,7 +125,7 @@ fn passed_pegs(observed: &NamedValues) -> Option<PassedPegs> {
 }
 
 impl DeploymentOutcome {
-    /// The outcome of a case; `None` where no rod was laid.
+    /// The outcome of a case; `None` if no rod was laid.
     pub fn of(case: &CaseOutcome) -> Option<Self> {
         let observed = &case.observed;
         Some(Self {
@@ -174,8 +174,8 @@ impl DeploymentOutcome {
         ])
     }
 
-    /// Returns a warning where the table has less `friction` than the pattern demands. Pegs hold a rod where the table does not, and
-    /// knots are tied of rods that slide.
+    /// Returns a warning if the table has less `friction` than the pattern demands. There is no
+    /// warning with pegs, which hold the rod instead, and for knots, whose rods slide anyway.
     pub fn remark(&self, friction: f64) -> Option<String> {
         let friction_alone = self.pegs.is_none() && self.knot.is_none();
         (friction_alone && self.share_above_friction > 0.0).then(|| {
@@ -188,7 +188,7 @@ impl DeploymentOutcome {
         })
     }
 
-    /// Its main results for the user: names and texts, a line each.
+    /// Main results for the user: names and texts, a line each.
     pub fn highlights(&self) -> Vec<(String, String)> {
         let mut lines = Vec::new();
         if let (Some(mean), Some(deviation)) = (self.mean_error_m, self.error_deviation_m) {

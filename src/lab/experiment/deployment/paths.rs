@@ -1,4 +1,5 @@
-//! The paths of all grippers of a deployment: rods are laid one after the other, then knots are tied.
+//! The paths of all grippers of a deployment: rods are laid one after the other, then knots are
+//! tied.
 
 use super::gripper_path::{BRINGING, GripperPath, UnpacedPath};
 use super::keys::Deployment;
@@ -9,15 +10,16 @@ use serde::Serialize;
 
 /// Motions of all grippers.
 pub struct DeploymentPaths {
-    /// The paths of the grippers that lay rods, in that order.
+    /// The paths of the grippers that lay rods, in the order of laying.
     pub rods: Vec<GripperPath>,
     /// The tying of the knot afterwards, if any.
     pub tying: Option<Tying>,
 }
 
 impl DeploymentPaths {
-    /// The paths of a deployment that ends after `end`, s, as in [`UnpacedPath::paced`]. `friction` is that of the table. Each rod is
-    /// given as much time as its gripper needs at the pace of the others.
+    /// The paths of a deployment with the duration `end`, s, as in [`UnpacedPath::paced`].
+    /// `friction` is that of the table. The time is divided so that all rods are laid at the same
+    /// pace.
     ///
     /// # Errors
     /// A pattern cannot be laid, or there is too little time.
@@ -87,11 +89,11 @@ pub struct GripperTask {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GripperWork {
-    /// Lays a rod and, for the rod that is laid last, leads its end further.
+    /// Lays a rod. For the rod that is laid last, it also leads the end on.
     Lay,
     /// Lifts a strand, and puts it down again.
     Lift,
-    /// Grasps the end of a rod again, and leads it.
+    /// Grasps the end of a rod again and leads it.
     Lead,
 }
 

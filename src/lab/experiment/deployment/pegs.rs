@@ -1,8 +1,9 @@
 //! Posts on the table, and whether a rod passes them as its pattern does.
 //!
-//! A rod is placed when every peg is, seen from above, on the same side of the rod as of the pattern, and the
-//! rod lies beside it below its top. The side is a matter of topology: rod and pattern, joined by straight lines at their
-//! ends, are a closed curve, which must not go around the peg.
+//! A rod is placed if every peg, seen from above, is on the same side of the rod as of the
+//! pattern, and the rod lies beside the peg below its top. The side is a topological property: rod
+//! and pattern, joined by straight lines at their ends, form a closed curve that must not go
+//! around the peg.
 
 use super::keys::Peg;
 use crate::experiment::prepare::round_rod;
@@ -13,9 +14,9 @@ use rodlab_engine::mechanics::scene::RodDescription;
 use rodlab_planning::plan::pattern::Pattern;
 use std::f64::consts::TAU;
 
-/// Nodes of a post: it is one edge.
+/// Number of nodes of a post, which is one edge.
 pub const NODES: usize = 2;
-/// Young's modulus of steel: contact is no stiffer than the softer of two bodies.
+/// Young's modulus of steel: the softer of two bodies limits the stiffness of contact.
 const STEEL: Material = Material {
     youngs_modulus: 2e11,
     poissons_ratio: 0.3,
@@ -63,7 +64,8 @@ pub fn outlines(pegs: &[Peg]) -> Vec<(f64, Option<f64>)> {
     pegs.iter().flat_map(circle).collect()
 }
 
-/// The first `part`, at most all, of a rod of equal edges; its last point lies between two nodes.
+/// The first `part` (a fraction, at most 1) of a rod of equal edges. Its last point lies between
+/// two nodes.
 pub fn first_part(nodes: &[Vector3], part: f64) -> Vec<Vector3> {
     let along = (part * (nodes.len() - 1) as f64).clamp(0.0, (nodes.len() - 1) as f64);
     let whole = along.floor() as usize;
@@ -74,15 +76,16 @@ pub fn first_part(nodes: &[Vector3], part: f64) -> Vec<Vector3> {
     first
 }
 
-/// Whether a rod passes a peg on the same side as its pattern, and lies below its top beside it.
+/// Whether a rod passes a peg on the same side as its pattern and lies below the top of the peg
+/// there.
 pub fn passes(rod: &[Vector3], pattern: &[[f64; 2]], peg: &Peg) -> bool {
     let axis = Vector2::from(peg.position);
     let from_above = rod.iter().map(|node| node.xy());
     is_on_its_side(from_above, pattern, &axis) && height_beside(rod, &axis) < peg.height
 }
 
-/// Whether a rod, seen from above, passes a peg on the same side as its pattern without lying on the peg: its centreline is
-/// farther from the axis of the peg than the radius of the peg.
+/// Whether a rod, seen from above, passes a peg on the same side as its pattern without lying on
+/// the peg. Its centreline must be farther from the axis of the peg than the radius of the peg.
 pub fn passes_beside(rod: &[Vector2<f64>], pattern: &[[f64; 2]], peg: &Peg) -> bool {
     let axis = Vector2::from(peg.position);
     let is_beside = rod.windows(2).all(|edge| {
@@ -92,7 +95,7 @@ pub fn passes_beside(rod: &[Vector2<f64>], pattern: &[[f64; 2]], peg: &Peg) -> b
     is_beside && is_on_its_side(rod.iter().copied(), pattern, &axis)
 }
 
-/// Whether a rod and its pattern, seen from above, do not go around an axis together.
+/// Whether the closed curve of a rod and its pattern, seen from above, does not go around an axis.
 fn is_on_its_side(
     rod: impl Iterator<Item = Vector2<f64>>,
     pattern: &[[f64; 2]],
@@ -103,7 +106,7 @@ fn is_on_its_side(
     winding_number(&between, axis) == 0
 }
 
-/// Parameter along an edge, from 0 to 1, of its point nearest to a place.
+/// Parameter along an edge, from 0 to 1, of the point nearest to a place.
 fn part_nearest(from: &Vector2<f64>, along: &Vector2<f64>, place: &Vector2<f64>) -> f64 {
     let length = along.norm_squared();
     if length > 0.0 {
@@ -170,12 +173,13 @@ mod tests {
     #[test]
     fn a_peg_between_rod_and_pattern_is_passed_on_the_wrong_side() {
         let lying = rod(0.0, 0.02);
-        // Beside the pattern, the bump goes around it; on the far side of the bump, and below the pattern, it does not.
+        // The bump and the pattern go around a peg between them. They do not go around a peg
+        // beyond the bump, below the pattern, or away from the bump.
         assert!(!passes(&lying, &line(), &peg(0.1, 0.01)));
         assert!(passes(&lying, &line(), &peg(0.1, 0.03)));
         assert!(passes(&lying, &line(), &peg(0.1, -0.01)));
         assert!(passes(&lying, &line(), &peg(0.05, 0.01)));
-        // A rod that is off by less than the distance of the peg passes it as the pattern does.
+        // A rod that deviates by less than the distance of the peg passes it as the pattern does.
         assert!(passes(&rod(0.003, 0.0), &line(), &peg(0.1, 0.01)));
         assert!(!passes(&rod(0.013, 0.0), &line(), &peg(0.1, 0.01)));
     }
@@ -221,7 +225,7 @@ mod tests {
         };
         let stands = peg(0.1, 0.014);
         assert!(passes_beside(&seen(0.008), &line(), &stands));
-        // From there on its centreline is within the radius of the peg, and beyond it on the other side of it.
+        // Here the centreline is within the radius of the peg, or on the other side of the peg.
         assert!(!passes_beside(&seen(0.011), &line(), &stands));
         assert!(!passes_beside(&seen(0.0201), &line(), &stands));
     }

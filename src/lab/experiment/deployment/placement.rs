@@ -1,4 +1,4 @@
-//! A cable that is laid between pegs, by a scenario.
+//! A cable that is laid between pegs, read from a scenario.
 
 use super::fixtures::Fixtures;
 use super::keys::Deployment;
@@ -19,7 +19,7 @@ use thiserror::Error;
 pub struct Placement {
     /// Its name for readers.
     pub title: String,
-    /// The scenario as it was resolved.
+    /// The resolved scenario as text.
     text: String,
     /// The cable and its pattern.
     pub deployment: Deployment,
@@ -29,7 +29,7 @@ pub struct Placement {
     pub fixtures: Fixtures,
 }
 
-/// Why a scenario does not describe a cable that is laid between pegs.
+/// Reason why a scenario does not describe a cable that is laid between pegs.
 #[derive(Debug, Error)]
 pub enum PlacementError {
     /// It is faulty.
@@ -47,7 +47,7 @@ impl Placement {
     /// Reads a scenario.
     ///
     /// # Errors
-    /// It is faulty, or does not describe a cable that is laid between pegs.
+    /// The scenario is faulty, or does not describe a cable that is laid between pegs.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, PlacementError> {
         let scenario = load(path, overrides)?.scenario;
         let tables: Option<&DeploymentTables> = scenario.experiment.tables();
@@ -77,7 +77,8 @@ impl Placement {
         })
     }
 
-    /// The path of the gripper where there is room for the part of the rod beyond the pattern.
+    /// The path of the gripper. It keeps the part of the rod beyond the pattern within the given
+    /// space.
     ///
     /// # Errors
     /// The cable cannot be laid along its pattern.
@@ -95,7 +96,7 @@ impl Placement {
         )?)
     }
 
-    /// The files of a plan, by their names.
+    /// The files of a plan with their names.
     ///
     /// # Errors
     /// A pose is not finite.

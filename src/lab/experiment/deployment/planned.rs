@@ -1,4 +1,5 @@
-//! The model that the planner of a gripper's path assumes, and the reasons for which it may fail.
+//! The model on which the plan of a gripper's path is based, and the reasons why planning may
+//! fail.
 
 use super::keys::Deployment;
 use nalgebra::{Matrix2, Vector2};
@@ -16,7 +17,7 @@ pub enum PathError {
     /// It cannot be laid.
     #[error(transparent)]
     Deployment(#[from] DeploymentError),
-    /// No knot can be tied along it.
+    /// No knot can be tied along the pattern.
     #[error(transparent)]
     Tying(#[from] TyingError),
     /// There is no time left.
@@ -45,7 +46,7 @@ pub enum PathError {
     TooManyPoses(f64),
 }
 
-/// Model that the planner assumes: the rod, and the place of the pattern.
+/// Model assumed by the planner: the rod, and the place of the pattern.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Planned {
     /// The rod.
@@ -56,7 +57,8 @@ pub struct Planned {
 }
 
 impl Planned {
-    /// Model of the rod and of a frame that the planner assumes in a deployment of one rod; `pivot` is the first point of the first pattern, m.
+    /// Model of rod and frame in the plan of a deployment of one rod. `pivot` is the first point
+    /// of the first pattern, m.
     pub fn new(deployment: &Deployment, pivot: Point) -> Self {
         let rod = deployment.rod.deployed();
         Self {
@@ -71,14 +73,14 @@ impl Planned {
         }
     }
 
-    /// A place as the planner assumes it, m.
+    /// A place in the planner's model, m.
     pub fn place(&self, place: Point) -> Point {
         let (sine, cosine) = libm::sincos(self.turn);
         let turned = Matrix2::new(cosine, -sine, sine, cosine);
         self.pivot + turned * (place - self.pivot) + self.shift
     }
 
-    /// Points of the pattern as the planner assumes them.
+    /// Points of the pattern in the planner's model.
     pub fn seen(&self, mut points: Vec<PatternPoint>) -> Vec<PatternPoint> {
         for point in &mut points {
             point.position = self.place(point.position);

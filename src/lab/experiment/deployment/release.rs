@@ -4,7 +4,7 @@ use crate::run::Controller;
 use rodlab_engine::mechanics::dynamics::{Simulation, SimulationError};
 use serde::{Deserialize, Serialize};
 
-/// Lets a clamp go at a time.
+/// Releases a clamp at a given time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Release {
     clamp: usize,

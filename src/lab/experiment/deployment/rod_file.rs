@@ -15,15 +15,16 @@ pub struct RodFile {
     pub title: String,
     /// The rod.
     pub rod: DeployedRod,
-    /// Mass per volume, kg/m³. The shape depends on the gravito-bending length, and not on the density.
+    /// Mass per volume, kg/m³. The shape depends on the gravito-bending length, not on the
+    /// density.
     pub density: f64,
-    /// Edges of the simulated rod; the default number where it is `None`.
+    /// Number of edges of the simulated rod; `None` for the default.
     pub edges: Option<u32>,
     /// Coefficients of friction with tables, by name.
     pub friction: BTreeMap<String, f64>,
 }
 
-/// Density where none is given, kg/m³.
+/// Default density, kg/m³.
 const DENSITY: f64 = 1000.0;
 
 #[derive(Serialize)]

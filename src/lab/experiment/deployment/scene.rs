@@ -55,7 +55,7 @@ fn described(name: &str, rod: &Rod, path: &GripperPath) -> RodDescription {
     }
 }
 
-/// The nodes of each rod, counted over the whole scene, of which they are the first.
+/// The nodes of each rod, numbered over the whole scene, which begins with these rods.
 pub fn nodes(deployment: &Deployment) -> Vec<Range<usize>> {
     let mut begin = 0;
     let nodes = deployment.rods().map(|rod| {
@@ -66,7 +66,7 @@ pub fn nodes(deployment: &Deployment) -> Vec<Range<usize>> {
     nodes.collect()
 }
 
-/// The clamps of the scene that are the grippers that lay rods.
+/// The clamps of the scene that represent the grippers that lay rods.
 pub fn gripper_clamps(deployment: &Deployment, scene: &Scene) -> Vec<usize> {
     let clamp_of = |(number, rod): (usize, &Rod)| {
         let holds = |clamp: &Clamp| clamp.rod == number && clamp.node == rod.edges;
@@ -110,7 +110,7 @@ pub fn watched(scenario: &Scenario, deployment: &Deployment, paths: &DeploymentP
     }
 }
 
-/// The points of a pattern that are compared.
+/// The compared points of a pattern.
 fn marks(deployment: &Deployment, path: &GripperPath) -> Vec<PatternMark> {
     let from = deployment.lead_in;
     let mark = |index: usize| {

@@ -25,7 +25,7 @@ impl DeploymentTables {
         }
     }
 
-    /// The paths of the grippers in the scenario of these tables, planned once.
+    /// The paths of the grippers in the scenario of these tables, planned only once.
     ///
     /// # Errors
     /// A pattern cannot be laid.
@@ -33,7 +33,7 @@ impl DeploymentTables {
         if let Some(paths) = self.paths.get() {
             return Ok(paths);
         }
-        // Other patterns were rejected before.
+        // Patterns for which planning fails were rejected earlier.
         let (step, end) = scenario.time.steps().unwrap_or((None, 1.0));
         let friction = scenario.contact.friction();
         let laid_by = end - self.deployment.release.unwrap_or(0.0);

@@ -1,8 +1,9 @@
 //! Tying of a knot after the rods are laid: the poses of all grippers, with their errors.
 //!
-//! There are two grippers. One lays the rod and leads its end, and the other one lifts strands. With two rods each gripper lays one; the
-//! first one releases its rod after laying it, lifts strands while the second leads the end of its own, and then grasps its end
-//! again and leads it, while the second lifts strands.
+//! There are two grippers. With one rod, one gripper lays the rod and leads its end, and the other
+//! one lifts strands. With two rods, each gripper lays one. The first gripper releases its rod
+//! after laying it and lifts strands while the second leads the end of its own rod. Then the first
+//! grasps the end of its rod again and leads it while the second lifts strands.
 
 use super::gripper_path::GripperPath;
 use super::keys::{Deployment, Knot};
@@ -16,9 +17,9 @@ use rodlab_planning::plan::tying::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Least height of a hand that leads an end, or lifts a strand, in radii of the rod.
+/// Least height of a gripper that leads an end or lifts a strand, in radii of the rod.
 const FLOOR: f64 = 1.05;
-/// Time between the end of leading one end and the grasp of the other, s.
+/// Pause between leading one end and grasping the other, s.
 const CHANGE: f64 = 1.0;
 
 /// Part of the rod that is grasped.
@@ -26,11 +27,11 @@ const CHANGE: f64 = 1.0;
 pub enum Part {
     /// The node nearest to the gripper, apart from the ends.
     Strand,
-    /// The end of a rod that was laid last.
+    /// The last laid end of a rod.
     End,
 }
 
-/// A rod that a gripper grasps, leads, and releases.
+/// A rod that a gripper grasps, moves, and releases.
 #[derive(Clone, Debug)]
 pub struct Hold {
     /// Number of the rod.
@@ -39,7 +40,7 @@ pub struct Hold {
     pub part: Part,
     /// Times of grasp and release, s.
     pub held: [f64; 2],
-    /// Poses of the gripper, errors included.
+    /// Poses of the gripper with errors.
     pub poses: GripperPoses,
 }
 
@@ -47,11 +48,12 @@ pub struct Hold {
 pub struct Tying {
     /// The crossings.
     pub passages: Vec<Passage>,
-    /// Grasps of each gripper, one after the other.
+    /// Grasps of each gripper, in order.
     pub holds: [Vec<Hold>; 2],
-    /// Times at which the grippers that laid rods release them, s; `None` where one holds its rod until the end.
+    /// Times at which the grippers that laid rods release them, s; `None` if a gripper holds its
+    /// rod until the end.
     pub released: Vec<Option<f64>>,
-    /// Time at which all is finished, s.
+    /// Time at which everything is finished, s.
     pub end: f64,
 }
 
@@ -61,12 +63,12 @@ pub struct TyingPlan {
     rods: Vec<DeployedRod>,
     passages: Vec<Passage>,
     handling: Handling,
-    /// In the order in which ends are led.
+    /// Schedules in the order in which ends are led.
     schedules: Vec<Schedule>,
 }
 
 impl TyingPlan {
-    /// The plan of a deployment; `None` where no knot is tied.
+    /// The plan of a deployment; `None` without a knot.
     pub fn new(deployment: &Deployment) -> Result<Option<Self>, PathError> {
         let Some(knot) = &deployment.knot else {
             return Ok(None);
@@ -104,7 +106,7 @@ impl TyingPlan {
         changes + self.schedules.iter().map(Schedule::duration).sum::<f64>()
     }
 
-    /// Time by which rods must be laid, s, so that all is finished at `end`.
+    /// Time by which rods must be laid, s, so that tying is finished at `end`.
     pub fn laid_by(&self, end: f64) -> Result<f64, PathError> {
         let tying = self.duration();
         if tying < end {
@@ -117,9 +119,10 @@ impl TyingPlan {
         }
     }
 
-    /// Motion of the grippers from the time (s) at which all rods are laid; the gripper that holds its rod continues on its path.
+    /// Motion of the grippers from the time (s) at which all rods are laid. The gripper that holds
+    /// its rod continues on its path.
     pub fn tying(self, layings: &[Deployment], paths: &mut [GripperPath], begin: f64) -> Tying {
-        // With a single rod, too, the second gripper has a jitter of its own.
+        // Even with a single rod the second gripper has its own jitter.
         let other = layings[0].by_another_gripper();
         let jitters = [&layings[0], &other].map(Deployment::trembling);
         let last = paths.len() - 1;
@@ -198,7 +201,7 @@ impl TyingPlan {
     }
 }
 
-/// Poses from a time on, s, of a gripper with jitter; the table stops it.
+/// Poses of a gripper with jitter from a time on, s; the table limits them from below.
 fn disturbed(jitter: &Jitter, poses: GripperPoses, begin: f64, radius: f64) -> GripperPoses {
     let poses = poses.into_iter().map(|(time, position, rotation)| {
         let time = begin + time;
@@ -218,7 +221,7 @@ mod tests {
     use rodlab_planning::knot::KnotInvariants;
     use std::path::Path;
 
-    /// Outcome of a scenario of the repository with other keys.
+    /// Outcome of a scenario of the repository with changed keys.
     fn tied(name: &str, overrides: &[&str]) -> TiedKnot {
         let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
         let file = root.join(format!("scenarios/{name}.toml"));

@@ -1,4 +1,5 @@
-//! Apparent friction by which the edges of rods catch nodes that slide along them, from the weights of the scene.
+//! Apparent friction of nodes that slide along rods and catch at the edges, from the weights in
+//! the scene.
 
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::{LARGEST_CATCH, apparent_friction};
@@ -14,14 +15,14 @@ pub struct DerivedSlide {
     pub rail: String,
     /// Mean edge length of the rail, m.
     pub edge: f64,
-    /// Force across it by weights and other loads, N: an estimate.
+    /// Estimate of the force across the rail due to weights and other loads, N.
     pub force: f64,
     /// Apparent friction coefficient of the edges under that force.
     pub apparent_friction: f64,
 }
 
 impl DerivedSlide {
-    /// Returns a warning where the edges are too long for that force.
+    /// Returns a warning if the edges are too long for that force.
     pub fn warning(&self) -> Option<String> {
         let Self {
             name,
@@ -39,7 +40,7 @@ impl DerivedSlide {
     }
 }
 
-/// All slides of a scene along rods that bend.
+/// All slides of a scene along rods that can bend.
 pub fn derived_slides(scene: &Scene) -> Vec<DerivedSlide> {
     let slides = scene
         .joints
@@ -70,7 +71,8 @@ pub fn derived_slides(scene: &Scene) -> Vec<DerivedSlide> {
     .collect()
 }
 
-/// The load on the sliding rod, where that hangs on the rail; else the part of the load on the rail that turns there.
+/// The load on the sliding rod, if that hangs on the rail; otherwise the fraction of the load on
+/// the rail that is deflected there.
 fn force_across(scene: &Scene, slider: RodNode, place: RodNode) -> f64 {
     let sliding = group(scene, slider.rod);
     if !is_borne(scene, &sliding) {
@@ -88,7 +90,7 @@ fn force_across(scene: &Scene, slider: RodNode, place: RodNode) -> f64 {
     load_on(scene, &pulled) * half_turn_sine(&scene.rods[place.rod].centreline, place.node)
 }
 
-/// Sine of half the angle by which a polyline turns at a node.
+/// Sine of half the turning angle of a polyline at a node.
 fn half_turn_sine(nodes: &[Vector3], node: usize) -> f64 {
     if node == 0 || node + 1 >= nodes.len() {
         return 0.0;
@@ -98,7 +100,7 @@ fn half_turn_sine(nodes: &[Vector3], node: usize) -> f64 {
     0.5 * (after - before).norm()
 }
 
-/// A rod with all that are joined to it otherwise than by slides and springs.
+/// A rod with all rods that are joined to it, except by slides and springs.
 fn group(scene: &Scene, rod: usize) -> Vec<usize> {
     let mut group = vec![rod];
     let mut next = 0;
@@ -119,14 +121,14 @@ fn group(scene: &Scene, rod: usize) -> Vec<usize> {
     group
 }
 
-/// Whether a clamp or a held rod bears one of these.
+/// Whether a clamp or a held rod supports one of these rods.
 fn is_borne(scene: &Scene, rods: &[usize]) -> bool {
     let clamped = scene.clamps.iter().filter(|clamp| clamp.holds_position);
     rods.iter().any(|rod| scene.rods[*rod].held)
         || clamped.into_iter().any(|clamp| rods.contains(&clamp.rod))
 }
 
-/// Weights, dead forces and distributed loads on some rods at full size, N.
+/// Weights, dead forces and distributed loads on some rods, at full magnitude, N.
 fn load_on(scene: &Scene, rods: &[usize]) -> f64 {
     let length = |rod: usize| -> f64 {
         let nodes = scene.rods[rod].centreline.windows(2);

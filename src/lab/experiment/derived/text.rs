@@ -6,7 +6,7 @@ use crate::run::decimals;
 use rodlab_engine::mechanics::dynamics::Scheme;
 use std::fmt;
 
-/// Relative difference up to which numbers of two rods count as the same.
+/// Largest relative difference of numbers of two rods that count as equal.
 const ALIKE: f64 = 1e-4;
 impl fmt::Display for DerivedNumbers {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -110,7 +110,7 @@ impl fmt::Display for DerivedNumbers {
     }
 }
 
-/// Most rods of a group that are named one by one.
+/// Largest number of rods of a group that are all named.
 const MOST_NAMED: usize = 4;
 
 impl DerivedNumbers {
@@ -133,8 +133,8 @@ impl DerivedNumbers {
     }
 }
 
-/// Rods that differ in name only, such as flagella and the links of a chain, by their places; groups in the order of
-/// their first rods.
+/// Indices of rods that differ only in name, such as flagella and the links of a chain. Groups are
+/// in the order of their first rods.
 fn groups_of(rods: &[DerivedRod]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (index, rod) in rods.iter().enumerate() {
@@ -148,7 +148,7 @@ fn groups_of(rods: &[DerivedRod]) -> Vec<Vec<usize>> {
 }
 
 impl DerivedRod {
-    /// Whether the two differ in name only, and in the last digits to which their places were written.
+    /// Whether two rods differ only in name, and in rounding errors of their typed positions.
     fn is_like(&self, other: &Self) -> bool {
         let near = |a: f64, b: f64| (a - b).abs() <= ALIKE * a.abs();
         let [first, second] = self.bending_stiffness;

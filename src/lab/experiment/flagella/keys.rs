@@ -1,4 +1,4 @@
-//! The keys of flagella: as typed, as resolved, and the conversion between them.
+//! The keys of flagella: typed, resolved, and the conversion between them.
 
 use crate::scenario::keys::{
     Angle, AngularVelocity, FINITE, Length, NON_NEGATIVE, OwnTable, POSITIVE, Request, keys,
@@ -14,13 +14,14 @@ pub static TABLES: [OwnTable; 1] = [OwnTable::new::<TypedFlagella>(
     "Number, geometry and drive of the flagella of the experiment \"flagella\".",
 )];
 
-/// Most flagella that a scenario may have; more are taken for a typing error.
+/// Maximum number of flagella; larger numbers are taken for typing errors.
 const MOST_FLAGELLA: usize = 10_000;
-/// Most nodes of one flagellum.
+/// Maximum number of nodes of a flagellum.
 const MOST_NODES: usize = 1_000_000;
 
 keys! {
-    /// Helical flagella on the corners of a regular polygon around the origin, their axes along z.
+    /// Helical flagella at the corners of a regular polygon around the origin, with their axes
+    /// along z.
     table TypedFlagella "flagella" {
         /// Number of flagella, at least 1.
         count: raw(i64) raw,
@@ -30,25 +31,28 @@ keys! {
         pitch: number(Length, POSITIVE) required,
         /// Length of the helices along their axes, without the hook.
         axial_length: number(Length, POSITIVE) required,
-        /// Side of the polygon on whose corners the axes are. Not needed for a single flagellum.
+        /// Side of the polygon with the axes at its corners. Not needed for a single flagellum.
         side: number(Length, POSITIVE) required,
-        /// Direction of the first axis from the centre of the polygon, an angle about z (axes point from head to tip) from the
-        /// direction in which every helix begins, seen from its own axis. Default: "180 deg", the first helix begins towards the
-        /// centre, as in the released code of the thesis. It matters for odd numbers of flagella; multiples of 360°/count are alike.
+        /// Direction from the centre of the polygon to the first axis, as an angle about z (axes
+        /// point from head to tip). It is measured from the direction in which every helix begins,
+        /// seen from its own axis. Default: "180 deg", the first helix begins towards the centre,
+        /// as in the released code of the thesis. It matters for odd numbers of flagella; angles
+        /// that differ by multiples of 360°/count are equivalent.
         orientation: number(Angle, FINITE) default(PI),
-        /// Rate of turning of the heads. Positive makes right-handed helices push towards their heads, as
-        /// bacteria swim, and bundle: the heads then turn clockwise seen from the tips.
+        /// Angular velocity of the heads. Positive makes right-handed helices push towards their
+        /// heads, as in swimming bacteria, and bundle: the heads then turn clockwise as seen from
+        /// the tips.
         angular_velocity: number(AngularVelocity, FINITE) required,
-        /// Whether a straight inlet of one edge along the axis and a ramp of two edges at 45° lead to the
-        /// helix.
+        /// Whether the helix is preceded by a straight inlet of one edge along the axis and a ramp
+        /// of two edges at 45°.
         hook: flag() default(true),
-        /// Support of the head: "node" (the default: the first node and the frame there) or "edge" (the
-        /// second node too, the usual clamp of other codes).
+        /// Support of the head: "node" (the default: the first node and the frame there) or "edge"
+        /// (the second node too, the usual clamp in other codes).
         head: word(Head) default(Head::Node),
     }
 }
 
-/// Helical flagella on the corners of a regular polygon.
+/// Helical flagella at the corners of a regular polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Flagella {
     /// Number of flagella M.
@@ -59,11 +63,12 @@ pub struct Flagella {
     pub pitch: f64,
     /// Length of the helices along their axes, m.
     pub axial_length: f64,
-    /// Side of the polygon on whose corners the axes are, m.
+    /// Side of the polygon with the axes at its corners, m.
     pub side: f64,
-    /// Direction of the first axis from the centre of the polygon, from that in which the helices begin, rad.
+    /// Direction from the centre to the first axis, measured from the direction in which the
+    /// helices begin, rad.
     pub orientation: f64,
-    /// Rate of turning of the heads, rad/s.
+    /// Angular velocity of the heads, rad/s.
     pub angular_velocity: f64,
     /// Whether a straight inlet and a ramp lead from the axis to the helix.
     pub hook: bool,
@@ -93,7 +98,7 @@ pub struct FlagellaTables {
     pub flagella: Flagella,
 }
 
-/// Resolves the tables of this experiment; `None` if a whole number is at fault, which is reported.
+/// Resolves the tables of this experiment; `None` after a faulty whole number, which is reported.
 pub fn resolve(request: &Request<'_>) -> Option<FlagellaTables> {
     let built = request.needs_rod();
     let typed: Option<&TypedFlagella> = request.table("flagella");

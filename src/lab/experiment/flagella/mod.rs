@@ -1,13 +1,15 @@
-//! Flagella bundling (thesis 2.4.2): helices on the corners of a polygon, turned at their heads.
+//! Flagella bundling (thesis 2.4.2): helices at the corners of a polygon, turned at their heads.
 //!
-//! **Geometry.** All axes are along z. Each flagellum is a right-handed helix
-//! x = a cos T, y = a sin T, z = b T (b = pitch/2π) of evenly spaced nodes, all in phase. With the hook, a
-//! ramp of two edges at 45° comes before it, from the axis at z = −a to the helix at T = 0, and before that an
-//! inlet of one edge along the axis, as long as an edge of the helix. The natural shape is the placed one.
-//! The axes are on the corners of a regular polygon around the origin: for M = 2 the ends of a segment, for M = 1 the
-//! origin. `orientation` is the angle about z from the x axis, where each helix begins beside its own axis, to the first
-//! corner. At the default, 180°, the first helix begins towards the centre. The released reference code has its axes along x
-//! and the corners at (R − R cos t, R sin t) in the plane of (y, z) = a (cos T, sin T): from its centre, the first one at 180°.
+//! **Geometry.** All axes are along z. Each flagellum is a right-handed helix x = a cos T, y = a
+//! sin T, z = b T (b = pitch/2π) of evenly spaced nodes, all in phase. With the hook, the helix is
+//! preceded by a ramp of two edges at 45°, from the axis at z = −a to the helix at T = 0, and the
+//! ramp by an inlet of one edge along the axis, as long as an edge of the helix. The natural shape
+//! is the placed one. The axes are at the corners of a regular polygon around the origin: for M =
+//! 2 at the ends of a segment, for M = 1 at the origin. Each helix begins on the x side of its own
+//! axis. `orientation` is the angle about z from the x axis to the first corner. At the default,
+//! 180°, the first helix begins towards the centre. The released reference code has its axes along
+//! x and the corners at (R − R cos t, R sin t) in the plane of (y, z) = a (cos T, sin T), so that
+//! seen from the centre the first corner is at 180°.
 //!
 //! **Drive.** The head is clamped and turns by −ω t about +z. So a positive `angular_velocity` ω sends the
 //! wave of a right-handed helix from head to tip and presses the head against its wall, as bacteria swim;
@@ -103,7 +105,7 @@ fn add(scene: &mut Scene, tables: &FlagellaTables) {
     }
 }
 
-/// Name of a flagellum, counted from one.
+/// Name of a flagellum, numbered from one.
 fn name(number: usize) -> String {
     format!("flagellum_{}", number + 1)
 }
@@ -237,8 +239,8 @@ mod tests {
         assert_eq!(feet(&flagella(1)), vec![Vector3::zeros()]);
     }
 
-    /// The corners of the released code, M = 3 and 5, about their centre: (−R cos t, R sin t) where helices are in the phase
-    /// (cos T, sin T).
+    /// The corners in the released code for M = 3 and 5, relative to their centre: (−R cos t, R
+    /// sin t), with helices in the phase (cos T, sin T).
     #[test]
     fn the_polygon_stands_to_the_phase_of_the_helices_as_in_the_reference() {
         for count in [3, 5] {
@@ -258,8 +260,9 @@ mod tests {
         }
     }
 
-    /// Three flagella of the thesis touch first at 2.780 s, and at 2.708 s where the polygon is turned by 180°. The released
-    /// code, which drags the tips too much and holds the first edge, finds 2.789 s.
+    /// The three flagella of the thesis first touch at 2.780 s, or at 2.708 s if the polygon is
+    /// turned by 180°. The released code, which overestimates the drag of the tips and holds the
+    /// first edge, finds 2.789 s.
     #[test]
     fn three_flagella_touch_first_when_they_stand_as_in_the_reference() {
         let text = include_str!("../../../../scenarios/flagella_base.toml");

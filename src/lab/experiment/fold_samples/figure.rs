@@ -8,9 +8,9 @@ use rodlab_files::results::{ResultsError, read_whole_rows};
 use rodlab_planning::plan::fold::Workspace;
 use std::path::Path;
 
-/// Samples that are drawn, at most.
+/// Maximum number of samples in the figure.
 const MARKS: usize = 1500;
-/// λ up to which samples are drawn in a colour each.
+/// Upper ends of the ranges of λ, each of which has its own colour.
 const BANDS: [(f64, &str); 3] = [
     (0.1, "λ up to 0.1"),
     (0.5, "up to 0.5"),
@@ -26,7 +26,8 @@ pub fn samples_figure(directory: &Path, plan: &FoldSamples) -> Result<Figure, Re
     Ok(figure(&rows, plan))
 }
 
-/// Places of the gripper in bands of λ, to scale, with the outline of the workspace and the border of the penalty region.
+/// Positions of the gripper in ranges of λ, to scale, with the outline of the workspace and the
+/// border of the penalty region.
 pub fn figure(rows: &[Sample], plan: &FoldSamples) -> Figure {
     let drawn = || rows.iter().step_by(rows.len().div_ceil(MARKS).max(1));
     let band = |row: &Sample| {

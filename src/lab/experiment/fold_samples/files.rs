@@ -8,26 +8,26 @@ use rodlab_files::results::{Column, FileDescription, always, file, table};
 pub static FILES: [FileDescription; 2] = [
     table(
         &[SAMPLES],
-        "Folds of a sheet that is held at its edge without a moment (experiment \"fold-samples\"), a row per place of the gripper. \
+        "Folds of a sheet that is held at its edge without a moment (experiment \"fold-samples\"), a row per position of the gripper. \
      Lengths are in gravito-bending lengths L_gb, forces in EI/L_gb².",
         &[always(SAMPLE_COLUMNS)],
     ),
     file(
         &[SAMPLES_FIGURE, "samples.png"],
-        "Where the gripper is in samples.csv, with the workspace and the penalty region.",
+        "Positions of the gripper in samples.csv, with the workspace and the penalty region.",
     ),
 ];
 
 const SAMPLE_COLUMNS: &[Column] = columns! {
     "x": "x̄: displacement of the edge towards the sheet.",
-    "z": "z̄: its height above the table.",
+    "z": "z̄: height of the edge above the table.",
     "outcome": "found, or out_of_reach: then the rest of the row is empty.",
     "lambda": "λ = |H|/|V| at the touchdown point.",
     "alpha": "α: angle by which the edge is turned, rad.",
     "suspended_length": "l̄_s, the suspended length.",
-    "force_inclination": "arctan(H/|V|), in rad: positive where the sheet is pulled, negative where it is pushed. λ is the size of its \
-     tangent; a network learns it more easily than λ, which has a kink at 0 and is large where the sheet is short or taut.",
+    "force_inclination": "arctan(H/|V|), in rad: positive if the sheet is pulled, negative if it is pushed. λ is the magnitude of its \
+     tangent. A network learns this angle more easily than λ, which has a kink at 0 and is large for a short or taut sheet.",
     "horizontal_force": "H, horizontal force of the suspended part on the part that lies on the table.",
-    "vertical_force": "V, vertical force on that part; negative where it presses on the table.",
+    "vertical_force": "V, vertical force on that part; negative if it presses on the table.",
     "penalty": "Whether the suspended length is below fold_samples.least_suspended_length.",
 };

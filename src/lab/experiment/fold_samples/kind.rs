@@ -13,7 +13,7 @@ use rodlab_files::results::SCENARIO;
 use rodlab_planning::plan::fold::NeuralFolds;
 use std::sync::Arc;
 
-/// Folds of a sheet at many places of the gripper.
+/// Folds of a sheet at many positions of the gripper.
 pub static FOLD_SAMPLES: DataSet = DataSet {
     name: NeuralFolds::SAMPLES,
     summary: "Folds of a sheet at many places of the gripper, for a network to learn from.",

@@ -1,4 +1,4 @@
-//! The scene that represents all samples: a sheet as it hangs from the gripper.
+//! The scene that represents all samples: a sheet that hangs from the gripper.
 
 use super::keys::FoldSamples;
 use crate::experiment::data_set::hanging;
@@ -10,11 +10,11 @@ use rodlab_planning::plan::fold::FoldAtlas;
 const EDGES: usize = 50;
 /// Radius of the rod that represents it, L_gb: for display only.
 const RADIUS: f64 = 0.02;
-/// Stiffness against stretching of a sheet that hardly stretches.
+/// Stretching stiffness of a sheet that hardly stretches.
 const STIFFEST: f64 = 1e6;
 
-/// The longest sheet that is lifted without a push, between touchdown point and gripper: EI = 1 and weight 1/2 per length, where
-/// L_gb = 1. None where it cannot be lifted.
+/// The longest sheet that is lifted without a push, between touchdown point and gripper, with EI =
+/// 1 and weight 1/2 per length, so that L_gb = 1. `None` if it cannot be lifted.
 pub fn lifted_sheet(plan: &FoldSamples) -> Option<Scene> {
     let length = plan.suspended_length.to;
     let fold = *FoldAtlas::lift(length, EDGES).last()?;

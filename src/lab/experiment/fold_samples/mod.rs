@@ -1,4 +1,5 @@
-//! Folds of a sheet at many places of the gripper: samples from which a network learns the force manifold (thesis 4.3.3).
+//! Folds of a sheet at many positions of the gripper: samples from which a network learns the
+//! force manifold (thesis 4.3.3).
 
 mod figure;
 mod files;

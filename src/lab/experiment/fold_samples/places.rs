@@ -1,11 +1,11 @@
-//! Places of the gripper for the samples.
+//! Positions of the gripper for the samples.
 
 use super::keys::{FoldSamples, Points};
 use crate::experiment::data_set::Span;
 use rodlab_engine::random::{MOST_POINTS, sobol};
 use rodlab_planning::plan::fold::Workspace;
 
-/// The places of an experiment in its workspace; none where there is no such workspace.
+/// The positions of an experiment in its workspace; empty if there is no workspace.
 pub fn places(plan: &FoldSamples) -> Option<Vec<[f64; 2]>> {
     let Span { from, to } = plan.suspended_length;
     let workspace = Workspace::new([from, to])?;

@@ -34,12 +34,13 @@ pub struct Sample {
     pub horizontal_force: Option<f64>,
     /// V.
     pub vertical_force: Option<f64>,
-    /// Whether it is in the penalty region.
+    /// Whether the fold is in the penalty region.
     pub penalty: Option<bool>,
 }
 
 impl Sample {
-    /// Of the fold at a place, if there is one; suspended lengths below `least` belong to the penalty region.
+    /// The row of the fold at a position, if there is one. Suspended lengths below `least` belong
+    /// to the penalty region.
     pub fn new([x, z]: [f64; 2], fold: Option<&Fold>, least: f64) -> Self {
         Self {
             x,

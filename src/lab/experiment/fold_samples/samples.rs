@@ -1,4 +1,4 @@
-//! All samples of an experiment, each solved on its own.
+//! All samples of an experiment, each solved independently.
 
 use super::figure::figure;
 use super::keys::FoldSamples;
@@ -12,7 +12,7 @@ use rodlab_planning::plan::fold::FoldAtlas;
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// Folds at the places of an experiment.
+/// Folds at the positions of an experiment.
 #[derive(Debug)]
 pub struct Samples {
     plan: FoldSamples,
@@ -21,7 +21,7 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// The places are found when they are first asked for.
+    /// The positions are computed on first use.
     pub fn new(plan: FoldSamples) -> Self {
         Self {
             plan,
@@ -46,7 +46,8 @@ impl TableJob for Samples {
         self.places().len()
     }
 
-    /// From no other sample: rows do not depend on the order in which they are computed.
+    /// No other sample is used, so that rows do not depend on the order in which they are
+    /// computed.
     fn row(&self, index: usize, goes_on: &(dyn Fn() -> bool + Sync)) -> Option<Sample> {
         if !goes_on() {
             return None;

@@ -1,4 +1,4 @@
-//! What may be asked for, where the places are, and what stands in a row.
+//! Tests of allowed requests, of the positions, and of the contents of a row.
 
 use super::keys::{FoldSamples, Points};
 use super::places::places;
@@ -72,7 +72,7 @@ fn later_parts_of_the_sequence_are_other_samples() {
     assert_eq!(all[200..], later[..]);
 }
 
-/// As many as fit into the workspace: twice as fine, four times as many.
+/// The workspace limits the number of points: half the spacing gives four times as many.
 #[test]
 fn a_grid_covers_the_workspace_evenly() {
     let of = |spacing| places(&plan(Points::Grid { spacing })).unwrap().len() as f64;

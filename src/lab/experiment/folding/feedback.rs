@@ -8,30 +8,32 @@ use rodlab_engine::random::uniform_numbers;
 use rodlab_planning::plan::fold::{Algorithm, FoldPlanner, FoldPose, Sheet};
 use serde::{Deserialize, Serialize};
 
-/// Height to which the gripper lifts the edge when the path fails, in L_gb.
+/// Height to which the gripper lifts the edge if replanning fails, in L_gb.
 const RISE: f64 = 0.5;
 
-/// Observes the sheet after each part of the path except the last, and replans the next part (thesis Algorithm 5): on the sheet,
-/// which has slid by Δx, the gripper is at x_i − Δx, and continues to its planned place, x_{i+1}.
+/// Observes the sheet after each part of the path except the last, and replans the next part
+/// (thesis Algorithm 5). Relative to the sheet, which has slid by Δx, the gripper is at x_i − Δx;
+/// it continues to its planned place x_{i+1}.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct VisualFeedback {
     keys: Feedback,
     seed: u64,
     path: GripperPath,
-    /// Ends of the parts: times, s, and poses as planned at first.
+    /// Ends of the parts: times, s, and originally planned poses.
     ends: Vec<(f64, FoldPose)>,
     /// Index of the next end.
     next: usize,
-    /// Clamp of the gripper, and x of the free end at first, m.
+    /// Clamp of the gripper, and initial x of the free end, m.
     clamp: usize,
     free_end: f64,
-    /// Algorithm of the planner, and its sheet.
+    /// Sheet and algorithm of the planner.
     sheet: Sheet,
     algorithm: Algorithm,
 }
 
 impl VisualFeedback {
-    /// Feedback for a path on a table of friction μ; the gripper is a clamp of the scene.
+    /// Feedback for a path on a table with friction μ. `clamp` is the gripper's clamp in the
+    /// scene.
     pub fn new(
         folding: &Folding,
         keys: Feedback,
@@ -63,12 +65,12 @@ impl VisualFeedback {
     fn look(&self, simulation: &Simulation) -> f64 {
         let mut number =
             uniform_numbers(self.seed ^ (self.next as u64 + 1).wrapping_mul(0x9e37_79b9));
-        // Evenly distributed, of variance 1.
+        // Uniformly distributed, of variance 1.
         let noise = 12f64.sqrt() * (number() - 0.5);
         simulation.positions()[0].x - self.free_end + self.keys.noise * noise
     }
 
-    /// Replans the part after an end; the gripper lifts the edge if there is no path.
+    /// Replans the part after an end. If there is no path, the gripper lifts the edge.
     fn plan(&mut self, end: usize, slid: f64) {
         let planner = FoldPlanner::shared(self.sheet, self.algorithm);
         let index_of = |time: f64| {
@@ -79,7 +81,7 @@ impl VisualFeedback {
         let farther = (slid - self.path.slid[from]) / self.path.unit;
         match planner.next_part(self.path.poses[from], farther, self.ends[end + 1].1) {
             Ok(poses) => {
-                // The first is the same place, seen from a sheet that has slid.
+                // The first pose is the same place relative to the sheet, which has slid.
                 self.path.poses[from] = poses[0];
                 self.path.slid[from] = slid;
                 self.path.replace([from, to], &poses, slid);
@@ -98,7 +100,7 @@ impl Controller for VisualFeedback {
     }
 
     fn act(&mut self, simulation: &mut Simulation) -> Result<(), SimulationError> {
-        // After the last part there is nothing to plan.
+        // Nothing is planned after the last part.
         if self.next + 1 >= self.ends.len()
             || simulation.time() < self.ends[self.next].0 * (1.0 - 1e-12)
         {

@@ -16,7 +16,7 @@ pub static FILES: [FileDescription; 3] = [
     table(&["summary.csv"], "Outcome of a fold.", &[folded(SUMMARY)]),
     file(
         &["folding.svg", "folding.png"],
-        "Side view of the sheet while it is folded, and the path of the gripper. By `rodlab plot`.",
+        "Side view of the sheet while it is folded, and the path of the gripper. Written by `rodlab plot`.",
     ),
 ];
 
@@ -36,10 +36,10 @@ const SERIES: &[Column] = columns! {
 
 const SUMMARY: &[Column] = columns! {
     "largest_sliding_m": "Largest displacement of the free end of the sheet, m.",
-    "final_sliding_m": "Its displacement at the end, in the direction in which the edge moves, m.",
-    "fold_length_m": "Length of the sheet from its edge to a crease that is pressed half a crease target back from where the edge is, \
-        m; empty where the edge is not down, or no sheet lies below it.",
+    "final_sliding_m": "Final displacement of the free end, in the direction in which the edge moves, m.",
+    "fold_length_m": "Length of the sheet from its edge to the crease, m. The crease is pressed half a crease target behind the edge. Empty if \
+        the edge is not down, or if no sheet lies below the crease.",
     "fold_length_error_m": "Error of the fold: its length less half the crease target, m.",
     "largest_gripper_force_n": "Largest force of the gripper on the whole sheet, N.",
-    "largest_speed_m_s": "Largest speed of a node of the sheet, m/s; far above that of the gripper where the sheet snaps.",
+    "largest_speed_m_s": "Largest speed of a node of the sheet, m/s; far above that of the gripper if the sheet snaps.",
 };

@@ -1,4 +1,4 @@
-//! The sheet from the side while it is folded.
+//! Side view of the sheet while it is folded.
 
 use super::tables::FoldingTables;
 use crate::experiment::kind::FigureError;
@@ -12,13 +12,14 @@ const SHEETS: usize = 7;
 
 /// A sheet from the side, m.
 pub struct FoldedOutlines {
-    /// The sheet at some times, a gap after each.
+    /// The sheet at some times, with a gap after each.
     pub sheets: Vec<(f64, Option<f64>)>,
     /// The path of its edge.
     pub gripper: Vec<(f64, Option<f64>)>,
 }
 
-/// The sheet from the side at equal distances in time, and the path of its edge; `None` where the run wrote no nodes.
+/// The sheet from the side at equal distances in time, and the path of its edge; `None` if the run
+/// wrote no nodes.
 ///
 /// # Errors
 /// Files of the run cannot be read.
@@ -54,7 +55,7 @@ pub fn folded_outlines(directory: &Path) -> Result<Option<FoldedOutlines>, Figur
     }))
 }
 
-/// The figure of these; `None` where the run wrote no nodes.
+/// The figure of these curves; `None` if the run wrote no nodes.
 ///
 /// # Errors
 /// Files of the run cannot be read.

@@ -1,4 +1,4 @@
-//! The path of the gripper, with its prescribed errors: computed before the run, followed during it.
+//! The path of the gripper, with its prescribed errors. The path is computed before the run.
 
 use super::keys::Folding;
 use crate::experiment::prepare::Jitter;
@@ -7,32 +7,32 @@ use rodlab_engine::mechanics::{UnitQuaternion, Vector3, rotation};
 use rodlab_planning::plan::fold::{FoldError, FoldPlanner, FoldPose};
 use serde::{Deserialize, Serialize};
 
-/// Parts of the time of a run in which the gripper rests, before the fold and after it.
+/// Fraction of the run during which the gripper rests, before and after the fold.
 const REST: f64 = 0.03;
 
-/// Places of the gripper over time.
+/// Positions of the gripper over time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GripperPath {
     /// Times of the poses, s; the first is 0.
     pub times: Vec<f64>,
-    /// The poses, in L_gb, from where the edge of the sheet would lie if it were flat.
+    /// The poses, in L_gb, relative to the position of the edge of the flat sheet.
     pub poses: Vec<FoldPose>,
-    /// Assumed slide of the sheet, m, by pose.
+    /// Assumed slide of the sheet at each pose, m.
     pub slid: Vec<f64>,
-    /// Unmodelled displacements along x and z (m) and turn (rad).
+    /// Unmodelled displacements along x and z (m) and rotation (rad).
     jitter: Vec<[f64; 3]>,
     /// Assumed L_gb, m.
     pub unit: f64,
     /// Target of the edge, m.
     target: f64,
-    /// Height of the middle of a lying sheet, and the increase by a second layer, m.
+    /// Height of the middle of a lying sheet, and the additional height on a second layer, m.
     pub height: f64,
     layer: f64,
 }
 
 impl GripperPath {
-    /// The path of a fold that ends with a run of `end`, s; poses lie at whole numbers of steps where steps have a size, s. `gap` is the
-    /// distance of layers that rest on each other, m.
+    /// The path of a fold in a run of the duration `end`, s. With a fixed `step`, the times of
+    /// poses are multiples of it. `gap` is the distance of layers that rest on each other, m.
     ///
     /// # Errors
     /// The target cannot be reached.
@@ -61,7 +61,7 @@ impl GripperPath {
                 *time = step * (*time / step).round();
             }
         }
-        // Poses within one step become one.
+        // Poses within one step are merged.
         let mut kept: Vec<usize> = vec![0];
         for index in 1..times.len() {
             if times[index] > times[kept[kept.len() - 1]] {
@@ -90,7 +90,8 @@ impl GripperPath {
         })
     }
 
-    /// Place and turn of the gripper at a pose, as it is planned: from the flat sheet, about y.
+    /// Planned position of the gripper at a pose, relative to the flat sheet, and its rotation
+    /// about y.
     fn pose(&self, index: usize) -> (Vector3, f64) {
         let FoldPose { gripper, angle } = self.poses[index];
         let [x, z] = gripper.map(|value| self.unit * value);
@@ -98,8 +99,8 @@ impl GripperPath {
         (place, angle)
     }
 
-    /// Height of an edge that lies on the table at its start, and on the sheet at its target, m; in between it blends from the one to the
-    /// other.
+    /// Height of an edge, m: on the table at its start, on the sheet at its target, and linear in
+    /// between.
     fn lowest(&self, x: f64) -> f64 {
         self.height + self.layer * (x / self.target).clamp(0.0, 1.0)
     }
@@ -110,7 +111,7 @@ impl GripperPath {
         let places = (0..self.times.len()).map(|index| {
             let (mut place, angle) = self.pose(index);
             let [x, z, turn] = self.jitter[index];
-            // The table or sheet under the gripper stops it.
+            // The table or the sheet under the gripper stops it.
             let lowest = self.lowest(place.x);
             place += Vector3::new(x, 0.0, z);
             place.z = place.z.max(lowest);
@@ -131,7 +132,7 @@ impl GripperPath {
         }
     }
 
-    /// Largest speed of the gripper as it is planned, m/s.
+    /// Largest planned speed of the gripper, m/s.
     pub fn largest_speed(&self) -> f64 {
         let speeds = (1..self.times.len()).map(|index| {
             let way = self.pose(index).0 - self.pose(index - 1).0;
@@ -140,8 +141,8 @@ impl GripperPath {
         speeds.fold(0.0, f64::max)
     }
 
-    /// Replaces the poses after `from` and up to `to`, in the same time, for a sheet that has slid by `slid`, m; later poses
-    /// stay as planned, on the sheet.
+    /// Replaces the poses after `from` and up to `to`, in the same time, for a sheet that has slid
+    /// by `slid`, m. Later poses keep their planned positions relative to the sheet.
     pub fn replace(&mut self, [from, to]: [usize; 2], poses: &[FoldPose], slid: f64) {
         let ends = [self.times[from], self.times[to]];
         let times = timed(poses, ends);
@@ -154,7 +155,7 @@ impl GripperPath {
         self.slid.resize(self.times.len(), slid);
     }
 
-    /// Ends the path: from a pose on the gripper rises by a height, m, and stays there.
+    /// Ends the path: after a pose the gripper rises by a height, m, and stays there.
     pub fn lift_from(&mut self, from: usize, height: f64) {
         let end = self.times.len() - 1;
         let mut pose = self.poses[from];
@@ -175,7 +176,7 @@ impl GripperPath {
     }
 }
 
-/// Times at which poses are passed between two times, in proportion to distance and turn.
+/// Times of poses between two times, in proportion to distance and rotation.
 fn timed(poses: &[FoldPose], [begin, end]: [f64; 2]) -> Vec<f64> {
     let mut sum = 0.0;
     let ways = poses.windows(2).map(|pair| {

@@ -23,7 +23,8 @@ use std::path::Path;
 
 /// Default duration, s.
 const END: f64 = 15.0;
-/// The edge is down where its height is less than this number of layers, and at most this part of L_gb.
+/// The edge is down if its height is less than this number of layers, and less than this fraction
+/// of L_gb.
 const LAYERS: f64 = 6.0;
 const DOWN: f64 = 0.05;
 
@@ -138,8 +139,9 @@ fn gripper_path(scenario: &Scenario) -> Result<&GripperPath, Issue> {
     path.map_err(|error| Issue::new(KeyPath::from("folding.crease"), error.to_string()))
 }
 
-/// Adds sheet, gripper, weight and table. A strip of the sheet is a round rod as thick as the sheet, whose modulus gives it the same L_gb:
-/// then both bend alike in the plane of the fold.
+/// Adds sheet, gripper, weight and table. A strip of the sheet is represented by a round rod as
+/// thick as the sheet. The rod's modulus gives it the same L_gb, so that both bend alike in the
+/// plane of the fold.
 fn add(scene: &mut Scene, folding: &Folding, path: &GripperPath, friction: f64) {
     let sheet = folding.sheet();
     let paper = &folding.paper;
@@ -224,14 +226,15 @@ mod tests {
             outcome.fold_length_error_m.unwrap().abs() < 3e-4,
             "{outcome:?}"
         );
-        // The gripper carries a part of 210 mm × 297 mm of 80 g/m², 0.049 N, and bends the sheet down.
+        // The gripper carries a part of a sheet of 210 mm × 297 mm and 80 g/m², 0.049 N, and bends
+        // the sheet down.
         assert!(
             (0.01..0.1).contains(&outcome.largest_gripper_force_n),
             "{outcome:?}"
         );
     }
 
-    /// Without inertia, by the equilibrium of the suspended sheet: 7.3 mm.
+    /// The equilibrium of the suspended sheet, without inertia, gives 7.3 mm.
     #[test]
     fn without_a_moment_the_sheet_slides_as_its_equilibrium_predicts() {
         let length = 0.297 / 0.048;

@@ -1,4 +1,5 @@
-//! Monitors a sheet while it is folded: its slide, the force of the gripper, and the place of the crease.
+//! Monitors a sheet while it is folded: its slide, the force of the gripper, and the position of
+//! the crease.
 
 use super::outcome::FoldingOutcome;
 use crate::run::{Finding, Observer, Sample};
@@ -6,7 +7,7 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_files::results::{CaseOutcome, NamedValues, SeriesRow, Value};
 use serde::{Deserialize, Serialize};
 
-/// Samples in the time of a run.
+/// Number of samples during a run.
 const SAMPLES: f64 = 1000.0;
 
 /// Parameters of the monitor.
@@ -20,7 +21,7 @@ pub struct Watched {
     pub target: f64,
     /// Height below which the edge is down, m.
     pub down: f64,
-    /// Weight of the sheet over that of the simulated strip.
+    /// Weight of the sheet divided by that of the simulated strip.
     pub weight: f64,
     /// Time of the run, s.
     pub end: f64,
@@ -28,11 +29,11 @@ pub struct Watched {
     pub gravito_bending_length: f64,
     /// Poses of the gripper.
     pub poses: usize,
-    /// Largest speed of the gripper as it is planned, m/s.
+    /// Largest planned speed of the gripper, m/s.
     pub largest_speed: f64,
 }
 
-/// Monitors a sheet that is folded, the first rod of its scene.
+/// Monitors the folded sheet, the first rod of its scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FoldingMonitor {
     /// Parameters of the monitor.
@@ -65,8 +66,9 @@ impl FoldingMonitor {
         self.watched.weight * sample.simulation.reaction(self.watched.nodes - 1).norm()
     }
 
-    /// Length from the edge to a crease that is pressed half a crease target back from where the edge is: of the layer that lies there, which
-    /// has slid; `None` where the edge is not down, and where no layer lies there.
+    /// Length from the edge to the crease, along the sheet. The crease is pressed half a crease
+    /// target behind the edge, into the layer on the table, which has slid. `None` if the edge is
+    /// not down, or if there is no layer at that place.
     fn fold_length(&self, edge: Vector3, slid: f64) -> Option<f64> {
         let crease = edge.x - 0.5 * self.watched.target;
         let length = crease - slid;

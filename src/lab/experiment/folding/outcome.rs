@@ -8,20 +8,21 @@ use serde::{Deserialize, Serialize};
 pub struct FoldingOutcome {
     /// Largest displacement of the free end, m.
     pub largest_sliding_m: f64,
-    /// Its displacement at the end, along the fold, m.
+    /// Final displacement of the free end, along the fold, m.
     pub final_sliding_m: f64,
-    /// Distance from the edge to the crease along the sheet, m; `None` where there is no fold.
+    /// Distance from the edge to the crease along the sheet, m; `None` if there is no fold.
     pub fold_length_m: Option<f64>,
-    /// Difference from the length asked for, m.
+    /// Difference from the requested length, m.
     pub fold_length_error_m: Option<f64>,
     /// Largest force of the gripper on the whole sheet, N.
     pub largest_gripper_force_n: f64,
-    /// Largest speed of a node of the sheet, m/s: far above that of the gripper where the sheet snaps.
+    /// Largest speed of a node of the sheet, m/s; far above that of the gripper if the sheet
+    /// snaps.
     pub largest_speed_m_s: f64,
 }
 
 impl FoldingOutcome {
-    /// The outcome of a case; `None` where no sheet was folded.
+    /// The outcome of a case; `None` if no sheet was folded.
     pub fn of(case: &CaseOutcome) -> Option<Self> {
         let observed = &case.observed;
         Some(Self {
@@ -49,7 +50,7 @@ impl FoldingOutcome {
         ])
     }
 
-    /// Its main results for the user: names and texts, a line each.
+    /// Main results for the user: names and texts, a line each.
     pub fn highlights(&self) -> Vec<(String, String)> {
         let fold = match (self.fold_length_m, self.fold_length_error_m) {
             (Some(length), Some(error)) => format!(

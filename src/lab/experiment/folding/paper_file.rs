@@ -1,4 +1,4 @@
-//! Files of sheets that are folded.
+//! Files of sheets to fold.
 
 use super::keys::{Paper, TypedPaper, resolve_paper};
 use crate::scenario::keys::Section;

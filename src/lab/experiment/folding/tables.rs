@@ -28,7 +28,7 @@ impl FoldingTables {
         }
     }
 
-    /// The path of the gripper in the scenario of these tables, planned once.
+    /// The path of the gripper in the scenario of these tables, planned only once.
     ///
     /// # Errors
     /// The crease target cannot be reached.
@@ -36,7 +36,7 @@ impl FoldingTables {
         if let Some(path) = self.path.get() {
             return Ok(path);
         }
-        // Other patterns were rejected before.
+        // Targets for which planning fails were rejected earlier.
         let (step, end) = scenario.time.steps().unwrap_or((None, 1.0));
         let planner = planner(&self.folding, scenario.contact.friction());
         let tolerance = scenario.contact.distance_tolerance().unwrap_or(0.0);
@@ -45,8 +45,8 @@ impl FoldingTables {
     }
 }
 
-/// Planning problem of the fold of a results directory, dimensionless: the sheet as the planner assumes it and its crease target; `None` where it is
-/// not a fold.
+/// Dimensionless planning problem of the fold in a results directory: the sheet as the planner
+/// assumes it, and the crease target. `None` if it is not a fold.
 pub fn planned_fold(directory: &Path) -> Option<(Sheet, f64)> {
     let scenario = load(&directory.join(SCENARIO), &[]).ok()?.scenario;
     let FoldingTables { folding, .. } = scenario.experiment.tables()?;

@@ -1,4 +1,4 @@
-//! Places of grippers over the suspended length.
+//! Positions of grippers over the suspended length.
 
 use super::row::Sample;
 use crate::experiment::data_set::SAMPLES;
@@ -6,9 +6,9 @@ use rodlab_files::figure::{Curve, Figure, LinePlot, Look, line_plots};
 use rodlab_files::results::{ResultsError, read_whole_rows};
 use std::path::Path;
 
-/// Samples that are drawn, at most.
+/// Maximum number of samples in the figure.
 const MARKS: usize = 1000;
-/// Curvatures |κ̄| up to which samples are drawn in a colour each.
+/// Upper ends of the ranges of |κ̄|, each of which has its own colour.
 const BANDS: [(f64, &str); 3] = [
     (0.5, "|κ̄| up to 0.5"),
     (1.0, "up to 1"),
@@ -24,7 +24,7 @@ pub fn samples_figure(directory: &Path) -> Result<Figure, ResultsError> {
     Ok(figure(&rows))
 }
 
-/// The gripper's place over the suspended length.
+/// The gripper's position over the suspended length.
 pub fn figure(rows: &[Sample]) -> Figure {
     let drawn = || rows.iter().step_by(rows.len().div_ceil(MARKS).max(1));
     let band = |row: &Sample| {

@@ -1,4 +1,4 @@
-//! The scene that represents all samples: the rod of the first one, as it hangs.
+//! The scene that represents all samples: the hanging rod of the first sample.
 
 use super::keys::GraspSamples;
 use crate::experiment::data_set::hanging;
@@ -10,13 +10,14 @@ use rodlab_planning::plan::grasp::{GraspError, GraspProblem, GraspSolver, TWIST_
 const EDGES: usize = 50;
 /// Radius of the rod, L_gb: for display only.
 const RADIUS: f64 = 0.05;
-/// k̄_s of a rod that is to be stretched by less than this engine's rods can.
+/// k̄_s of a rod that is stiffer than this engine's rods can be.
 const STIFFEST: f64 = 1e6;
 
-/// The rod of the first sample between contact node and gripper: EI = 1 and weight 1/2 per length, where L_gb = 1.
+/// The rod of the first sample between contact node and gripper, with EI = 1 and weight 1/2 per
+/// length, so that L_gb = 1.
 ///
 /// # Errors
-/// There is no first grasp.
+/// The first grasp was not found.
 pub fn hanging_rod(plan: &GraspSamples) -> Result<Scene, GraspError> {
     let [length, curvature, compliance] = plan.point(0);
     let problem = GraspProblem::new(length, curvature, 1.0 / compliance)?;

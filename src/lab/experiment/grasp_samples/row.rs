@@ -25,25 +25,25 @@ pub struct Sample {
     pub log_length: f64,
     /// Whether there is a grasp.
     pub outcome: Outcome,
-    /// Place of the gripper.
+    /// Position of the gripper.
     pub x: Option<f64>,
-    /// Place of the gripper.
+    /// Position of the gripper.
     pub y: Option<f64>,
-    /// Place of the gripper.
+    /// Position of the gripper.
     pub z: Option<f64>,
-    /// Length l̄_s as stretched by its weight, minus the height of the gripper.
+    /// Length l̄_s including its stretch by the weight, minus the height of the gripper.
     pub drop: Option<f64>,
     /// y over κ̄.
     pub y_per_curvature: Option<f64>,
-    /// Axis times angle of its rotation, rad.
+    /// Rotation vector of the gripper (axis times angle), rad.
     pub rotation_x: Option<f64>,
-    /// Axis times angle, rad.
+    /// Component of the rotation vector, rad.
     pub rotation_y: Option<f64>,
-    /// Axis times angle, rad.
+    /// Component of the rotation vector, rad.
     pub rotation_z: Option<f64>,
-    /// Its first component over κ̄, rad.
+    /// First component of the rotation vector over κ̄, rad.
     pub rotation_x_per_curvature: Option<f64>,
-    /// Its last component over κ̄, rad.
+    /// Last component of the rotation vector over κ̄, rad.
     pub rotation_z_per_curvature: Option<f64>,
     /// Force at the contact node.
     pub force_y: Option<f64>,

@@ -1,4 +1,4 @@
-//! All samples of an experiment, each solved on its own.
+//! All samples of an experiment, each solved independently.
 
 use super::figure::figure;
 use super::keys::GraspSamples;
@@ -13,7 +13,7 @@ use rodlab_planning::plan::grasp::{
 };
 use std::path::Path;
 
-/// Least |κ̄| over which something is divided.
+/// Least |κ̄| by which quantities are divided.
 const LEAST_CURVATURE: f64 = 1e-4;
 
 /// Grasps at the points of an experiment.
@@ -24,7 +24,8 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// From no other sample: rows do not depend on the order in which they are computed.
+    /// No other sample is used, so that rows do not depend on the order in which they are
+    /// computed.
     fn sample(&self, index: usize) -> Sample {
         let [suspended_length, curvature, stretch_compliance] = self.plan.point(index);
         let grasp_of = |curvature: f64| -> Option<Grasp> {
@@ -34,7 +35,8 @@ impl Samples {
             grasp.ok()
         };
         let found = grasp_of(curvature);
-        // What is odd in κ̄, over it: nearly the same for all small ones.
+        // Quantities that are odd in κ̄ are divided by it: the ratio is nearly constant for small
+        // κ̄.
         let bent = curvature.abs().max(LEAST_CURVATURE).copysign(curvature);
         let bent_grasp = if bent == curvature {
             found.clone()

@@ -1,4 +1,4 @@
-//! Helical rods (thesis 6): where they lose stability, and how they are manipulated.
+//! Helical rods (thesis 6): their loss of stability, and their manipulation.
 
 pub mod manipulation;
 pub mod stability;

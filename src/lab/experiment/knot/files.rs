@@ -3,7 +3,7 @@
 use rodlab_files::columns;
 use rodlab_files::results::{Column, ColumnGroup, FileDescription, file, table};
 
-/// Traction of a knot over its tightness, drawn.
+/// Name of the figure of a knot's traction over its tightness.
 pub const TRACTION_FIGURE: &str = "traction.svg";
 
 /// Columns of the knot in the common files, and its figure.
@@ -16,7 +16,7 @@ pub static FILES: [FileDescription; 3] = [
     table(&["summary.csv"], "Outcome of a knot.", &[pulled(SUMMARY)]),
     file(
         &[TRACTION_FIGURE, "traction.png"],
-        "Traction of a knot over its tightness, beside the laws of its theory. By `rodlab plot`.",
+        "Traction of a knot over its tightness, with the laws of its theory. Written by `rodlab plot`.",
     ),
 ];
 
@@ -28,8 +28,8 @@ const fn pulled(columns: &'static [Column]) -> ColumnGroup {
 }
 
 const SERIES: &[Column] = columns! {
-    "end_to_end_m": "Distance of the ends, m; of two rods, of those on the left from those on the right.",
-    "shortening_m": "Length of a rod less the distance of the ends, m.",
+    "end_to_end_m": "Distance of the ends, m; with two rods, of the left ends from the right ends.",
+    "shortening_m": "Length of a rod minus the distance of the ends, m.",
     "traction_start_n": "Force with which the first end is pulled outwards, N.",
     "traction_end_n": "Force with which the last end is pulled outwards, N.",
     "loop_radius_m": "Radius R of the circle fitted to the loop, the part that is out of contact, m; empty without contact.",
@@ -51,18 +51,18 @@ const SERIES: &[Column] = columns! {
 };
 
 const SUMMARY: &[Column] = columns! {
-    "may_invert": "Whether an inversion was looked for: in overhand knots of unknotting number 2 and more, and in all of \
+    "may_invert": "Whether an inversion was to be detected: in overhand knots of unknotting number 2 and more, and in all of \
         \"knot-inversion\".",
-    "inversion_by_force": "l̄_k at which the traction began to fall most steeply while the loop fell onto the braid; empty where the loop did not \
-        fall, or the traction by less than 30 %.",
-    "inversion_by_height": "l̄_k at which the loop lay on the braid; empty where it never did.",
-    "inversion_difference": "Difference of the two over their mean.",
+    "inversion_by_force": "l̄_k at which the traction began to fall most steeply while the loop fell onto the braid; empty if the loop did not fall, or if \
+        the traction fell by less than 30 %.",
+    "inversion_by_height": "l̄_k at which the loop touched the braid; empty if it never did.",
+    "inversion_difference": "Difference of these two values over their mean.",
     "kinetic_over_elastic": "Largest kinetic over elastic energy at the output times while the ends moved, before the inversion.",
     "kinetic_bound": "Upper bound of this ratio for a quasi-static pull: knot.kinetic_bound.",
-    "energy_balance": "Gain of energy and losses to friction and drag, over the work of the ends; 1 where nothing is lost to \
-        the time steps.",
-    "knot_ending": "Why the run ended before its time: inverted, or locked (the rod stretches instead of slipping); empty \
-        where it did not.",
+    "energy_balance": "Gain of energy and losses to friction and drag, over the work of the ends; 1 if the time steps lose \
+        no energy.",
+    "knot_ending": "Why the run ended early: inverted, or locked (the rod stretches instead of slipping); empty \
+        if it did not.",
     "length_normalized": "l̄_k at the last output.",
     "traction_n": "Mean traction of the ends at the last output, N.",
 };

@@ -23,7 +23,7 @@ pub struct PulledKnot {
     name: &'static str,
     summary: &'static str,
     template: &'static str,
-    /// Whether it is an overhand knot, pulled until its loop has snapped onto the braid.
+    /// Whether it is an overhand knot that is pulled until its loop has snapped onto the braid.
     until_inverted: bool,
 }
 
@@ -106,7 +106,7 @@ impl Kind for PulledKnot {
         if let KnotStart::Curve { .. } = tables.knot.start
             && let Err(RunError::Scene(error)) = try_scene(run)
         {
-            // A curve that is too near to itself for so thick a rod.
+            // The curve is too near to itself for the thickness of the rod.
             return Err(Issue::new(KeyPath::from("knot.curve"), error.to_string()));
         }
         Ok(())
@@ -139,7 +139,7 @@ impl Kind for PulledKnot {
     }
 }
 
-/// Observer of the knot of a scene, whose first rods are those of the knot.
+/// Observer of the knot of a scene, which begins with the rods of the knot.
 fn observer(tables: &KnotTables, scene: &Scene, until_inverted: bool) -> Option<KnotObserver> {
     let KnotTables { rod, knot, .. } = tables;
     let rods = scene.rods.get(..knot.start.rods())?;
@@ -197,7 +197,7 @@ mod tests {
         let monitor = run.observer::<KnotMonitor>().unwrap();
         let knot = derived_knot(&monitor.observer, &run).unwrap();
         assert_eq!((knot.determinant, knot.pull_speed), (9, 4e-3));
-        // (0.6 − 0.36)/0.001, and less by 2 · 4 mm/s · 22.5 s.
+        // (0.6 − 0.36)/0.001 at the start; 2 · 4 mm/s · 22.5 s less at the end.
         assert!((knot.length_normalized[0] - 240.0).abs() < 1e-9);
         assert!((knot.length_normalized[1] - 60.0).abs() < 1e-9);
     }

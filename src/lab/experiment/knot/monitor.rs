@@ -1,4 +1,4 @@
-//! Monitors a knot that is pulled tight: the end of the run, and the outcome.
+//! Monitors a knot that is pulled tight, to end the run and record the outcome.
 
 use super::observer::{KnotObserver, KnotSample, changed_knot};
 use super::{KnotEnding, KnotOutcome, KnotRow};
@@ -7,20 +7,21 @@ use rodlab_files::results::{CaseOutcome, NamedValues, SeriesRow, Value};
 use rodlab_planning::knot::{InversionWatch, TightenedKnot};
 use serde::{Deserialize, Serialize};
 
-/// Decrease of l̄_k from one sample to the next. The traction between them is a mean, so that its vibrations do not
-/// count; an inversion, which takes 1 or less, is detected with any output interval.
+/// Decrease of l̄_k between two samples. The traction between samples is a mean, so that
+/// vibrations cancel. An inversion, which takes 1 or less, is detected with any output interval.
 const BETWEEN_SAMPLES: f64 = 0.1;
-/// Decrease of l̄_k over which a knot is followed after it has inverted.
+/// Decrease of l̄_k for which a knot is followed after its inversion.
 const FOLLOWED: f64 = 10.0;
 /// Decrease of l̄_k between two checks of whether the rod slips.
 const LOOK: f64 = 4.0;
-/// Part of that distance that a rod which slips takes up by its stretch at most, and one that is locked at least.
-/// At the start a rod stretches, too, until friction gives way, and again after it has slackened in an inversion: only
-/// one that has slipped, and is pulled harder than ever before, can be locked.
+/// Fraction of that distance that is taken up by stretching: at most this for a rod that slips, at
+/// least the second value for one that is locked. A rod also stretches at the start until friction
+/// gives way, and again after it has slackened in an inversion. Therefore a rod counts as locked
+/// only if it has slipped before and is pulled harder than ever.
 const SLIPPING: f64 = 0.5;
 const LOCKED: f64 = 0.9;
 
-/// Monitors a knot that is pulled tight, for the end of the run and the outcome.
+/// Monitors a knot that is pulled tight, to end the run and record the outcome.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KnotMonitor {
     /// Observer of the knot.
@@ -111,7 +112,7 @@ impl Observer for KnotMonitor {
 }
 
 impl KnotMonitor {
-    /// A monitor of a knot that is about to be pulled.
+    /// A monitor of a knot before the pull.
     pub fn new(observer: KnotObserver) -> Self {
         Self {
             observer,
@@ -127,7 +128,7 @@ impl KnotMonitor {
         }
     }
 
-    /// Records the observation of the knot at a sample, when its ends had done the `work` (J).
+    /// Records the observation of the knot at a sample, when the ends have done the `work` (J).
     fn add(&mut self, time: f64, seen: &KnotSample, work: f64) {
         let observer = self.observer;
         self.next = time + 0.5 * BETWEEN_SAMPLES * observer.radius / observer.pull_speed;
@@ -211,7 +212,8 @@ impl KnotMonitor {
     }
 }
 
-/// Gain of energy and losses over the work of the ends between the first and the last output; `None` without work.
+/// Gain of energy and losses, over the work of the ends, between the first and the last output;
+/// `None` without work.
 fn energy_balance(outputs: &[&PulledOutput]) -> Option<f64> {
     let (first, last) = (outputs.first()?, outputs.last()?);
     let work = last.work - first.work;
@@ -239,8 +241,9 @@ mod tests {
         ends_after_inversion: true,
     };
 
-    /// A record in which the knot is pulled from a distance of 0.8 m in steps of 0.1 mm, up to 100 mm, with a traction
-    /// (N) and a height of the loop (m) that depend on how far (m); and how far it had been when it was over.
+    /// The monitor of a knot that is pulled from a distance of 0.8 m in steps of 0.1 mm, up to 100
+    /// mm. The traction (N) and the height of the loop (m) depend on the pulled distance (m). Also
+    /// returns the pulled distance at the end of the run.
     fn pull(
         observer: &KnotObserver,
         traction: impl Fn(f64) -> f64,
@@ -299,7 +302,8 @@ mod tests {
 
     #[test]
     fn a_rod_that_stretches_after_its_inversion_is_not_locked() {
-        // It slips at 1 N, loses half of that as the knot inverts after 50 mm, and stretches until it slips again.
+        // It slips at 1 N, loses half of this traction as the knot inverts after 50 mm, and
+        // stretches until it slips again.
         let traction = |pulled: f64| {
             if pulled < 0.05 {
                 1.0

@@ -36,7 +36,7 @@ pub struct KnotObserver {
     pub pull_speed: f64,
     /// Largest kinetic over elastic energy of a quasi-static pull.
     pub kinetic_bound: f64,
-    /// Whether an inversion is looked for.
+    /// Whether an inversion is to be detected.
     pub may_invert: bool,
     /// Whether the run ends some time after the knot has inverted.
     pub ends_after_inversion: bool,
@@ -47,7 +47,7 @@ pub struct KnotObserver {
 pub struct KnotSample {
     /// Mean distance of the ends of a rod along the pull, m.
     pub end_to_end: f64,
-    /// Clear height of the loop, m; `None` where there is none.
+    /// Clear height of the loop, m; `None` without a loop.
     pub loop_height: Option<f64>,
 }
 
@@ -63,7 +63,7 @@ impl KnotObserver {
         self.radius.powi(2) / self.bending_stiffness
     }
 
-    /// Measures the knot now; work and losses, which take the whole run, are left at zero.
+    /// Measures the knot now. Work and losses, which belong to the whole run, are zero.
     pub fn measure(&self, simulation: &Simulation) -> KnotRow {
         let rods = self.knotted(simulation.positions());
         let outward = outward(&rods);
@@ -144,7 +144,8 @@ impl KnotObserver {
         row.knot_determinant == Some(self.determinant)
     }
 
-    /// The pairs of nodes of the knot whose edges touch, the node nearer to the start of its rod first.
+    /// Pairs of nodes of the knot whose edges touch; the node nearer to the start of its rod is
+    /// the first.
     fn touching(&self, contacts: &[ActiveContact]) -> Vec<(usize, usize)> {
         let near = |contact: &&ActiveContact| contact.distance - contact.threshold < self.tolerance;
         let pairs = |contact: &ActiveContact| {
@@ -160,7 +161,8 @@ impl KnotObserver {
             .collect()
     }
 
-    /// The loop: the longest run of nodes of a rod out of contact between nodes in contact; `None` without contact.
+    /// The loop: the longest sequence of nodes of a rod without contact between two nodes in
+    /// contact; `None` without contact.
     fn free_loop(&self, touching: &[(usize, usize)]) -> Option<Range<usize>> {
         let mut touched = vec![false; self.rods * self.nodes];
         for &(i, j) in touching {
@@ -238,7 +240,7 @@ mod tests {
             nodes: 30,
             ..OBSERVER
         };
-        // The tail between nodes 15 and 30 belongs to the first rod, that from there on to the second.
+        // The tail between nodes 15 and 30 belongs to the first rod, the rest to the second.
         let contacts = [
             contact([10, 11, 14, 15], 0.0),
             contact([32, 33, 40, 41], 0.0),

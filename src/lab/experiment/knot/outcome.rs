@@ -6,22 +6,22 @@ use serde::{Deserialize, Serialize};
 /// Outcomes of a knot; the last columns of `summary.csv`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct KnotOutcome {
-    /// Whether an inversion was looked for: in overhand knots of unknotting number 2 and more, and in all that are pulled
-    /// for it.
+    /// Whether an inversion was to be detected: in overhand knots of unknotting number 2 and more,
+    /// and in all runs that pull until inversion.
     pub may_invert: bool,
-    /// l̄_k at which the traction fell as the knot inverted; empty where it did not.
+    /// l̄_k at which the traction fell as the knot inverted; empty if it did not.
     pub inversion_by_force: Option<f64>,
-    /// l̄_k at which the loop lay on the braid; empty where it never did.
+    /// l̄_k at which the loop touched the braid; empty if it never did.
     pub inversion_by_height: Option<f64>,
-    /// Difference of the two over their mean.
+    /// Difference of the two values over their mean.
     pub inversion_difference: Option<f64>,
     /// Largest kinetic over elastic energy at the output times while the ends moved, before the inversion.
     pub kinetic_over_elastic: Option<f64>,
     /// Upper bound of this ratio for a quasi-static pull: `knot.kinetic_bound`.
     pub kinetic_bound: Option<f64>,
-    /// Gain of energy and losses to friction and drag over the work of the ends, meanwhile.
+    /// Gain of energy and losses to friction and drag, over the work of the ends in the same time.
     pub energy_balance: Option<f64>,
-    /// Why the run ended before its time; empty where it did not.
+    /// Reason why the run ended early; empty if it did not.
     pub knot_ending: Option<KnotEnding>,
     /// l̄_k at the last output.
     pub length_normalized: Option<f64>,
@@ -29,7 +29,7 @@ pub struct KnotOutcome {
     pub traction_n: Option<f64>,
 }
 
-/// Regular reason for which a run with a knot ended before its time.
+/// Regular reason why a run with a knot ended early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum KnotEnding {
     /// The knot inverted, and was followed for a while.
@@ -39,7 +39,7 @@ pub enum KnotEnding {
 }
 
 impl KnotOutcome {
-    /// The outcome of a case; `None` where no knot was observed.
+    /// The outcome of a case; `None` without a knot.
     pub fn of(case: &CaseOutcome) -> Option<Self> {
         let observed = &case.observed;
         observed.get("may_invert")?;
@@ -75,7 +75,7 @@ impl KnotOutcome {
         ])
     }
 
-    /// Returns a warning where the knot was pulled too fast to be quasi-static.
+    /// Returns a warning if the knot was pulled too fast to be quasi-static.
     pub fn remark(&self) -> Option<String> {
         let (ratio, bound) = (self.kinetic_over_elastic?, self.kinetic_bound?);
         (ratio > bound).then(|| {
@@ -85,7 +85,7 @@ impl KnotOutcome {
         })
     }
 
-    /// Its main results for the user: names and texts, a line each.
+    /// Main results for the user: names and texts, a line each.
     pub fn highlights(&self) -> Vec<(String, String)> {
         let mut lines = Vec::new();
         let mut line = |name: &str, text: String| lines.push((name.to_owned(), text));
@@ -164,7 +164,7 @@ mod tests {
         assert_eq!(KnotOutcome::of(&CaseOutcome::default()), None);
     }
 
-    /// Manifests of version 0.1 called what was observed `knot`.
+    /// In manifests of version 0.1 the observation is called `knot`.
     #[test]
     fn outcomes_of_earlier_manifests_are_read() {
         let json = r#"{"simulated_time":1.0,"steps":1,"newton_iterations":1,"retries":0,"fluid_iterations":0,

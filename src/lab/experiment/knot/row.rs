@@ -4,13 +4,13 @@ use rodlab_files::results::{ResultsError, SeriesRow, Value, read_series, read_se
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Columns of `series.csv` beside those of [`SeriesRow`] when a knot is pulled tight. Work and losses read as zero
-/// from a series that an older version wrote without them.
+/// Columns of `series.csv` in addition to those of [`SeriesRow`] when a knot is pulled tight. In a
+/// series of an older version without work and losses, these are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct KnotRow {
-    /// Distance of the ends; with two rods of those on the left from those on the right.
+    /// Distance of the ends; with two rods, of the left ends from the right ends.
     pub end_to_end_m: f64,
-    /// Length of a rod less the distance of the ends.
+    /// Length of a rod minus the distance of the ends.
     pub shortening_m: f64,
     /// Force with which the first end is pulled outwards.
     pub traction_start_n: f64,
@@ -24,8 +24,8 @@ pub struct KnotRow {
     pub epsilon: Option<f64>,
     /// l̄_k = (L − l_c)/h: the shortening over the radius of the rod (thesis Eq. 3.4).
     pub length_normalized: f64,
-    /// Clear height H of the loop of an overhand knot: from its middle to the braid, surface to surface; empty without
-    /// contact.
+    /// Clear height H of the loop of an overhand knot: from its middle to the braid, surface to
+    /// surface; empty without contact.
     pub loop_height_m: Option<f64>,
     /// Width W of the knot: from end to end of the braid.
     pub braid_width_m: Option<f64>,
@@ -42,11 +42,13 @@ pub struct KnotRow {
     /// Energy lost to drag since the start.
     #[serde(default)]
     pub drag_loss_j: f64,
-    /// Determinant of the knot; empty where it cannot be identified.
+    /// Determinant of the knot; empty if it cannot be identified.
     pub knot_determinant: Option<u64>,
-    /// Force with which the first end of the second rod is pulled outwards; empty where one rod is tied.
+    /// Force with which the first end of the second rod is pulled outwards; empty with a single
+    /// rod.
     pub second_traction_start_n: Option<f64>,
-    /// Force with which its last end is pulled outwards.
+    /// Force with which the last end of the second rod is pulled outwards; empty with a single
+    /// rod.
     pub second_traction_end_n: Option<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! The rods of a knot as a scenario asks for them: tied from numbers, or laid along a curve.
+//! The rods of a knot as specified by a scenario: tied from numbers, or laid along a curve.
 
 use super::{Knot, KnotKind, KnotStart};
 use crate::experiment::prepare::curve::sample;
@@ -14,14 +14,14 @@ use rodlab_planning::knot::{
 pub struct TiedKnot {
     /// Nodes of each rod, m.
     pub rods: Vec<Vec<Vector3>>,
-    /// Whether the rods are tied from numbers, with ends along the x axis.
+    /// Whether the rods are tied from numbers, with their ends along the x axis.
     pub is_built: bool,
 }
 
 /// Lays the rods of a knot.
 ///
 /// # Errors
-/// An issue where the knot does not fit between the ends; where a curve is another knot than it must be, or meets
+/// The knot does not fit between the ends, or a curve is not the required knot, or intersects
 /// itself.
 pub fn tie(rod: &BuilderRod, knot: &Knot) -> Result<TiedKnot, Issue> {
     match &knot.start {
@@ -92,7 +92,7 @@ pub fn determinant_of_kind(kind: KnotKind) -> u64 {
     }
 }
 
-/// Refuses a curve that is not a knot of this kind, or whose knot cannot be identified.
+/// Rejects a curve that is not a knot of this kind, or whose knot cannot be identified.
 fn refuse_other_knots(nodes: &[Vector3], kind: Option<KnotKind>) -> Result<(), String> {
     let Some(found) = determinant(nodes) else {
         return Err("the curve meets itself".to_owned());
@@ -105,8 +105,8 @@ fn refuse_other_knots(nodes: &[Vector3], kind: Option<KnotKind>) -> Result<(), S
     }
 }
 
-/// Unit vector along which the ends of the rods of a knot are pulled: from the start of a single rod to its end; two
-/// rods are tied along x.
+/// Unit vector along which the ends of the rods are pulled: for a single rod from its start to its
+/// end, for two rods x.
 pub fn pull_axis(rods: &[&[Vector3]]) -> Vector3 {
     match rods {
         [rod] => (rod[rod.len() - 1] - rod[0]).normalize(),
@@ -114,7 +114,7 @@ pub fn pull_axis(rods: &[&[Vector3]]) -> Vector3 {
     }
 }
 
-/// Unit vectors along which the start and the end of each rod are pulled: outwards.
+/// Outward unit vectors along which the start and the end of each rod are pulled.
 pub fn outward(rods: &[&[Vector3]]) -> Vec<[Vector3; 2]> {
     let axis = pull_axis(rods);
     let ends = rods.iter().map(|rod| [rod[0], rod[rod.len() - 1]]);
@@ -124,7 +124,7 @@ pub fn outward(rods: &[&[Vector3]]) -> Vec<[Vector3; 2]> {
     ends.map(|ends| ends.map(outward)).collect()
 }
 
-/// Determinant of the knot of one rod or two; `None` where it cannot be identified.
+/// Determinant of the knot of one or two rods; `None` if it cannot be identified.
 pub fn determinant_of_rods(rods: &[&[Vector3]]) -> Option<u64> {
     match rods {
         [rod] => determinant(rod),
@@ -165,7 +165,8 @@ mod tests {
         assert_eq!(outward(&[&there, &back]), [[left, right], [right, left]]);
     }
 
-    /// The figure-eight knot of the scenario file, changed; files are looked for in `directory`.
+    /// The figure-eight knot of the scenario file with changes; files are looked up in
+    /// `directory`.
     fn prepared(directory: &Path, overrides: &[&str]) -> Result<PreparedRun, String> {
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
         let text = include_str!("../../../../scenarios/figure_eight.toml");
@@ -174,7 +175,7 @@ mod tests {
         prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues).to_string())
     }
 
-    /// The knot after it has settled for a while and its ends have been pulled for half as long.
+    /// The knot after it has settled and its ends have been pulled for half the settling time.
     fn pulled(run: &PreparedRun) -> KnotRow {
         let mut simulation = Simulation::new(&run.scene, &run.integration).unwrap();
         advance_to(&mut simulation, 0.3);
@@ -208,7 +209,7 @@ mod tests {
                 (row.end_to_end_m - end_to_end - 1e-3).abs() < 1e-12,
                 "{kind} {row:?}"
             );
-            // Symmetries swap the ends of the figure-eight, and the rods of the other knots.
+            // Symmetries exchange the ends of the figure-eight, and the rods of the other knots.
             let alike = match (row.second_traction_start_n, row.second_traction_end_n) {
                 (Some(start), Some(end)) => {
                     [[row.traction_start_n, start], [row.traction_end_n, end]]
@@ -223,7 +224,8 @@ mod tests {
         }
     }
 
-    /// The curve of a figure-eight knot, its heights changed by a function of the part of the curve passed.
+    /// The curve of a figure-eight knot. A function of the fraction along the curve changes its
+    /// heights.
     fn curve(height: impl Fn(f64, f64) -> f64) -> Vec<Vector3> {
         let size = KnotSize {
             length: 0.8,

@@ -1,11 +1,12 @@
 //! Knot tightening (thesis 2.5) and inversion (thesis 3): a knot whose ends are pulled apart at constant speed.
 //!
-//! **Geometry.** A knot tied from numbers lies around the x axis, its ends along it; a curve lies where it is. The rods
-//! are naturally straight and start without twist.
+//! **Geometry.** A knot tied from numbers lies around the x axis, with its ends along it. A curve
+//! keeps its position. The rods are naturally straight and start without twist.
 //!
-//! **Drive.** First the knot settles: the ends rest, and a drag that damps the loop critically brings the strands into
-//! contact; it fades before the ends move. Then all ends move outwards along the axis and, clamped, keep their
-//! frames, so that they do not turn against each other.
+//! **Drive.** First the knot settles: the ends rest, and a drag that damps the loop critically
+//! brings the strands into contact; it fades before the ends move. Then all ends move outwards
+//! along the axis. Clamped ends keep their frames, so that they do not rotate relative to each
+//! other.
 
 use super::tied_knot::{TiedKnot, outward, tie};
 use super::{Knot, KnotEnds, KnotTables};
@@ -15,10 +16,11 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::scene::{Clamp, Load, LoadKind, Motion, Scene};
 use std::f64::consts::TAU;
 
-/// Part of the settling time after which its drag begins to fade.
+/// Fraction of the settling time after which the drag begins to fade.
 const FULL_DRAG: f64 = 0.7;
-/// Drag at the very start over that which settles the loop, and the part of the settling time within which it falls to
-/// that: the strands, which start apart, meet slowly; otherwise those with much friction do not settle.
+/// Initial drag over the drag that settles the loop, and the fraction of the settling time in
+/// which it falls to the latter. The strands are initially apart and should meet slowly; otherwise
+/// those with high friction do not settle.
 const FIRST_DRAG: f64 = 100.0;
 const SLOWED: f64 = 0.3;
 /// Damping rate of the settling drag over the frequency √(EI/ρA)/R² of the loop; 2 is critical.
@@ -171,12 +173,12 @@ mod tests {
         assert!(row.traction_start_n > 0.0);
         assert!((row.traction_end_n / row.traction_start_n - 1.0).abs() < 0.05);
         assert!((row.end_to_end_m - 0.283).abs() < 1e-12);
-        // A loose trefoil: 2πR is less than the shortening by the braid.
+        // In a loose trefoil, 2πR is less than the shortening, by the length in the braid.
         let radius = row.loop_radius_m.unwrap();
         assert!((0.09..0.13).contains(&radius), "{radius}");
     }
 
-    /// A short trefoil, pulled by 16 mm with a bound on its kinetic energy.
+    /// A short trefoil that is pulled by 16 mm, with a bound on its kinetic energy.
     fn pulled_slowly(kinetic_bound: f64) -> (KnotOutcome, Vec<KnotRow>) {
         let settings = |end: f64| {
             let given = [
@@ -261,7 +263,7 @@ mod tests {
             "knot.settling_time=0.5",
             "contact.distance_tolerance=\"40 µm\"",
             "time.end=10.0",
-            // The knot inverts within one of these, between two outputs.
+            // The knot inverts within one interval, between two outputs.
             "output.interval=1.0",
         ]);
         assert_eq!(knot.knot_ending, Some(KnotEnding::Inverted));

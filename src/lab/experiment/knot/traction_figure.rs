@@ -1,4 +1,4 @@
-//! Traction of a knot over its tightness, with the laws that it should follow.
+//! Traction of a knot over its tightness, with the laws of its theory.
 
 use super::{KnotKind, KnotRow, KnotTables, read_knot_series};
 use crate::experiment::kind::FigureError;
@@ -10,11 +10,12 @@ use rodlab_files::results::{SCENARIO, SERIES, Table};
 use rodlab_planning::knot::{TREFOIL_FRICTION, audoly_traction, jawed_traction};
 use std::path::Path;
 
-/// F̄ = F h²/EI over ε = √(h/R) while the ends move apart, on logarithmic axes; `None` where no knot was
-/// pulled in this run.
+/// F̄ = F h²/EI over ε = √(h/R) while the ends move apart, on logarithmic axes; `None` if no knot
+/// was pulled in this run.
 ///
-/// Beside it are Audoly's law of the trefoil at the same ε (thesis Eq. 2.29) and, with friction, the traction
-/// at which the law of Jawed et al. has the same shortening (thesis Eq. 2.30); other knots have no theory.
+/// The figure also shows Audoly's law of the trefoil at the same ε (thesis Eq. 2.29) and, with
+/// friction, the traction at which the law of Jawed et al. has the same shortening (thesis Eq.
+/// 2.30). Other knots have no theory.
 ///
 /// # Errors
 /// [`FigureError::Scenario`] or [`FigureError::Results`] where files of the run cannot be read.

@@ -1,6 +1,8 @@
-//! Parts that scenes of all experiments may have, each with an array of tables of its own: the one list of them.
+//! Parts that the scenes of all experiments may have, each with an array of tables. This is the
+//! only list of them.
 //!
-//! A part is one file or folder here and an entry in the list: its keys, how they are resolved, and what they add to the scene.
+//! A part is a file or folder here, with its keys, their resolution and its contributions to the
+//! scene, and an entry in the list.
 
 mod actuation;
 
@@ -13,10 +15,11 @@ use rodlab_engine::mechanics::scene::Scene;
 
 /// A part of a scene.
 trait ScenePart: Part {
-    /// Adds it to a scene with all its rods, clamps and joints; `path` is that of its table.
+    /// Adds the part to a scene with all its rods, clamps and joints; `path` is the path of its
+    /// table.
     ///
     /// # Errors
-    /// A part that cannot be placed, at its key.
+    /// A part that cannot be placed, with its key.
     fn place(&self, scene: &mut Scene, path: &KeyPath) -> Result<(), Issue>;
 }
 

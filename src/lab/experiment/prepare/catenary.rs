@@ -1,13 +1,14 @@
 //! The catenary: the shape of a heavy chain that hangs between two points.
 //!
-//! With the distances h across and v up from start to end, a chain of the length L > √(h² + v²) hangs on z = a cosh(x/a), with
-//! the parameter a from
+//! With the horizontal distance h and the vertical distance v from start to end, a chain of length
+//! L > √(h² + v²) hangs on z = a cosh(x/a). The parameter a follows from
 //!
 //! ```text
 //! √(L² − v²)/h = sinh ξ/ξ,     ξ = h/2a
 //! ```
 //!
-//! and its start at x₁/a = artanh(v/L) − ξ. At the distance s along it from the start, x/a = arsinh(s/a + sinh(x₁/a)).
+//! and the start is at x₁/a = artanh(v/L) − ξ. At the arc length s from the start, x/a =
+//! arsinh(s/a + sinh(x₁/a)).
 
 use rodlab_engine::mechanics::Vector3;
 
@@ -25,8 +26,8 @@ pub struct Catenary {
 }
 
 impl Catenary {
-    /// A chain of `length` between two points that is longer than their distance; they do not lie above each other along the
-    /// unit vector `up`.
+    /// A chain of `length` between two points. The length is greater than their distance, and the
+    /// points do not lie above each other along the unit vector `up`.
     pub fn new(start: Vector3, end: Vector3, length: f64, up: Vector3) -> Self {
         let along = end - start;
         let rise = along.dot(&up);
@@ -43,10 +44,10 @@ impl Catenary {
         }
     }
 
-    /// The point at a share of the length, from 0 to 1.
+    /// The point at a fraction of the length, from 0 to 1.
     pub fn point(&self, share: f64) -> Vector3 {
         let (a, first, here) = (self.parameter, self.first, self.place(share));
-        // cosh u − cosh u₁ without cancellation, for chains that are nearly taut.
+        // cosh u − cosh u₁ without cancellation, for nearly taut chains.
         let rise = 2.0 * libm::sinh(0.5 * (here + first)) * libm::sinh(0.5 * (here - first));
         self.start + self.across * (a * (here - first)) + self.up * (a * rise)
     }
@@ -63,7 +64,8 @@ impl Catenary {
     }
 }
 
-/// ξ > 0 with sinh ξ = r ξ for r > 1, by Newton's method from above, where the function is convex and growing.
+/// Solves sinh ξ = r ξ for ξ > 0 with r > 1, by Newton's method from above, where the function is
+/// convex and increasing.
 fn half_angle(ratio: f64) -> f64 {
     let mut half = if ratio < 3.0 {
         // sinh ξ > ξ + ξ³/6.
@@ -97,7 +99,8 @@ mod tests {
                 assert!((chain.point(0.0) - start).norm() < 1e-15);
                 let missed = (chain.point(1.0) - end).norm() / distance;
                 assert!(missed < 1e-11 * slack, "{slack}: {missed}");
-                // The vertical force grows by the weight, the horizontal one stays: slopes are linear in the arc length.
+                // The vertical force increases by the weight and the horizontal force is constant,
+                // so slopes are linear in the arc length.
                 let slope = |share: f64| {
                     let tangent = chain.tangent(share);
                     tangent.dot(&up) / tangent.dot(&chain.across)
@@ -106,7 +109,7 @@ mod tests {
                 for share in [0.25, 0.5, 0.9] {
                     let expected = first + share * (last - first);
                     assert!((slope(share) - expected).abs() < 1e-9 * last.abs().max(1.0));
-                    // The tangent is the derivative by the arc length.
+                    // The tangent is the derivative with respect to arc length.
                     let [ahead, behind] = [1e-5, -1e-5].map(|by| chain.point(share + by));
                     let derivative = (ahead - behind) / (2e-5 * slack * distance);
                     assert!((derivative - chain.tangent(share)).norm() < 1e-6);

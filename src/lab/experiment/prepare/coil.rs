@@ -1,4 +1,4 @@
-//! A rod coiled flat: the spiral of Archimedes, whose turns lie the same distance apart,
+//! A rod coiled flat in a spiral of Archimedes, whose turns have equal distances,
 //!
 //! ```text
 //! r = r₀ + b φ,     b = spacing/2π
@@ -14,18 +14,20 @@ use std::f64::consts::TAU;
 pub struct Coil {
     /// Its middle, m.
     pub centre: Vector3,
-    /// Unit vectors in its plane: that from which angles count, and that at a right angle to it, towards which it winds.
+    /// Unit vectors in its plane: the one from which angles are measured, and the one at a right
+    /// angle to it, in the sense of winding.
     pub plane: [Vector3; 2],
     /// Angle of its inner end, rad.
     pub phase: f64,
     /// r₀, m.
     pub inner_radius: f64,
-    /// Distance of neighbouring turns, m.
+    /// Distance of adjacent turns, m.
     pub spacing: f64,
 }
 
 impl Coil {
-    /// Angles turned, rad, at the nodes of a polyline of equal edges with the given length, none longer than the inner radius.
+    /// Winding angles, rad, at the nodes of a polyline of equal edges with the given length. No
+    /// edge may be longer than the inner radius.
     pub fn turned(&self, length: f64, edges: usize) -> Vec<f64> {
         let edge = length / edges as f64;
         let mut turned = vec![0.0];
@@ -35,7 +37,7 @@ impl Coil {
         turned
     }
 
-    /// The point where the coil has turned by an angle.
+    /// The point of the coil at a winding angle.
     pub fn point(&self, turned: f64) -> Vector3 {
         self.centre + self.outward(turned) * self.radius(turned)
     }
@@ -46,14 +48,14 @@ impl Coil {
         (self.outward(turned) * self.growth() + across * self.radius(turned)).normalize()
     }
 
-    /// The angle of a chord of a given length, by Newton's method.
+    /// The winding angle of a chord of a given length, by Newton's method.
     fn turn(&self, from: f64, chord: f64) -> f64 {
         let (growth, first) = (self.growth(), self.radius(from));
         let mut turn = chord / libm::hypot(first, growth);
         for _ in 0..50 {
             let second = first + growth * turn;
             let (sine, cosine) = libm::sincos(0.5 * turn);
-            // Half of the square of the chord, (r₂ − r₁)² + 4 r₁ r₂ sin²(φ/2), and of its derivative.
+            // Half of the square of the chord, (r₂ − r₁)² + 4 r₁ r₂ sin²(φ/2), and its derivative.
             let half_square =
                 0.5 * growth * growth * turn * turn + 2.0 * first * second * sine * sine;
             let slope = growth * (growth * turn + 2.0 * first * sine * sine)

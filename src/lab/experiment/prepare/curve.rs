@@ -11,14 +11,15 @@ use rodlab_engine::mechanics::Vector3;
 pub struct SampledCurve {
     /// The nodes, m: `edges + 1`, or `edges` for a closed curve.
     pub nodes: Vec<Vector3>,
-    /// Unit tangents of the smooth curve at its two ends; `None` for a polyline, which has none.
+    /// Unit tangents of the smooth curve at its two ends; `None` for a polyline.
     pub end_tangents: [Option<Vector3>; 2],
 }
 
 /// Samples `shape` into `edges` edges of equal arc length.
 ///
-/// Nodes lie on the curve itself, so that an edge is a chord; slack rods and coils are given by the length of their chords. A
-/// polyline keeps its corners where the number of edges fits, else it is resampled along its length.
+/// Nodes lie on the curve itself, so that an edge is a chord. The length of slack rods and coils
+/// is the sum of their chords. A polyline keeps its corners if the number of edges matches, else
+/// it is resampled along its length.
 pub fn sample(shape: &Shape, edges: usize, closed: bool) -> SampledCurve {
     let nodes = if closed { edges } else { edges + 1 };
     let at = |curve: &dyn Fn(f64) -> Vector3| {
@@ -147,7 +148,7 @@ fn normal_plane(axis: [f64; 3]) -> [Vector3; 2] {
     Shape::normal_plane(axis).map(Vector3::from)
 }
 
-/// A helix parametrised by the angle turned about its axis.
+/// A helix parametrised by the angle about its axis.
 struct Helix {
     centre: Vector3,
     axis: Vector3,
@@ -171,7 +172,8 @@ impl Helix {
             Handedness::Right => 1.0,
             Handedness::Left => -1.0,
         };
-        // A left-handed helix turns the other way; its phase still counts right-handed about the axis.
+        // A left-handed helix turns in the opposite sense; its phase is still measured
+        // right-handed about the axis.
         let (sine, cosine) = libm::sincos(phase);
         Self {
             centre: Vector3::from(centre),
@@ -197,7 +199,8 @@ impl Helix {
     }
 }
 
-/// Places nodes at equal arc length along a polyline; its own corners where the number of edges fits.
+/// Places nodes at equal arc length along a polyline, or at its corners if the number of edges
+/// matches.
 fn resample(points: &[[f64; 3]], edges: usize, closed: bool) -> Vec<Vector3> {
     let mut corners: Vec<Vector3> = points.iter().map(|&point| Vector3::from(point)).collect();
     let corner_edges = if closed {
@@ -220,7 +223,8 @@ fn resample(points: &[[f64; 3]], edges: usize, closed: bool) -> Vec<Vector3> {
     (0..nodes)
         .map(|node| {
             let wanted = total * node as f64 / edges as f64;
-            // Lengths that under- or overflow make nodes that are not finite; the code that places the rod rejects them.
+            // Lengths that underflow or overflow give nodes that are not finite; the code that
+            // places the rod rejects them.
             let after = lengths
                 .partition_point(|&length| length <= wanted)
                 .clamp(1, corners.len() - 1);
@@ -281,7 +285,8 @@ mod tests {
             let curve = sample(&helix(handedness), edges, false);
             let advance = 0.5 / TAU;
             let speed_squared = 0.3 * 0.3 + advance * advance;
-            // Derivatives by arc length at a node in the middle, from central differences.
+            // Derivatives with respect to arc length at a node in the middle, from central
+            // differences.
             let step = 1.25 / advance * speed_squared.sqrt() / edges as f64;
             let node = |offset: usize| curve.nodes[edges / 2 + offset * 100];
             let step = 100.0 * step;

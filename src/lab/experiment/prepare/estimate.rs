@@ -1,19 +1,21 @@
-//! Memory and time that a scene would take, before they are spent.
+//! Estimates of the memory and time of a scene before the scene is built.
 
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::scene::{RodDescription, Scene};
 use std::collections::HashMap;
 
-/// Memory of a pair of edges that may touch, in the search for them, bytes; measured.
+/// Measured memory of a pair of edges in the search for contacts, bytes.
 const PAIR: f64 = 80.0;
-/// Most pairs of edges. The search for so many takes a second, and is done again and again; edges that are not much
-/// shorter than their radius have a few each.
+/// Maximum number of pairs of edges. The repeated search for so many takes a second each time.
+/// Edges that are not much shorter than their radius have a few pairs each.
 const MOST_PAIRS: f64 = 3e6;
-/// Edges whose neighbours on other rods are counted; those of the others are taken to be as many.
+/// Number of edges whose neighbours on other rods are counted; the other edges are assumed to have
+/// as many.
 const COUNTED: usize = 2000;
 
-/// Refuses scenes in which contact would have too many pairs of edges, because edges are too short, or too many edges of
-/// different rods are near each other. The error is the index of a rod at fault and a message.
+/// Rejects scenes in which contact would have too many pairs of edges, because edges are too
+/// short, or because too many edges of different rods are near each other. The error is the index
+/// of a faulty rod and a message.
 pub fn refuse_countless_pairs(scene: &Scene) -> Result<(), (usize, String)> {
     let Some(contact) = scene.contact else {
         return Ok(());
@@ -49,7 +51,7 @@ fn too_many(why: &str, pairs: f64) -> String {
     )
 }
 
-/// Pairs of edges of a rod that lie within a diameter of each other along it.
+/// Number of pairs of edges of a rod within a diameter of each other along the rod.
 fn neighbouring_pairs(rod: &RodDescription) -> f64 {
     let edges = rod.centreline.windows(2);
     let length: f64 = edges.map(|pair| (pair[1] - pair[0]).norm()).sum();
@@ -69,12 +71,12 @@ impl Edge {
         0.5 * (self.ends[0] + self.ends[1])
     }
 
-    /// Radius of a ball around it, m.
+    /// Radius of the ball around the edge, m.
     fn extent(&self) -> f64 {
         self.radius + 0.5 * (self.ends[1] - self.ends[0]).norm()
     }
 
-    /// Distance of the centrelines, m, seen from ends and middles.
+    /// Distance of the centrelines, m, measured from ends and middles.
     fn distance(&self, other: &Self) -> f64 {
         let points = |edge: &Self| [edge.ends[0], edge.middle(), edge.ends[1]];
         let there = points(self).map(|point| other.distance_to(&point));
@@ -89,11 +91,11 @@ impl Edge {
     }
 }
 
-/// Part of their radii by which the surfaces of rods may be apart and yet soon touch.
+/// Gap of the surfaces of rods, as a fraction of their radii, below which they may soon touch.
 const SOON: f64 = 0.25;
 
-/// Pairs of edges of different rods that touch, are within the `tolerance` (m) of contact or may soon be, and the rod that
-/// has most.
+/// Number of pairs of edges of different rods that touch, are within the `tolerance` (m) of
+/// contact or may soon be, and the rod that has most of them.
 fn pairs_between_rods(scene: &Scene, tolerance: f64) -> (usize, f64) {
     let edges = scene
         .rods
@@ -135,7 +137,7 @@ fn pairs_between_rods(scene: &Scene, tolerance: f64) -> (usize, f64) {
             let reach = edge.radius + other.radius + tolerance;
             other.rod != edge.rod && !both_held && edge.distance(other) < reach
         });
-        // Each pair is met from both sides.
+        // Each pair is found from both sides.
         of_rod[edge.rod] += 0.5 * every as f64 * touching.count() as f64;
     }
     let most = (0..of_rod.len()).max_by(|a, b| of_rod[*a].total_cmp(&of_rod[*b]));
@@ -148,7 +150,7 @@ mod tests {
     use rodlab_engine::mechanics::contact::ContactParameters;
     use rodlab_engine::mechanics::scene::Stiffness;
 
-    /// A bundle of parallel rods of 1 m, side by side in a square, of so many edges each.
+    /// A square bundle of parallel rods of 1 m with this number of edges each.
     fn bundle(side: usize, edges: usize, radius: f64) -> Scene {
         let stiffness = Stiffness {
             stretching: 1.0,
@@ -176,11 +178,12 @@ mod tests {
 
     #[test]
     fn pairs_of_many_rods_are_counted_before_memory_is_spent_on_them() {
-        // 24 pairs of neighbours; an edge has those beside, before and behind it on the other rod.
+        // 24 pairs of neighbouring rods; an edge pairs with those beside, before and behind it on
+        // the other rod.
         let (_, pairs) = pairs_between_rods(&bundle(4, 20, 1e-3), 1e-5);
         assert_eq!(pairs, f64::from(24 * (20 + 2 * 19)));
         refuse_countless_pairs(&bundle(4, 20, 1e-3)).unwrap();
-        // A hundred ropes whose edges are a twenty-eighth of their radius.
+        // A hundred ropes with edges of a twenty-eighth of their radius.
         let (_, message) = refuse_countless_pairs(&bundle(10, 4000, 7e-3)).unwrap_err();
         assert!(message.contains("edges of different rods"), "{message}");
         assert!(message.contains("allowed: 3e6"), "{message}");

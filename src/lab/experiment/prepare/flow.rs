@@ -7,7 +7,7 @@ use rodlab_engine::mechanics::scene::Scene;
 /// Chooses the plane that is the wall of the flow. Planes of the experiment come before those of the scenario.
 ///
 /// # Errors
-/// Two planes that are walls, and a wall of a fluid that has none.
+/// Two planes that are walls, or a wall in a fluid model without walls.
 pub(super) fn wall(scene: &Scene, scenario: &Scenario) -> Result<Option<usize>, Issue> {
     let built = scene.planes.len() - scenario.planes.len();
     let key = |index: usize| KeyPath::from("planes").index(index).key("wall");

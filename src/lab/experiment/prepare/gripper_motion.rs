@@ -4,8 +4,9 @@ use crate::scenario::Pose;
 use rodlab_engine::mechanics::scene::Motion;
 use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
 
-/// The motion of the part that a gripper holds from its first pose on, as one rigid body with it: x(t) = p(t) + R(t) R(0)⁻¹
-/// (x(0) − p(0)), with the position p and the orientation R of the gripper. At least one pose is needed.
+/// The motion of a part that a gripper holds from its first pose on, as one rigid body with the
+/// gripper: x(t) = p(t) + R(t) R(0)⁻¹ (x(0) − p(0)), with the position p and the orientation R of
+/// the gripper. At least one pose is needed.
 pub fn gripper_motion(poses: &[Pose]) -> Motion {
     let start = Vector3::from(poses[0].1);
     let turned_back = orientation(poses[0].2).inverse();
@@ -33,7 +34,8 @@ mod tests {
 
     use crate::test_support::{advance_to, simulation};
 
-    /// A beam whose end a gripper holds by way of an offset, and moves and turns about z, from an orientation to another.
+    /// A beam whose end a gripper holds at an offset. The gripper moves and rotates about z, from
+    /// one orientation to another.
     fn follow(from: [f64; 4], to: [f64; 4]) {
         let text = format!(
             "experiment = \"scene\"\n\
@@ -50,7 +52,7 @@ mod tests {
             (1.0, std::f64::consts::FRAC_PI_2),
         ] {
             advance_to(&mut simulation, until);
-            // The node hangs 0.1 m below the gripper, which turns about z.
+            // The node is 0.1 m from the gripper, which rotates about z.
             let gripper = Vector3::new(0.2 * until, 0.1, 0.0);
             let expected = gripper + 0.1 * Vector3::new(angle.sin(), -angle.cos(), 0.0);
             let found = simulation.positions()[0];
@@ -62,7 +64,7 @@ mod tests {
     fn a_node_moves_with_its_gripper_as_one_rigid_body() {
         let half = std::f64::consts::FRAC_1_SQRT_2;
         follow([1.0, 0.0, 0.0, 0.0], [half, 0.0, 0.0, half]);
-        // It starts with a quarter turn about x: the turn about z comes after it.
+        // The gripper starts rotated by a quarter turn about x; the rotation about z follows.
         follow([half, half, 0.0, 0.0], [0.5; 4]);
     }
 }

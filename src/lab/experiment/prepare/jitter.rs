@@ -4,12 +4,13 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::random::uniform_numbers;
 use std::f64::consts::TAU;
 
-/// Waves that make up the jitter of one direction, and the period of the slowest over that of the fastest.
+/// Number of waves in the jitter of one direction, and the ratio of the slowest period to the
+/// fastest.
 const WAVES: usize = 8;
 const SLOWEST: f64 = 5.0;
 
-/// Smooth random displacements and turns: sums of waves of equal amplitude whose periods and phases are drawn, so that their
-/// mean squares are those asked for.
+/// Smooth random displacements and rotations: sums of waves of equal amplitude with random periods
+/// and phases. The amplitudes follow from the required mean squares.
 pub struct Jitter {
     amplitudes: [f64; 6],
     period: f64,
@@ -18,8 +19,8 @@ pub struct Jitter {
 }
 
 impl Jitter {
-    /// Draws a jitter from a seed: `rms` is its root mean square in each direction (m) and about each axis (rad), `period` that of
-    /// its fastest wave, s.
+    /// Creates a jitter from a seed. `rms` is its root mean square in each direction (m) and about
+    /// each axis (rad), `period` the period of its fastest wave, s.
     pub fn new(rms: [f64; 2], period: f64, seed: u64) -> Self {
         let mut number = uniform_numbers(seed);
         let waves = std::array::from_fn(|_| {
@@ -37,7 +38,7 @@ impl Jitter {
         }
     }
 
-    /// Displacement (m) and turn (rad) at a time; they start at zero.
+    /// Displacement (m) and rotation (rad) at a time; both start at zero.
     pub fn at(&self, time: f64) -> (Vector3, Vector3) {
         if self.amplitudes == [0.0; 6] {
             return (Vector3::zeros(), Vector3::zeros());

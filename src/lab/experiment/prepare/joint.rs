@@ -1,4 +1,4 @@
-//! Joints and bodies, placed in the scene.
+//! Places joints and bodies in the scene.
 
 use crate::experiment::places::find_place;
 use crate::experiment::places::find_rod;
@@ -10,7 +10,7 @@ use rodlab_engine::mechanics::scene::{
 use rodlab_engine::mechanics::system::check_joints;
 use rodlab_engine::mechanics::{JointError, SceneError, Vector3};
 
-/// Joins rods of a scene by a joint of its scenario.
+/// Joins rods of a scene by a joint from its scenario.
 ///
 /// # Errors
 /// Rods and nodes that do not exist.
@@ -76,7 +76,7 @@ pub(super) fn place_joint(
     Ok(())
 }
 
-/// The body of a scenario at one of these rods.
+/// The body of a scenario on one of these rods.
 ///
 /// # Errors
 /// A rod or node that does not exist.
@@ -98,7 +98,8 @@ pub(super) fn place_body(
     })
 }
 
-/// Checks whether the joints and bodies of a scene are possible; those that the file lists are named by their keys.
+/// Checks whether the joints and bodies of a scene are possible. Faults name the keys of those
+/// that the file lists.
 ///
 /// # Errors
 /// The fault of one of them.

@@ -1,4 +1,4 @@
-//! From a validated scenario to a scene that is ready to run.
+//! Turns a validated scenario into a scene that is ready to run.
 
 mod catenary;
 mod coil;
@@ -41,8 +41,8 @@ pub use round_rod::round_rod;
 /// Builds the mechanics of a scenario.
 ///
 /// # Errors
-/// Faults that show only when the rods are placed: edges of no length, names of rods that do not exist,
-/// nodes beyond the end of their rod. Each names its key.
+/// Faults that are detected only when the rods are placed: edges of zero length, names of rods
+/// that do not exist, nodes beyond the end of their rod. Each fault names its key.
 pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     let mut scene = mechanics::Scene::default();
     let mut issues = Issues::default();
@@ -98,7 +98,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     parts::place(scenario, &mut scene, &mut issues);
     scene.obstacles.extend(obstacles);
     if scene.obstacles.len() < scenario.obstacles.len() {
-        // Later steps may look for them.
+        // Later steps may look these obstacles up.
         return Err(issues);
     }
     scene.contact = contact_parameters(&scenario.contact);
@@ -109,7 +109,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         Err(issue) => issues.push(issue),
     }
     if let Err((rod, message)) = estimate::refuse_countless_pairs(&scene) {
-        // Rods of the kind come first; their nodes are counted in [rod].
+        // Rods built by the kind come first; [rod] sets their number of nodes.
         let built = scene.rods.len() - scenario.rods.len();
         issues.push(Issue::new(
             match rod.checked_sub(built) {
@@ -118,7 +118,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             },
             message,
         ));
-        // Later steps may look for these pairs themselves.
+        // Later steps may search for these pairs themselves.
         return Err(issues);
     }
     let mut prepared = PreparedRun {
@@ -137,7 +137,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         },
         integration: integration_parameters(scenario),
         output: OutputPlan {
-            // A static run writes once and never asks.
+            // A static run writes once and does not use the interval.
             interval: scenario.output.interval.unwrap_or(0.0),
             nodes: scenario.output.nodes,
             forces: scenario.output.forces,
@@ -185,7 +185,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     issues.or_ok(prepared)
 }
 
-/// Converts a list of the scenario, the table `table`; reports entries that cannot be placed.
+/// Converts the list `table` of the scenario; reports entries that cannot be placed.
 fn place_all<T, P>(
     table: &str,
     listed: &[T],
@@ -203,16 +203,17 @@ fn place_all<T, P>(
     placed
 }
 
-/// Names of the files that kinds of experiments write beside those of every run: one may take the place of another.
+/// Names of the files that kinds of experiments write in addition to those of every run. A run of
+/// one kind may replace the results of another.
 fn names_of_own_files() -> Vec<&'static str> {
     let of_kinds = KINDS.iter().flat_map(|kind| kind.files());
     of_kinds.flat_map(|file| file.names).copied().collect()
 }
 
-/// Lets the scene start from the end of another run.
+/// Starts the scene from the end of another run.
 ///
 /// # Errors
-/// A state that does not fit.
+/// A state of other rods.
 fn begin_at(prepared: &mut PreparedRun, start: &scenario::Start) -> Result<(), String> {
     let rows = read_end_state(&start.contents)?;
     let mut state = start_from(&rows, &rod_records(prepared))?;
@@ -240,8 +241,9 @@ fn path_plan(path: &Continuation) -> PathPlan {
     }
 }
 
-/// Does all that a run does before its first step, except for its files: finds rods that start inside each other,
-/// contradicting clamps, paths that cannot begin, and controllers that cannot act.
+/// Does everything that a run does before its first step, except for its files. This detects rods
+/// that start inside each other, contradicting clamps, paths that cannot begin, and controllers
+/// that cannot act.
 ///
 /// # Errors
 /// [`RunError::Scene`] names what is impossible.

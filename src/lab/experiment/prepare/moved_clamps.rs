@@ -1,14 +1,16 @@
-//! Clamps that are elsewhere than where their rods are placed.
+//! Clamps that are displaced from where their rods are placed.
 //!
-//! Natural shape, masses and lengths follow from the rod as placed. It then starts elsewhere: clamp i, at xᵢ, is displaced by dᵢ and
-//! turned by the rotation vector θᵢ, and a point x of the rod goes to
+//! Natural shape, masses and lengths follow from the rod as placed. The rod then starts displaced:
+//! clamp i, at xᵢ, is displaced by dᵢ and rotated by the rotation vector θᵢ, and a point x of the
+//! rod moves to
 //!
 //! ```text
 //! Σ wᵢ (xᵢ + dᵢ + R(θᵢ)(x − xᵢ)),      frames turn by R(Σ wᵢ θᵢ)
 //! ```
 //!
-//! with weights w along the rod that are 1 at their clamp, 0 at the next ones, smooth between them, and add up to 1. A rod that is held at
-//! one place moves as a rigid body. The run begins there, or finds the equilibrium from there.
+//! with weights w along the rod that are 1 at their own clamp and 0 at the next ones, vary
+//! smoothly between them, and add up to 1. A rod that is held at one place moves as a rigid body.
+//! The run begins from this configuration, or finds the equilibrium from it.
 
 use crate::run::PreparedRun;
 use crate::scenario::{Issue, KeyPath, Scenario};
@@ -25,10 +27,10 @@ struct Moved {
     turn: Vector3,
 }
 
-/// Carries the rods of clamps that are elsewhere to where these are.
+/// Moves the rods of displaced clamps with them.
 ///
 /// # Errors
-/// Rods that cannot be carried, with the key of their clamp.
+/// Rods that cannot be moved, with the key of their clamp.
 pub fn carry(run: &mut PreparedRun, scenario: &Scenario) -> Result<(), Issue> {
     let Some(first) = scenario.clamps.iter().position(|one| one.is_elsewhere()) else {
         return Ok(());
@@ -42,7 +44,7 @@ pub fn carry(run: &mut PreparedRun, scenario: &Scenario) -> Result<(), Issue> {
         };
         Issue::new(KeyPath::from("clamps").index(index).key(key), message)
     };
-    // Clamps of the kind of the scenario come first.
+    // Clamps built by the kind of experiment come first.
     let built = run.scene.clamps.len() - scenario.clamps.len();
     for (index, clamp) in scenario.clamps.iter().enumerate() {
         let rod = run.scene.clamps[built + index].rod;
@@ -96,7 +98,7 @@ pub fn carry(run: &mut PreparedRun, scenario: &Scenario) -> Result<(), Issue> {
     Ok(())
 }
 
-/// Carries one rod with its clamps, which are in the order of nodes.
+/// Moves one rod with its clamps, which are sorted by node.
 fn carry_rod(start: &mut Start, first: usize, nodes: usize, clamps: &[Moved]) {
     let turn_at = |place: f64| -> Vector3 {
         let parts = weights(clamps, place);
@@ -121,7 +123,7 @@ fn carry_rod(start: &mut Start, first: usize, nodes: usize, clamps: &[Moved]) {
             start.directors[index] = turn * start.directors[index];
         }
         if node > 0 && node + 1 < nodes {
-            // About the tangent: whole turns count.
+            // Component about the tangent; whole turns are included.
             let along = (before[node + 1] - before[node - 1]).normalize();
             let apart = turn_at(node as f64 + 0.5) - turn_at(node as f64 - 0.5);
             start.twist[index] += apart.dot(&along);
@@ -186,7 +188,7 @@ clamps = [{clamps}]
             let expected = Vector3::new(0.01 - one.y, one.x, one.z);
             assert!((expected - other).norm() < 1e-15);
         }
-        // Without stress, as it was placed.
+        // The energy does not change.
         assert!((placed.energies().elastic() - moved.energies().elastic()).abs() < 1e-20);
     }
 
@@ -195,7 +197,7 @@ clamps = [{clamps}]
         let clamps = r#"{ rod = "wire", at = "start" }, { rod = "wire", at = "end", rotation = ["-450 deg", 0, 0] }"#;
         let mut wire = wire(LINE, clamps).unwrap();
         wire.find_equilibrium().unwrap();
-        // Without the half vertices at the clamps.
+        // The half vertices at the clamps do not count.
         let twist: f64 = wire.as_start().twist.iter().sum();
         let expected = -2.5 * std::f64::consts::PI * 39.0 / 40.0;
         assert!((twist / expected - 1.0).abs() < 0.01, "{twist} {expected}");

@@ -3,8 +3,8 @@
 use crate::scenario::Strains;
 use rodlab_engine::mechanics::scene::NaturalStrains;
 
-/// The strains of a rod of a number of edges: row by row where there is one for each node, else interpolated at nodes of equal
-/// distances.
+/// The strains of a rod with a number of edges: the rows themselves if there is one for each node,
+/// else interpolated at nodes of equal distances.
 pub(super) fn at_nodes(strains: &Strains, edges: usize) -> NaturalStrains {
     let rows = &strains.arc_length;
     if rows.len() == edges + 1 {

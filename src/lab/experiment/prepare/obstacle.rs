@@ -1,4 +1,4 @@
-//! Obstacles, placed in the scene.
+//! Places obstacles in the scene.
 
 use super::place::motion_of;
 use crate::scenario::{self, Issue, KeyPath, ObstacleShape};
@@ -6,16 +6,16 @@ use rodlab_engine::mechanics::rigid_body::RigidBody;
 use rodlab_engine::mechanics::scene::{Obstacle, RodDescription};
 use rodlab_engine::mechanics::{Vector3, rotation};
 
-/// Most that a mesh may be larger than all rods together, or smaller than the radius of the thinnest: by more, and the file is
-/// of another unit.
+/// Largest ratio of the size of a mesh to that of all rods, or of the radius of the thinnest rod
+/// to the size of the mesh. Beyond it the file is probably in another unit.
 const UNLIKELY: f64 = 100.0;
 
-/// Farthest from the origin that anything of an obstacle may be, over the radius of the thinnest rod: distances of rods from
-/// farther parts are lost to rounding.
+/// Largest distance of any part of an obstacle from the origin, over the radius of the thinnest
+/// rod. Distances of rods from farther parts would be lost to rounding.
 const FARTHEST: f64 = 1e9;
 
-/// Half the length of a cylinder without ends over the distance of the farthest node from its point: no rod reaches its ends,
-/// and little is lost to rounding.
+/// Half the length of a cylinder without ends, over the distance of the farthest node from its
+/// point. No rod reaches its ends, and little is lost to rounding.
 const ENDLESS: f64 = 1e2;
 
 /// The obstacle of a scenario among these rods.
@@ -90,7 +90,7 @@ pub fn place_obstacle(
     })
 }
 
-/// The obstacles of a scenario that has run, for pictures.
+/// The obstacles of a finished scenario, for pictures.
 pub fn place_obstacles(scenario: &scenario::Scenario) -> Vec<Obstacle> {
     let path = KeyPath::from("obstacles");
     let obstacles = scenario.obstacles.iter();
@@ -125,14 +125,14 @@ fn refuse_other_units(
     Err(Issue::new(path.key("shape"), message).with_help(Some(help)))
 }
 
-/// Radius of the thinnest rod, m; infinite where there is none.
+/// Radius of the thinnest rod, m; infinite without rods.
 fn thinnest_radius(rods: &[RodDescription]) -> f64 {
     rods.iter()
         .fold(f64::INFINITY, |least, rod| least.min(rod.radius))
 }
 
-/// Half the length (m) at which a cylinder around a line through `point` counts as one without ends; without rods, for
-/// pictures, it is beyond all that they show.
+/// Half the length (m) of a cylinder around a line through `point` that counts as infinite.
+/// Without rods, as for pictures, it exceeds everything shown.
 fn endless(point: &Vector3, radius: f64, rods: &[RodDescription]) -> f64 {
     if rods.is_empty() {
         return FARTHEST * radius;
@@ -141,7 +141,7 @@ fn endless(point: &Vector3, radius: f64, rods: &[RodDescription]) -> f64 {
     ENDLESS * nodes.fold(radius, |most, x| most.max((x - point).norm()))
 }
 
-/// Diagonal of the box around points, m.
+/// Diagonal of the bounding box of points, m.
 fn extent<'a>(points: impl Iterator<Item = &'a Vector3> + Clone) -> f64 {
     let corner = |pick: fn(f64, f64) -> f64, start: f64| {
         let start = Vector3::repeat(start);

@@ -1,4 +1,4 @@
-//! Rods, clamps, loads and planes, placed in the scene.
+//! Places rods, clamps, loads and planes in the scene.
 
 use super::curve::{SampledCurve, sample};
 use super::gripper_motion::gripper_motion;
@@ -66,7 +66,8 @@ pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescr
     })
 }
 
-/// Edges shorter than this fraction of the mean edge are rejected: their direction is lost in round-off.
+/// Edges shorter than this fraction of the mean edge are rejected: their direction is lost in
+/// round-off.
 const SHORTEST_EDGE: f64 = 1e-6;
 
 fn refuse_short_edges(nodes: &[Vector3], closed: bool, path: &KeyPath) -> Result<(), Issue> {

@@ -1,4 +1,4 @@
-//! The round rods that kinds of experiments build.
+//! The round rods built by kinds of experiments.
 
 use crate::scenario::{BuilderRod, CrossSection, Material};
 use rodlab_engine::mechanics::Vector3;

@@ -1,4 +1,4 @@
-//! Contact, fluid and time: the settings of the engine.
+//! Settings of the engine for contact, fluid and time.
 
 use crate::scenario::{Contact, Fluid, Scenario, Scheme, Step, Time};
 use rodlab_engine::mechanics::contact::{ContactModel, ContactParameters};
@@ -66,7 +66,7 @@ pub(super) fn fluid_model(fluid: &Fluid) -> Option<FluidModel> {
     }
 }
 
-/// Whether the fluid resists that rods spin about their own axes.
+/// Whether the fluid resists rotation of rods about their own axes.
 pub(super) fn resists_spin(fluid: &Fluid) -> bool {
     matches!(
         fluid,

@@ -1,19 +1,20 @@
-//! A slack rod between two points: an arc of a circle, which bends the same everywhere.
+//! A slack rod between two points: a circular arc, which has constant curvature.
 //!
-//! Nodes that cut an arc of the angle 2ψ and the radius R into n equal parts lie 2R sin(ψ/n) apart, its ends 2R sin ψ. A
-//! polyline of n edges and the length L between points at the distance d is such an arc with
+//! Nodes that divide an arc with the angle 2ψ and the radius R into n equal parts have the
+//! distance 2R sin(ψ/n); the ends have the distance 2R sin ψ. A polyline of n edges with the
+//! length L between points at the distance d is such an arc with
 //!
 //! ```text
 //! sin ψ/(n sin(ψ/n)) = d/L,     0 < ψ < π
 //! ```
 //!
-//! The chord from its start to the part s of it has the length d sin(ψs)/sin ψ and makes the angle ψ(1 − s) with the line of
-//! the ends.
+//! The chord from the start to the fraction s of the arc has the length d sin(ψs)/sin ψ and makes
+//! the angle ψ(1 − s) with the line between the ends.
 
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::kirchhoff::numerics::bisect;
 
-/// Half an arc so small, rad, that its cosine is 1.
+/// Half the angle of an arc, rad, so small that its cosine is 1.
 const STRAIGHT: f64 = 1e-9;
 
 /// An arc whose polyline has a given length.
@@ -28,14 +29,15 @@ pub struct Slack {
 }
 
 impl Slack {
-    /// A polyline of `length` in at least two `edges` between two points that lie nearer to each other; its middle lies off
-    /// their line in the direction of the unit vector `towards`, normal to it.
+    /// A polyline of `length` in at least two `edges` between two points at a smaller distance.
+    /// Its middle is displaced from their line in the direction of the unit vector `towards`,
+    /// which is normal to that line.
     pub fn new(start: Vector3, end: Vector3, length: f64, towards: Vector3, edges: usize) -> Self {
         let distance = (end - start).norm();
         let parts = edges as f64;
         let missing = |angle: f64| {
             let ratio = libm::sin(angle) / (parts * libm::sin(angle / parts));
-            // Positive where rounding leaves nothing to bend.
+            // Positive if rounding leaves no slack.
             if angle == STRAIGHT {
                 1.0
             } else {
@@ -51,7 +53,7 @@ impl Slack {
         }
     }
 
-    /// The point at a share of the length, from 0 to 1.
+    /// The point at a fraction of the length, from 0 to 1.
     pub fn point(&self, share: f64) -> Vector3 {
         let chord = libm::sin(self.half_angle * share) / libm::sin(self.half_angle);
         self.start + self.direction(self.half_angle * (1.0 - share)) * (self.distance * chord)
@@ -62,7 +64,7 @@ impl Slack {
         self.direction(self.half_angle * (1.0 - 2.0 * share))
     }
 
-    /// The unit vector at an angle to the line of the ends.
+    /// The unit vector at an angle to the line between the ends.
     fn direction(&self, angle: f64) -> Vector3 {
         let (sine, cosine) = libm::sincos(angle);
         self.along * cosine + self.towards * sine
@@ -93,7 +95,8 @@ mod tests {
                     assert!(missed.abs() < 1e-9, "{edges} {slack}: {missed}");
                 }
                 assert!((nodes[edges / 2] - start).dot(&towards) > 0.0);
-                // Turning by the same angle at every node, tangents are half of it ahead of their edges.
+                // With equal turning angles at every node, tangents are half a turning angle ahead
+                // of their edges.
                 let ahead = arc.tangent(0.0).angle(&(nodes[1] - nodes[0]));
                 let behind = arc.tangent(1.0).angle(&(nodes[edges] - nodes[edges - 1]));
                 let half = arc.half_angle / edges as f64;

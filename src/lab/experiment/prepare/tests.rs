@@ -1,4 +1,4 @@
-//! Names and places become indices; what does not fit is named by its key.
+//! Names and places become indices; messages name the key of a fault.
 
 use super::*;
 use crate::experiment::{case_set, case_set_from_table, from_text};
@@ -98,12 +98,12 @@ fn a_hundred_thousand_edges_within_a_few_diameters_are_refused_before_they_take_
         error.contains("2.0e8 pairs of edges to check, which take 16.0 GB"),
         "{error}"
     );
-    // A knot of a hundred thousand nodes: its check took minutes.
+    // A knot with a hundred thousand nodes: its check once took minutes.
     let knot = include_str!("../../../../scenarios/trefoil.toml").replace("= 301", "= 100000");
     let refused = loaded(&knot);
     let error = refused.locate(prepare(&refused.scenario).unwrap_err());
     assert!(error.to_string().contains("pairs of edges"), "{error}");
-    // Along a curve from a file, the scene was tried all the same, which took half a minute.
+    // With a curve from a file, the scene was still built, which took half a minute.
     let file = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../..",
@@ -124,7 +124,7 @@ fn the_defaults_of_scenarios_are_those_of_the_engine() {
     let text = format!("{TWO_RODS}\n[contact]\ndistance_tolerance = 1e-5\n");
     let run = prepare(&loaded(&text).scenario).unwrap();
     assert_eq!(run.integration, IntegrationParameters::default());
-    // That of the engine is for a radius of 1 mm.
+    // The default of the engine is for a radius of 1 mm.
     let contact = ContactParameters {
         stiffness_factor: 1e6,
         ..ContactParameters::default()
@@ -132,7 +132,7 @@ fn the_defaults_of_scenarios_are_those_of_the_engine() {
     assert_eq!(run.scene.contact, Some(contact));
 }
 
-/// The values of a file as a table in memory are the same cases.
+/// The values of a file as a table in memory give the same cases.
 fn assert_same_from_table(path: &Path, of_file: &CaseSet) {
     let table: toml::Table = std::fs::read_to_string(path).unwrap().parse().unwrap();
     let directory = path.parent().unwrap();
@@ -152,7 +152,7 @@ fn all_scenarios_of_the_repository_prepare() {
     let mut names = Vec::new();
     for entry in std::fs::read_dir(directory).unwrap() {
         let path = entry.unwrap().path();
-        // Curves, points, robot cells and a page lie beside the scenarios.
+        // Curves, points, robot cells and a page are in the same folder as the scenarios.
         if path.is_dir() || path.extension().is_none_or(|ending| ending != "toml") {
             continue;
         }
@@ -259,7 +259,7 @@ fn a_rod_under_pretension_starts_at_rest_and_pulls_on_its_clamps() {
             let found = simulation.tension(edge).unwrap();
             assert!((found / tension - 1.0).abs() < 1e-9, "{found}");
         }
-        // The clamps bear it, and nothing has moved.
+        // The clamps bear the tension, and nothing has moved.
         for (node, sign) in [(0, -1.0), (10, 1.0)] {
             let force = simulation.reaction(node) - Vector3::x() * (sign * tension);
             assert!(force.norm() < 1e-6 * tension.abs(), "{force}");
@@ -267,7 +267,7 @@ fn a_rod_under_pretension_starts_at_rest_and_pulls_on_its_clamps() {
         let moved = (simulation.positions().iter().zip(&beam.centreline))
             .fold(0.0, |most: f64, (x, placed)| most.max((x - placed).norm()));
         assert!(moved < 1e-9, "{moved}");
-        // Its mass is that of the shorter rod without stress.
+        // Its mass is that of its shorter natural length.
         let masses = simulation.mass_matrix();
         let free = simulation.free_unknowns();
         let diagonal = masses.diagonal();
@@ -282,7 +282,7 @@ fn a_rod_under_pretension_starts_at_rest_and_pulls_on_its_clamps() {
             );
             prepare(&loaded(&format!("{text}{more}")).scenario).is_ok()
         };
-        // Places along it are those without stress.
+        // Positions along the rod refer to its natural length.
         assert!(from(0.999 / stretch) && !from(1.001 / stretch));
     }
 }
@@ -313,7 +313,8 @@ fn slack_rods_and_coils_have_exactly_the_length_that_is_stated() {
             .map(|x| (x[1] - x[0]).norm())
             .sum();
         assert!((length / 1.5 - 1.0).abs() < 1e-12, "{kind}: {length}");
-        // The tangents there are those of the curve: half a turn at a node ahead of the edges.
+        // The tangents there are those of the curve: half the turning angle of a node ahead of the
+        // edges.
         for (tangent, edge) in beam.end_tangents.iter().zip([0, 49]) {
             let edge = (beam.centreline[edge + 1] - beam.centreline[edge]).normalize();
             let ahead = tangent.unwrap().angle(&edge);

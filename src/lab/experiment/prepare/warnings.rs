@@ -1,11 +1,12 @@
-//! Properties of a scene that can be checked before it runs and may be unintended: polylines that lose length where they are cut, scenes
-//! in which no rod can move or nothing acts.
+//! Warnings about properties of a scene that can be checked before a run and may be unintended:
+//! polylines that become shorter when they are cut into edges, scenes in which no rod can move, or
+//! in which nothing acts.
 
 use crate::scenario::{NaturalShape, Scenario, Shape};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::scene::{self as mechanics, LoadKind, Scene};
 
-/// Part of its length that a polyline may lose without a warning.
+/// Fraction of its length that a polyline may lose without a warning.
 const SHORTENED: f64 = 1e-4;
 
 /// The warnings, a sentence each.
@@ -25,7 +26,7 @@ pub(super) fn warnings(scenario: &Scenario, scene: &Scene, has_controllers: bool
     warnings
 }
 
-/// Polylines whose corners lie between nodes, so that edges cut them.
+/// Polylines with corners between nodes, which edges cut off.
 fn cut_corners(scenario: &Scenario, scene: &Scene) -> Vec<String> {
     let built = scene.rods.len() - scenario.rods.len();
     let placed = &scene.rods[built..];
@@ -44,7 +45,7 @@ fn cut_corners(scenario: &Scenario, scene: &Scene) -> Vec<String> {
                 ));
             }
         };
-        // Beside the curve of another shape the placed one is only where the rod starts.
+        // If the natural shape is another curve, the placed shape is only a start.
         if !matches!(rod.natural_shape, NaturalShape::Curve(_)) {
             compare("shape", &rod.shape, &description.centreline);
         }
@@ -67,18 +68,19 @@ fn length(points: &[Vector3], closed: bool) -> f64 {
     open.sum::<f64>() + closing
 }
 
-/// Whether a node or an edge of a rod is free.
+/// Whether any node or edge of a rod is free.
 fn can_move(scene: &Scene) -> bool {
     scene.rods.iter().enumerate().any(|(index, rod)| {
         let clamps = || scene.clamps.iter().filter(|clamp| clamp.rod == index);
         let held_nodes = clamps().filter(|clamp| clamp.holds_position).count();
         let is_turned = clamps().any(|clamp| clamp.holds_frame);
-        // Two held nodes with an edge between them leave it its turn about itself, unless a clamp holds that.
+        // An edge between two held nodes can still rotate about itself, unless a clamp holds its
+        // frame.
         !rod.held && (held_nodes < rod.centreline.len() || !is_turned)
     })
 }
 
-/// Whether nothing acts, so that rods stay as placed.
+/// Whether nothing acts on the rods, so that they stay as placed.
 fn is_at_rest(scene: &Scene) -> bool {
     let without_stress = |rod: &mechanics::RodDescription| {
         let is_natural = match rod.natural_shape {
@@ -157,7 +159,7 @@ mod tests {
             );
             warnings(&(rod + GRAVITY))
         };
-        // The first part is 302.66 m of 707.14 m.
+        // The first part has 302.66 m of 707.14 m.
         let found = line(10);
         assert!(
             found.len() == 1 && found[0].contains("`line`") && found[0].contains("707.1"),

@@ -1,4 +1,4 @@
-//! Forces of contact and friction, and the gap at which surfaces rest.
+//! Forces of contact and friction, and the gap between surfaces at rest.
 
 use super::{RESTING, near, ran, weight_of};
 
@@ -19,7 +19,7 @@ fn a_plane_bears_the_weight_of_the_rod_that_lies_on_it() {
     near(run.last("floor_normal_n").unwrap(), weight, 1e-3);
     assert!(run.last("floor_tangential_n").unwrap() < 1e-6 * weight);
     assert_eq!(run.last("all_z_n"), run.last("floor_z_n"));
-    // Nothing is known of forces before the first step.
+    // Forces are undefined before the first step.
     assert_eq!(run.series.numbers("floor_z_n").unwrap()[0], None);
 }
 
@@ -79,7 +79,8 @@ kind = "drag""#,
     assert_eq!(run.last("own_normal_n"), Some(0.0));
 }
 
-/// A light rod that lies on a plane bears on it with its weight, N a node, while the stiffness is that of its EI/L².
+/// A light rod lies on a plane and presses on it with its weight, N per node. The contact
+/// stiffness follows from its EI/L².
 #[test]
 fn contact_gap_is_that_of_the_force_law() {
     let (tolerance, radius) = (1e-4_f64, 0.004_f64);
@@ -95,7 +96,7 @@ fn contact_gap_is_that_of_the_force_law() {
     for (model, expected, allowed) in [
         ("imc", penalty, 0.01),
         ("ipc", barrier, 0.01),
-        // Forces are found to a hundredth of what Newton's method asks for, 1e-4 radii.
+        // Forces are accurate to a hundredth of Newton's tolerance, 1e-4 radii.
         ("complementarity", 0.0, 1e-6 * radius / tolerance),
     ] {
         let text = RESTING.replace("\"imc\"", &format!("{model:?}"));

@@ -30,7 +30,7 @@ fn the_reaction_of_a_cantilever_balances_its_weight_and_the_moment_of_it() {
     let force = run.vector("root_force", "n");
     near(force.z, weight_of(length), 1e-6);
     assert!(force.xy().norm() < 1e-6 * force.z);
-    // The clamp bears the moments of all nodes about its own.
+    // The clamp bears the moments of all nodes about its own node.
     let nodes = read_nodes(run.directory.path(), 41).unwrap();
     let positions = &nodes[0].positions;
     let mut expected = Vector3::zeros();
@@ -41,7 +41,8 @@ fn the_reaction_of_a_cantilever_balances_its_weight_and_the_moment_of_it() {
     }
     let moment = run.vector("root_moment", "n_m");
     assert!((moment - expected).norm() < 1e-6 * expected.norm());
-    // Moment and strain of the discrete rod differ by a quarter of the square of the turning angle.
+    // Moment and strain of the discrete rod differ by a quarter of the square of the turning
+    // angle.
     near(run.last("bending_n_m").unwrap(), expected.norm(), 2e-3);
     assert_eq!(run.last("largest_n_m"), run.last("bending_n_m"));
     assert_eq!(run.last("free_n_m"), None);
@@ -55,7 +56,7 @@ fn the_reaction_of_a_cantilever_balances_its_weight_and_the_moment_of_it() {
     assert_eq!(highlights[2].0, "root_force_z_last_n");
 }
 
-/// An edge whose both ends are held and a held inner node bear what is left of it.
+/// An edge with both ends held, and a held inner node, bear the rest of the weight.
 #[test]
 fn the_reactions_of_several_clamps_add_up_to_the_weight() {
     let text = CANTILEVER.replace("at = \"start\"", "at = 12")
@@ -109,7 +110,7 @@ fn a_hanging_rod_bears_the_weight_below_and_grows_longer() {
         kind = "displacement"
         at = "end"
         "#));
-    // Half of an edge's weight hangs at the clamp itself.
+    // Half of the weight of an edge is carried directly by the clamp.
     near(
         run.last("top_n").unwrap(),
         weight_of(0.4) * (1.0 - 1.0 / 80.0),
@@ -166,7 +167,7 @@ fn springs_bear_the_weight_of_what_hangs_from_them() {
         summary = "max"
         "#);
     let half = 0.5 * weight_of(0.2);
-    // The springs lean a little, since the rod hangs askew and sags.
+    // The springs tilt a little, since the rod hangs askew and sags.
     for column in ["left_n", "right_n"] {
         near(run.last(column).unwrap(), half, 2e-2);
     }

@@ -61,7 +61,7 @@ fn curvature_torsion_and_twist_of_known_curves() {
     let square = 0.1_f64.powi(2) + pitch * pitch;
     near(run.last("screw_per_m").unwrap(), pitch / square, 1e-3);
     near(run.last("helix_per_m").unwrap(), 0.1 / square, 1e-3);
-    // Placed with that twist, and without stress.
+    // Placed with this twist, which is free of stress.
     near(run.last("turn_rad_per_m").unwrap(), 1.5, 0.02);
     assert!(run.last("moment_n_m").unwrap().abs() < 1e-12);
     assert_eq!(run.last("flat_per_m"), None);
@@ -115,7 +115,7 @@ fn linked_rings_are_linked_once_and_keep_their_distance() {
         "#);
     near(run.last("link").unwrap().abs(), 1.0, 1e-12);
     assert!(run.last("writhe").unwrap().abs() < 1e-9);
-    // The second ring moves towards the rim of the first, where it passes near its centre.
+    // The second ring moves towards the rim of the first, and passes near its centre.
     let gaps = run.series.numbers("gap_m").unwrap();
     near(gaps[0].unwrap(), 1.0, 1e-2);
     let least = run.summary.numbers("gap_min_m").unwrap()[0];

@@ -1,4 +1,4 @@
-//! Probes against what is known of simple scenes, from the scenario file to the tables.
+//! Compares probes with exact results of simple scenes, from the scenario file to the tables.
 
 mod contact;
 mod forces;

@@ -1,4 +1,4 @@
-//! Probes during a run: what ends it, and what survives an interruption.
+//! Probes during a run: conditions that end it, and statistics after an interruption.
 
 use super::{CANTILEVER, Ran, prepared, ran};
 use crate::run::{PreparedRun, RunError, StopRequest, run_until};

@@ -1,4 +1,4 @@
-//! The general experiment: rods as the scenario lists them, with clamps, loads and planes.
+//! The general experiment: the rods listed in the scenario, with clamps, loads and planes.
 
 use super::Kind;
 use crate::scenario::Experiment;
@@ -8,7 +8,7 @@ use serde::Serialize;
 /// Rods as listed.
 pub struct SceneKind;
 
-/// It reads the common tables only.
+/// It reads only the common tables.
 #[derive(Serialize)]
 struct NoTables {}
 

@@ -1,16 +1,16 @@
-//! Resolving the fixtures on the table: pegs, and clips as pairs of pegs.
+//! Resolves the fixtures on the table: pegs, and clips as pairs of pegs.
 
 use super::resolved::{Peg, Rod};
 use super::typed;
 use crate::scenario::keys::{Length, NON_NEGATIVE, POSITIVE, Quantity, Section};
 use rodlab_planning::plan::pattern::{Pattern, PatternPoint, Point};
 
-/// Points of the pattern to which distances of pegs are measured.
+/// Number of points of the pattern from which distances of pegs are measured.
 const POINTS: usize = 4000;
-/// Pegs that a table may have.
+/// Maximum number of pegs on a table.
 const MOST_PEGS: usize = 10_000;
 
-/// The pegs of a deployment, those of clips last; `None` where a fault was reported.
+/// The pegs of a deployment, with those of clips last; `None` after a fault.
 pub fn resolve(
     section: &Section<'_>,
     typed: &typed::Deployment,

@@ -1,4 +1,4 @@
-//! Resolving a knot that is tied along the pattern.
+//! Resolves a knot that is tied along the pattern.
 
 use super::resolved::{Knot, Rod, Second};
 use super::typed;
@@ -7,7 +7,7 @@ use rodlab_planning::plan::deployment::DeployedRod;
 use rodlab_planning::plan::pattern::Pattern;
 use rodlab_planning::plan::tying::{Handling, TiedRod, passages};
 
-/// The knot of a deployment, if there is one; `None` where a fault was reported.
+/// The knot of a deployment, if there is one; `None` after a fault.
 pub fn resolve(
     section: &Section<'_>,
     typed: &typed::Deployment,

@@ -1,4 +1,4 @@
-//! The keys of deployments: `typed`, `resolved`, and here the conversion between them.
+//! The keys of deployments: modules `typed` and `resolved`, and the conversion between them here.
 
 mod fixtures;
 mod knot;
@@ -20,11 +20,12 @@ use rodlab_planning::plan::pattern::Pattern as Curve;
 
 /// Default number of edges per gravito-bending length of a simulated rod.
 const EDGES_PER_LENGTH: f64 = 4.0;
-/// Density where none is given, kg/m³.
+/// Default density, kg/m³.
 const DENSITY: f64 = 1000.0;
-/// Length between corrections over L_gb where none is given.
+/// Default length between corrections over L_gb.
 const CORRECTED_EVERY: f64 = 0.8;
-/// Length of return over L_gb where none is given, and the shortest over L_gb and over the length between corrections.
+/// Default return length over L_gb. The second value is the shortest return length, over L_gb and
+/// over the length between corrections.
 const RETURN_LENGTH: f64 = 3.5;
 const SHORTEST_RETURN: f64 = 3.0;
 
@@ -99,7 +100,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     })
 }
 
-/// Time before the end at which the gripper lets go, s; `None` where a fault was reported.
+/// Time before the end at which the gripper releases the rod, s; `None` after a fault.
 fn release(
     request: &Request<'_>,
     section: &Section<'_>,
@@ -161,7 +162,7 @@ fn resolve_correction(
     })
 }
 
-/// The pattern with its lead-in, which can be laid.
+/// The pattern with its lead-in, checked to be long enough for the rod.
 fn with_lead_in(
     section: &Section<'_>,
     lead_in: Option<&Quantity<Length>>,
@@ -182,7 +183,7 @@ fn with_lead_in(
         None => lead_length(&rod, &curve.at(0.0)),
     };
     let curve = curve.with_lead_in(length);
-    // The part of a pattern beyond the length of a tied rod is the path of its end.
+    // The part of the pattern beyond the length of a tied rod is the path of its end.
     if !is_tied && let Err(error) = long_enough(&rod, &curve) {
         section.fault("pattern", error.to_string());
         return None;

@@ -1,4 +1,4 @@
-//! Resolving a pattern: a drawing in its size and direction, or a formula.
+//! Resolves a pattern: a drawing with its size and direction, or a formula.
 
 use super::resolved::Pattern;
 use super::typed::{self, PatternKind};
@@ -56,7 +56,7 @@ pub fn resolve(
     is_known.then_some(pattern)
 }
 
-/// Reports keys that do not apply to a pattern of this kind.
+/// Reports keys that do not apply to this kind of pattern.
 fn refuse_keys_of_others(section: &Section<'_>, typed: &typed::Pattern, kind: PatternKind) {
     let drawn = [
         ("file", typed.file.is_some()),
@@ -143,7 +143,7 @@ fn drawn(request: &Request<'_>, section: &Section<'_>, typed: &typed::Pattern) -
     }
 }
 
-/// Reads an SVG drawing, and logs the parts that are ignored.
+/// Reads an SVG drawing, and logs the ignored parts.
 ///
 /// # Errors
 /// A message with the name of the file: it cannot be read, or is not an SVG drawing.

@@ -17,15 +17,15 @@ pub struct Deployment {
     pub solver: Solver,
     /// Length of the lead-in, m.
     pub lead_in: f64,
-    /// Relative error of the gravito-bending length that is planned for.
+    /// Relative error of the gravito-bending length assumed by the planner.
     pub length_error: f64,
-    /// Displacement of the frame that is planned for, m.
+    /// Displacement of the frame assumed by the planner, m.
     pub frame_shift: [f64; 2],
-    /// Turn of that frame about the first point of the pattern, rad.
+    /// Rotation of that frame about the first point of the pattern, rad.
     pub frame_turn: f64,
     /// Root mean square of the gripper's displacement in each direction, m.
     pub jitter: f64,
-    /// Root mean square of its turn about each axis, rad.
+    /// Root mean square of the gripper's rotation about each axis, rad.
     pub jitter_angle: f64,
     /// Period of the fastest jitter, s.
     pub jitter_period: f64,
@@ -33,18 +33,19 @@ pub struct Deployment {
     pub seed: u64,
     /// Correction of the path while the rod is laid, if enabled.
     pub correction: Option<Correction>,
-    /// Time before the end of the run at which the gripper lets go, s; `None`: never.
+    /// Time before the end of the run at which the gripper releases the rod, s; `None` means
+    /// never.
     pub release: Option<f64>,
-    /// Posts on the table; those of clips among them.
+    /// Posts on the table, including those of clips.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pegs: Vec<Peg>,
-    /// The knot that is tied, if one is.
+    /// The knot to tie, if any.
     pub knot: Option<Knot>,
     /// Target curve of the rod.
     pub pattern: Pattern,
     /// The rod.
     pub rod: Rod,
-    /// A rod that is laid after it, if there is one.
+    /// A second rod that is laid after the first, if any.
     pub second: Option<Second>,
 }
 
@@ -61,10 +62,10 @@ pub struct Second {
     pub rod: Rod,
 }
 
-/// Correction of the gripper's path from the observed place of the rod.
+/// Correction of the gripper's path from the observed position of the rod.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Correction {
-    /// Length that is laid between two corrections, m.
+    /// Length laid between two corrections, m.
     pub every: f64,
     /// Length over which the rod returns to the pattern, m.
     pub return_length: f64,
@@ -75,13 +76,14 @@ pub struct Correction {
 /// A knot that is tied along the pattern.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Knot {
-    /// Passes of the rod at the crossings when it reaches them again.
+    /// Whether the rod passes over or under at each crossing when it reaches the crossing for the
+    /// second time.
     pub crossings: Vec<Pass>,
     /// Height to which strands are lifted, m.
     pub lift: f64,
     /// Speed at which the end is led, m/s.
     pub speed: f64,
-    /// Largest distance of a strand from its planned place at which it is found, m.
+    /// Largest distance of a strand from its planned place at which the gripper finds it, m.
     pub reach: f64,
 }
 
@@ -101,9 +103,9 @@ pub struct Peg {
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum Scheme {
-    /// By the optimal grasp of each point.
+    /// The optimal grasp of each point.
     Optimal,
-    /// Upright above the contact node.
+    /// The gripper upright above the contact node.
     Intuitive,
 }
 
@@ -114,7 +116,7 @@ pub enum Scheme {
 pub enum Solver {
     /// The equations of the suspended rod.
     Exact,
-    /// The network of the program; the equations outside the range of its samples.
+    /// The network of the program. Outside the range of its samples the equations are solved.
     Neural,
 }
 
@@ -126,7 +128,7 @@ pub enum Pattern {
     Drawn {
         /// The points.
         points: Vec<[f64; 2]>,
-        /// Largest distance of the smooth curve from them.
+        /// Largest distance of the smooth curve from the points.
         deviation: f64,
     },
     /// A straight line along x.
@@ -136,7 +138,7 @@ pub enum Pattern {
     },
     /// A circle.
     Circle {
-        /// Its radius; negative, it turns to the right.
+        /// Radius of the circle; a negative radius turns it to the right.
         radius: f64,
     },
     /// A sine.
@@ -161,7 +163,7 @@ pub struct Rod {
     pub length: f64,
     /// Mass per volume, kg/m³.
     pub density: f64,
-    /// Edges of the simulated rod.
+    /// Number of edges of the simulated rod.
     pub edges: usize,
 }
 
@@ -230,11 +232,11 @@ impl Knot {
     }
 }
 
-/// Between the seeds of two grippers.
+/// Difference of the seeds of two grippers.
 const OTHER_GRIPPER: u64 = 1 << 32;
 
 impl Deployment {
-    /// Deployments of one rod each, in the order in which they are laid, with the jitter of their grippers.
+    /// One deployment per rod, in the order of laying, each with the jitter of its gripper.
     pub fn layings(&self) -> Vec<Self> {
         let first = Self {
             second: None,
@@ -250,7 +252,7 @@ impl Deployment {
         std::iter::once(first).chain(second).collect()
     }
 
-    /// The same with the jitter of another gripper.
+    /// The deployment with the jitter of another gripper.
     pub fn by_another_gripper(&self) -> Self {
         Self {
             seed: self.seed.wrapping_add(OTHER_GRIPPER),
@@ -263,7 +265,7 @@ impl Deployment {
         std::iter::once(&self.rod).chain(self.second.iter().map(|second| &second.rod))
     }
 
-    /// The pattern with its lead-in, all of it.
+    /// The whole pattern with its lead-in.
     ///
     /// # Errors
     /// The pattern is invalid.
@@ -271,7 +273,8 @@ impl Deployment {
         Ok(self.pattern.source().pattern()?.with_lead_in(self.lead_in))
     }
 
-    /// The part of it along which the rod is laid: all, unless its rest is the path of the rod's end.
+    /// The part of the pattern along which the rod is laid. This is the whole pattern, unless a
+    /// knot is tied; the rest is then the path of the rod's end.
     ///
     /// # Errors
     /// The pattern is invalid.

@@ -1,11 +1,11 @@
-//! Resolving the second rod of a deployment.
+//! Resolves the second rod of a deployment.
 
 use super::resolved::{Scheme, Second};
 use super::{pattern, resolve_rod, typed, with_lead_in};
 use crate::scenario::keys::{Request, Section};
 use rodlab_planning::plan::pattern::Pattern;
 
-/// The second rod with its pattern, if there is one; `None` where a fault was reported.
+/// The second rod with its pattern, if there is one; `None` after a fault.
 pub fn resolve(
     request: &Request<'_>,
     section: &Section<'_>,

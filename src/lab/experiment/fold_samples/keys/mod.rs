@@ -1,4 +1,5 @@
-//! The keys of samples of folds: `typed`, `resolved`, and here the conversion between them.
+//! The keys of samples of folds: modules `typed` and `resolved`, and the conversion between them
+//! here.
 
 mod resolved;
 mod typed;
@@ -16,7 +17,7 @@ pub static TABLES: [OwnTable; 1] = [OwnTable::new::<typed::FoldSamples>(
     "Places of the gripper of the experiment \"fold-samples\".",
 )];
 
-/// Most points, and largest number of the first one.
+/// Maximum number of points, and largest number of the first one.
 const MOST_SAMPLES: usize = 10_000_000;
 /// Least and largest spacing of a grid, L_gb.
 const SPACINGS: [f64; 2] = [0.005, 0.5];
@@ -31,7 +32,7 @@ pub struct SampleTables {
     pub fold_samples: FoldSamples,
 }
 
-/// Resolves the table of this experiment; `None` if something is at fault, which is reported.
+/// Resolves the table of this experiment; `None` after a fault, which is reported.
 pub fn resolve(request: &Request<'_>) -> Option<SampleTables> {
     let typed: &typed::FoldSamples = request.table("fold_samples")?;
     let section = request.top.below("fold_samples");

@@ -1,16 +1,16 @@
-//! Samples of folds as resolved.
+//! Resolved samples of folds.
 
 use crate::experiment::data_set::Span;
 use serde::Serialize;
 
-/// Folds at many places of the gripper.
+/// Folds at many positions of the gripper.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FoldSamples {
     /// The places.
     pub points: Points,
     /// Suspended lengths, L_gb.
     pub suspended_length: Span,
-    /// Below it is the penalty region, L_gb.
+    /// Suspended length below which the penalty region begins, L_gb.
     pub least_suspended_length: f64,
 }
 
@@ -18,7 +18,7 @@ pub struct FoldSamples {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Points {
-    /// Points of Sobol's sequence in the workspace, evenly in √x̄ and √z̄.
+    /// Points of Sobol's sequence in the workspace, uniform in √x̄ and √z̄.
     Sobol {
         /// Number of points.
         count: usize,
@@ -27,7 +27,7 @@ pub enum Points {
     },
     /// A grid: (column + ½, row + ½) times the spacing.
     Grid {
-        /// Distance of neighbours, L_gb.
+        /// Spacing of the grid, L_gb.
         spacing: f64,
     },
 }

@@ -1,10 +1,11 @@
-//! Samples of folds as typed.
+//! Typed samples of folds.
 
 use crate::scenario::keys::{Dimensionless, Quantity};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Folds at many places (x̄, z̄) of the gripper, in L_gb from where the edge of the flat sheet lay.
+/// Folds at many positions (x̄, z̄) of the gripper, in L_gb, relative to the initial position of
+/// the edge of the flat sheet.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "fold_samples")]
 pub struct FoldSamples {
@@ -12,7 +13,8 @@ pub struct FoldSamples {
     pub points: Option<Points>,
     /// Suspended lengths l̄_s of the workspace, in L_gb. Default: 0.5 to 6.84.
     pub suspended_length: Option<Lengths>,
-    /// Shorter suspended lengths, in L_gb, crease the sheet where it is bent: the penalty region. Default: 0.958.
+    /// Suspended length, in L_gb, below which the bent sheet is creased: the penalty region.
+    /// Default: 0.958.
     pub least_suspended_length: Option<Quantity<Dimensionless>>,
 }
 
@@ -31,9 +33,10 @@ pub struct Lengths {
 #[serde(rename_all = "kebab-case")]
 #[schemars(tag = "kind", rename = "places")]
 pub enum Points {
-    /// Points of Sobol's sequence that lie in the workspace, more closely where x̄ or z̄ is small: evenly in √x̄ and √z̄.
+    /// Points of Sobol's sequence that lie in the workspace, denser where x̄ or z̄ is small:
+    /// uniform in √x̄ and √z̄.
     Sobol(Sobol),
-    /// A grid over the workspace, evenly in x̄ and z̄.
+    /// A grid over the workspace, uniform in x̄ and z̄.
     Grid(Grid),
 }
 
@@ -43,8 +46,8 @@ pub enum Points {
 pub struct Sobol {
     /// Number of points.
     pub count: Option<i64>,
-    /// Number of the first point. Default: 0. Later points of the sequence are other samples: for tests, or for the shares of
-    /// a sweep.
+    /// Number of the first point. Default: 0. Later points of the sequence are other samples: for
+    /// tests, or for the shares of a sweep.
     pub first: Option<i64>,
 }
 
@@ -52,6 +55,6 @@ pub struct Sobol {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "grid_of_places")]
 pub struct Grid {
-    /// Distance of neighbours, in L_gb.
+    /// Spacing of the grid, in L_gb.
     pub spacing: Option<Quantity<Dimensionless>>,
 }

@@ -1,4 +1,4 @@
-//! The keys of folds: `typed`, `resolved`, and here the conversion between them.
+//! The keys of folds: modules `typed` and `resolved`, and the conversion between them here.
 
 mod resolved;
 mod typed;
@@ -17,9 +17,9 @@ const THICKNESS: f64 = 1e-4;
 const DENSITY: f64 = 800.0;
 /// Default number of edges per gravito-bending length.
 const EDGES_PER_LENGTH: f64 = 20.0;
-/// Parts of a path that may be asked for.
+/// Allowed numbers of parts of a path.
 const PARTS: [usize; 2] = [2, 1000];
-/// Parts where none are given (thesis sec. 4.6.5).
+/// Default number of parts (thesis sec. 4.6.5).
 const USUAL_PARTS: usize = 5;
 
 /// The table of this experiment.
@@ -94,7 +94,7 @@ fn resolve_feedback(section: &Section<'_>, typed: &typed::Feedback) -> Option<Fe
     Some(Feedback { parts, noise })
 }
 
-/// Resolves a sheet; `None` where a fault was reported.
+/// Resolves a sheet; `None` after a fault.
 pub fn resolve_paper(section: &Section<'_>, typed: &TypedPaper) -> Option<Paper> {
     let length = typed.length(section);
     let width = typed.width(section);

@@ -11,11 +11,11 @@ pub struct Folding {
     pub algorithm: AlgorithmName,
     /// Target of the edge.
     pub crease: Crease,
-    /// Relative error of the gravito-bending length that is planned for.
+    /// Relative error of the gravito-bending length assumed by the planner.
     pub length_error: f64,
     /// Root mean square of the gripper's displacement in each direction, m.
     pub jitter: f64,
-    /// Root mean square of its turn, rad.
+    /// Root mean square of its rotation, rad.
     pub jitter_angle: f64,
     /// Period of the fastest jitter, s.
     pub jitter_period: f64,
@@ -41,16 +41,16 @@ pub struct Feedback {
 pub enum Crease {
     /// Onto the opposite edge.
     Half,
-    /// A corner onto the opposite one, of a strip of one width.
+    /// A corner onto the opposite one; a strip of uniform width replaces the triangle.
     Diagonal,
     /// So far, m.
     At(f64),
 }
 
 impl Crease {
-    /// The word for a fold along the diagonal.
+    /// The key word for a fold along the diagonal.
     pub const DIAGONAL_STRIP: &str = "diagonal-strip";
-    /// Why `diagonal` alone is refused.
+    /// Reason why `diagonal` alone is rejected.
     pub const NO_DIAGONAL: &str = "a sheet that is folded along its diagonal is a triangle, whose stiffness and weight grow from the corner, \
         and folds are computed for sheets of one width only; \"diagonal-strip\" takes a strip of one width in its place, as the thesis does";
 }
@@ -70,13 +70,13 @@ impl Serialize for Crease {
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum AlgorithmName {
-    /// The least sum of λ (thesis Eq. 4.11).
+    /// The path with the least sum of λ (thesis Eq. 4.11).
     Optimal,
-    /// The smallest friction demand.
+    /// The path with the smallest friction demand.
     LeastFriction,
-    /// With as little moment at the gripper as the friction of the table needs.
+    /// The path with the least moment at the gripper that the friction of the table allows.
     Held,
-    /// The edge on half a circle (thesis Eq. 4.17).
+    /// The edge on a semicircle (thesis Eq. 4.17).
     Circle,
     /// Each step by itself.
     StepByStep,
@@ -88,7 +88,7 @@ impl AlgorithmName {
         !matches!(self, Self::Circle | Self::StepByStep)
     }
 
-    /// The same for the planner, on a table of friction μ.
+    /// The planner's algorithm, on a table with friction μ.
     pub fn on(self, friction: f64) -> Algorithm {
         match self {
             Self::Optimal => Algorithm::Optimal(Objective::Sum),
@@ -113,11 +113,11 @@ pub struct Paper {
     pub thickness: f64,
     /// Mass per volume, kg/m³.
     pub density: f64,
-    /// Least suspended length while it is bent, in L_gb.
+    /// Least suspended length of the bent sheet, in L_gb.
     pub least_suspended_length: f64,
     /// Static friction on a table, if given.
     pub friction: Option<f64>,
-    /// Edges of the simulated strip.
+    /// Number of edges of the simulated strip.
     pub edges: usize,
 }
 
@@ -135,9 +135,10 @@ impl Paper {
         }
     }
 
-    /// Distance that the edge moves, m, or the reason why it cannot.
+    /// Distance that the edge moves, m.
     ///
-    /// # Errors
+    /// The reason why the edge cannot move so far: only a square sheet is folded along its
+    /// diagonal, and the edge cannot move beyond the opposite one.
     /// A sheet that is not square has no diagonal to be folded along; a sheet has an end.
     pub fn target(&self, crease: Crease) -> Result<f64, String> {
         let length = self.sheet(crease).length;

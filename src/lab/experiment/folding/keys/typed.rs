@@ -12,23 +12,25 @@ keys! {
     table Folding "folding" {
         /// The sheet. `scenarios/papers` has those of the thesis; use them by `extends`.
         paper: raw(Paper) raw,
-        /// Target of the edge: "half" (the default), the opposite edge; "diagonal-strip", a corner of a square sheet onto the
-        /// opposite one, of a strip of one width in place of the triangle; or how far (the thesis' C). The crease is pressed half way.
+        /// Target of the edge: "half" (the default), the opposite edge; "diagonal-strip", the
+        /// opposite corner of a square sheet, with a strip of uniform width in place of the
+        /// triangle; or a distance (the thesis' C). The crease is pressed at half of the distance.
         crease: raw(Quantity<Length>) raw,
-        /// Planner of the gripper's path: "optimal" (the default, the least sum of λ of thesis Eq. 4.11), "least-friction" (the
-        /// smallest friction demand), "held" (with as little moment at the gripper as the friction of the table needs), or the paths that the thesis
-        /// compares with, "circle" (Eq. 4.17) and "step-by-step".
+        /// Planner of the gripper's path: "optimal" (the default, the least sum of λ of thesis Eq.
+        /// 4.11), "least-friction" (the smallest friction demand), "held" (the least moment at the
+        /// gripper that the friction of the table allows), or the paths with which the thesis
+        /// compares, "circle" (Eq. 4.17) and "step-by-step".
         algorithm: word(AlgorithmName) default(AlgorithmName::Optimal),
-        /// Observes the sheet while it is folded, and replans the rest of the path if the sheet has slid. Without this table the path
-        /// planned before the run is kept.
+        /// Observes the sheet while it is folded, and replans the rest of the path if the sheet
+        /// has slid. Without this table the gripper follows the path planned before the run.
         feedback: raw(Feedback) raw,
-        /// Relative error of the gravito-bending length for which the path is planned. Default: 0.
+        /// Relative error of the gravito-bending length in the plan of the path. Default: 0.
         length_error: raw(Quantity<Dimensionless>) raw,
         /// Root mean square, in each direction, of a smooth random displacement of the gripper from its path. Default: none.
         jitter: number(Length, NON_NEGATIVE) default(0.0),
-        /// Root mean square of a smooth random turn of the gripper. Default: none.
+        /// Root mean square of a smooth random rotation of the gripper. Default: none.
         jitter_angle: number(Angle, NON_NEGATIVE) default(0.0),
-        /// Period of the fastest jitter; the slowest takes five times as long.
+        /// Period of the fastest jitter; the slowest jitter has five times this period.
         jitter_period: number(Time, POSITIVE) default(JITTER_PERIOD),
         /// Seed of the jitter, and of the noise of observations. Default: 0.
         seed: raw(i64) raw,
@@ -38,15 +40,16 @@ keys! {
 keys! {
     /// Replanning of the path while the sheet is folded (thesis sec. 4.5.1, Algorithm 5).
     table Feedback "feedback" {
-        /// Parts of the path; the camera measures after each except the last. Default: 5, as in the thesis.
+        /// Number of parts of the path; the camera measures after each part except the last.
+        /// Default: 5, as in the thesis.
         parts: raw(i64) raw,
-        /// Root mean square error with which the camera measures the slide of the sheet. Default: none.
+        /// Root mean square error of the slide measured by the camera. Default: none.
         noise: number(Length, NON_NEGATIVE) default(0.0),
     }
 }
 
 keys! {
-    /// A sheet, of which a strip in the direction of the fold is simulated.
+    /// A sheet. The simulation computes a strip in the direction of the fold.
     table Paper "paper" {
         /// Length in the direction of the fold.
         length: number(Length, POSITIVE) required,
@@ -55,18 +58,21 @@ keys! {
         /// Gravito-bending length L_gb = (E h²/(24 ρ g))^(1/3), which determines Young's modulus; or `youngs_modulus` with `thickness` and
         /// `density`.
         gravito_bending_length: number(Length, POSITIVE) required,
-        /// Young's modulus E, where L_gb is not given.
+        /// Young's modulus E, if L_gb is not given.
         youngs_modulus: number(Pressure, POSITIVE) required,
-        /// Thickness h. Default where L_gb is given: 0.1 mm; it affects only the thickness of the fold, and forces.
+        /// Thickness h. Default with a given L_gb: 0.1 mm; it affects only the thickness of the
+        /// fold, and forces.
         thickness: number(Length, POSITIVE) optional,
-        /// Mass per volume ρ. Default where L_gb is given: 800 kg/m³; forces are in proportion to it.
+        /// Mass per volume ρ. Default with a given L_gb: 800 kg/m³; forces are proportional to it.
         density: number(Density, POSITIVE) optional,
-        /// Least suspended length while the sheet is bent, in L_gb: shorter ones crease it.
-        /// Thesis sec. 4.6.5.
+        /// Least suspended length of the bent sheet, in L_gb: shorter lengths crease it. Thesis
+        /// sec. 4.6.5.
         least_suspended_length: number(Dimensionless, POSITIVE) default(LEAST_SUSPENDED),
-        /// Static friction on a table, for `rodlab plan fold` and `rodlab fold`. The table of a scenario has that of `contact.friction`.
+        /// Static friction on a table, for `rodlab plan fold` and `rodlab fold`. A scenario uses
+        /// `contact.friction` instead.
         friction: number(Dimensionless, NON_NEGATIVE) optional,
-        /// Edges of the simulated strip. Default: twenty to a gravito-bending length, 80 at least and 400 at most.
+        /// Number of edges of the simulated strip. Default: twenty per gravito-bending length, at
+        /// least 80 and at most 400.
         edges: raw(i64) raw,
     }
 }

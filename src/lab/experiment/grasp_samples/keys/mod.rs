@@ -1,4 +1,5 @@
-//! The keys of samples of optimal grasps: `typed`, `resolved`, and here the conversion between them.
+//! The keys of samples of optimal grasps: modules `typed` and `resolved`, and the conversion
+//! between them here.
 
 mod resolved;
 mod typed;
@@ -27,7 +28,7 @@ pub struct SampleTables {
     pub grasp_samples: GraspSamples,
 }
 
-/// Resolves the table of this experiment; `None` if something is at fault, which is reported.
+/// Resolves the table of this experiment; `None` after a fault, which is reported.
 pub fn resolve(request: &Request<'_>) -> Option<SampleTables> {
     let typed: &typed::GraspSamples = request.table("grasp_samples")?;
     let section = request.top.below("grasp_samples");

@@ -1,4 +1,4 @@
-//! Samples of optimal grasps as resolved.
+//! Resolved samples of optimal grasps.
 
 use crate::experiment::data_set::Span;
 use rodlab_engine::random::sobol;
@@ -22,7 +22,7 @@ impl Span {
         self.from + part * (self.to - self.from)
     }
 
-    /// Evenly in the square root.
+    /// Uniform in the square root.
     fn at_root(&self, part: f64) -> f64 {
         let roots = Self {
             from: self.from.sqrt(),
@@ -32,7 +32,7 @@ impl Span {
     }
 }
 
-/// Points at which grasps are solved.
+/// Points at which grasps are computed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Points {

@@ -1,4 +1,4 @@
-//! Samples of optimal grasps as typed.
+//! Typed samples of optimal grasps.
 
 use crate::scenario::keys::{Dimensionless, Quantity};
 use schemars::JsonSchema;
@@ -10,9 +10,11 @@ use serde::Deserialize;
 pub struct GraspSamples {
     /// The points.
     pub points: Option<Points>,
-    /// Suspended lengths l̄_s, in L_gb. Default: 0.5 to 50, more closely where they are short: evenly in √l̄_s.
+    /// Suspended lengths l̄_s, in L_gb. Default: 0.5 to 50. Short lengths are sampled more
+    /// densely: uniform in √l̄_s.
     pub suspended_length: Option<Span>,
-    /// Curvatures κ̄ of the pattern, times L_gb; the mirror image has the other sign. Default: 0 to 2.
+    /// Curvatures κ̄ of the pattern, times L_gb; mirror images have the opposite sign. Default: 0
+    /// to 2.
     pub curvature: Option<Span>,
     /// Compliances 1/k̄_s = EI/(k_s L_gb²), 0 for a rod that does not stretch. Default: 0 to 0.003.
     pub stretch_compliance: Option<Span>,
@@ -28,14 +30,14 @@ pub struct Span {
     pub to: Option<Quantity<Dimensionless>>,
 }
 
-/// Points at which grasps are solved.
+/// Points at which grasps are computed.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(tag = "kind", rename = "points")]
 pub enum Points {
-    /// Points of Sobol's sequence, evenly spread however many there are.
+    /// Points of Sobol's sequence, evenly spread for any number of points.
     Sobol(Sobol),
-    /// A grid, its borders included.
+    /// A grid that includes the borders.
     Grid(Grid),
 }
 
@@ -45,8 +47,8 @@ pub enum Points {
 pub struct Sobol {
     /// Number of points.
     pub count: Option<i64>,
-    /// Number of the first point. Default: 0. Other parts of the sequence are other samples: for tests, or for the shares of
-    /// a sweep.
+    /// Number of the first point. Default: 0. Other parts of the sequence are other samples: for
+    /// tests, or for the shares of a sweep.
     pub first: Option<i64>,
 }
 

@@ -1,10 +1,11 @@
-//! The error e of a manipulated rod, and how it buckles.
+//! The error e of a manipulated rod, and its kind of buckling.
 
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::kirchhoff::Helix;
 
-/// Error e of the shape against a helix (thesis Eq. 6.1): mean distance of the nodes from their places on it, over
-/// the radius of the helix. The rod has length 1; `enlargement` is that of the helix on which its edges fit.
+/// Error e of the shape against a helix (thesis Eq. 6.1): mean distance of the nodes from their
+/// places on it, over the radius of the helix. The rod has length 1. `enlargement` is the factor
+/// by which the helix is enlarged so that the rod's edges fit on it.
 pub fn helix_error(nodes: &[Vector3], helix: &Helix, enlargement: f64) -> f64 {
     let edges = (nodes.len() - 1) as f64;
     let distances = nodes
@@ -12,7 +13,7 @@ pub fn helix_error(nodes: &[Vector3], helix: &Helix, enlargement: f64) -> f64 {
         .enumerate()
         .map(|(k, node)| (node - enlargement * helix.position(k as f64 / edges)).norm());
     let mean = distances.sum::<f64>() / nodes.len() as f64;
-    // A helix of no curvature has no radius, nor has the straight rod at the start, whose error is 0.
+    // A straight helix has no radius. The straight rod at the start has the error 0.
     let inverse_radius = match helix.curvature {
         0.0 => 0.0,
         curvature => (curvature.powi(2) + helix.torsion.powi(2)) / curvature,
@@ -20,17 +21,18 @@ pub fn helix_error(nodes: &[Vector3], helix: &Helix, enlargement: f64) -> f64 {
     mean * inverse_radius
 }
 
-/// Error from which on the rod is the helix no longer: a tenth of its radius. The mesh alone makes 1e-3 of 60 edges, and
-/// beyond the loss of stability e grows to more than 1, so that another value finds nearly the same distance.
+/// Error above which the rod has left the helix: a tenth of its radius. The mesh alone causes an
+/// error of 1e-3 with 60 edges. Beyond the loss of stability e grows to more than 1, so that
+/// another threshold gives nearly the same distance.
 const DEVIATION: f64 = 0.1;
-/// Kinetic energy over that of the whole rod at the speed of its end from which on the rod moves by itself: three times
-/// as fast, where following its end gives it less than 0.5.
+/// Kinetic energy, over that of the whole rod at the speed of its end, above which the rod moves
+/// by itself. It is then three times as fast; when it follows its end, the ratio is below 0.5.
 const OWN_MOTION: f64 = 10.0;
 
 /// Observation of a manipulated rod at an output time.
 #[derive(Clone, Copy, Debug)]
 pub struct Observation {
-    /// Distance ‖(κ, τ, ω)‖ of the helix that the rod should be.
+    /// Distance ‖(κ, τ, ω)‖ of the prescribed helix.
     pub distance: f64,
     /// Error e of its shape.
     pub error: f64,
@@ -41,14 +43,15 @@ pub struct Observation {
 /// Distance at which a manipulated rod leaves the helix, and its kind of buckling.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Buckling {
-    /// Distance ‖(κ, τ, ω)‖ at which the error passes a tenth.
+    /// Distance ‖(κ, τ, ω)‖ at which the error exceeds a tenth.
     pub deviates: Option<f64>,
-    /// Distance at which the rod, which deviates already, is first seen to move much faster than its end.
+    /// Distance, after the deviation, at which the rod is first seen to move much faster than its
+    /// end.
     pub snaps: Option<f64>,
 }
 
 impl Buckling {
-    /// The buckling of a rod that was observed in the order of growing distances.
+    /// The buckling of a rod, given observations at increasing distances.
     pub fn of(observations: &[Observation]) -> Self {
         let deviation = observations
             .iter()

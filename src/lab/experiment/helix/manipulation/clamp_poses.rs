@@ -1,26 +1,28 @@
-//! Poses of the clamps of a rod that should be a helix (thesis Eqs. 6.2 and 6.3).
+//! Poses of the clamps of a rod that should form a helix (thesis Eqs. 6.2 and 6.3).
 
 use nalgebra::{Isometry3, Translation3, Unit};
 use rodlab_engine::mechanics::kirchhoff::Helix;
 use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
 
-/// The clamps of a rod that begins at the origin along x.
+/// The clamps of a rod that starts at the origin in the direction of x.
 ///
-/// With Λ = √(κ² + τ²) and the axis a = (τ, κ, 0)/Λ the end of a helix of length 1 lies at
-/// (τ²/Λ² + κ² sin Λ/Λ³, κτ (1 − sin Λ/Λ)/Λ², κ (cos Λ − 1)/Λ²): Eq. 6.2 without its misprints, in another order of the axes.
-/// Its Frenet frame is that of the start, turned by Λ about a. The hand holds the frame that does not twist, which is the
-/// Frenet frame turned back by τ about the tangent (Eq. 6.3); the twist ω/c is the chuck's, turned the other way.
+/// With Λ = √(κ² + τ²) and the axis a = (τ, κ, 0)/Λ the end of a helix of length 1 lies at (τ²/Λ²
+/// + κ² sin Λ/Λ³, κτ (1 − sin Λ/Λ)/Λ², κ (cos Λ − 1)/Λ²). This is Eq. 6.2 without its misprints,
+/// with the axes in another order. The Frenet frame at the end is that of the start, rotated by Λ
+/// about a. The hand holds the untwisted frame, which is the Frenet frame rotated back by τ about
+/// the tangent (Eq. 6.3). The chuck applies the twist ω/c, with the opposite sense.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClampPoses {
     /// Angle of the chuck about x, rad.
     pub chuck: f64,
-    /// Pose of the hand; its x axis is the tangent at the end. Metres.
+    /// Pose of the hand, m; its x axis is the tangent at the end.
     pub hand: Isometry3<f64>,
 }
 
 impl ClampPoses {
-    /// Clamp poses of a helix given in units of the rod's `length`, m, and its bending stiffness; `stiffness_ratio` is
-    /// c = GJ/EI. The whole helix is turned by `roll`, rad, about x, which does not change the clamps of the straight rod.
+    /// Clamp poses of a helix given in units of the rod's `length`, m, and its bending stiffness;
+    /// `stiffness_ratio` is c = GJ/EI. The whole helix is rotated by `roll`, rad, about x. This
+    /// does not change the clamps of the straight rod.
     pub fn of(helix: &Helix, length: f64, stiffness_ratio: f64, roll: f64) -> Self {
         let (axis, rate) = helix.axis();
         let frenet = UnitQuaternion::from_axis_angle(&Unit::new_normalize(axis), rate);
@@ -43,8 +45,8 @@ mod tests {
     use crate::experiment::helix::stability::DiscreteRod;
     use rodlab_engine::mechanics::rod::transport::rotated;
 
-    /// The chain of edges turns its end by the twist of its polygon, which approaches that of the helix as the square of an
-    /// edge.
+    /// The chain of edges rotates its end by the twist of its polygon, which approaches that of
+    /// the helix with the square of the edge length.
     #[test]
     fn a_fine_chain_of_edges_has_the_same_clamps() {
         let helix = Helix::from([5.0, 3.0, 2.0]);
@@ -60,7 +62,7 @@ mod tests {
             let place = Vector3::x() + end.translation[0].1;
             let turned = end.orientation[0].1 * Vector3::y();
             let tangent = clamps.hand.rotation * Vector3::x();
-            // There the end carries the whole twist.
+            // In the chain of edges the end carries the whole twist.
             let carried = rotated(
                 &(clamps.hand.rotation * Vector3::y()),
                 &tangent,

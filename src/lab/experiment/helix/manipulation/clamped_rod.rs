@@ -1,4 +1,4 @@
-//! The rod between a chuck and a hand, from its file.
+//! The rod between a chuck and a hand, read from its file.
 
 use crate::scenario::dimension::{Density, Dimension, Dimensionless, Length, Pressure};
 use crate::scenario::{Issue, Issues, KeyPath, Quantity, ScenarioError, TypedFile};
@@ -8,15 +8,18 @@ use serde::de::IgnoredAny;
 use std::path::Path;
 use toml::{Table, toml};
 
-/// Default number of edges of the simulated rod: at a distance ‖(κ, τ, ω)‖ of 12 it turns by 0.2 rad from edge to edge.
+/// Default number of edges of the simulated rod: at a distance ‖(κ, τ, ω)‖ of 12 the angle between
+/// edges is 0.2 rad.
 const EDGES: u32 = 60;
-/// Fewest and most edges: as few make a helix, and more take long.
+/// Minimum and maximum number of edges: fewer do not resolve a helix, more take too long.
 const ALLOWED_EDGES: [u32; 2] = [8, 1000];
 /// Default number of markers.
 const MARKERS: u32 = 15;
-/// Fewest and most markers: fewer do not distinguish a helix from other curves, and more overlap in a picture.
+/// Minimum and maximum number of markers: fewer do not distinguish a helix from other curves, more
+/// overlap in a picture.
 const ALLOWED_MARKERS: [u32; 2] = [3, 100];
-/// Time step, s. The implicit Euler method damps faster vibrations, as friction at the clamps and the air do.
+/// Time step, s. The implicit Euler method damps faster vibrations, as do friction at the clamps
+/// and the air.
 const STEP: f64 = 5e-3;
 
 /// A straight, round, uniform rod of an isotropic material, clamped at both ends, with markers along it.
@@ -104,20 +107,21 @@ impl ClampedRod {
         1.0 / (1.0 + self.poissons_ratio)
     }
 
-    /// Gravito-bending length (E h²/(8ρg))^(1/3), m: gravity bends rods that are much longer.
+    /// Gravito-bending length (E h²/(8ρg))^(1/3), m. Gravity bends rods that are much longer than
+    /// this.
     pub fn gravito_bending_length(&self) -> f64 {
         let weight = 8.0 * self.density * GRAVITY;
         libm::cbrt(self.youngs_modulus * self.radius.powi(2) / weight)
     }
 
-    /// Places of the markers along the rod, over its length.
+    /// Positions of the markers along the rod, over its length.
     pub fn marker_places(&self) -> Vec<f64> {
         let parts = f64::from(self.markers + 1);
         (1..=self.markers).map(|k| f64::from(k) / parts).collect()
     }
 
-    /// The scenario of the rod, straight along x and clamped at both ends, the first and the second clamp. `up` is the direction
-    /// against gravity, of length 1.
+    /// The scenario of the rod, straight along x, with the clamps at both ends as first and second
+    /// clamp. `up` is the unit vector against gravity.
     pub fn scenario(&self, up: &Vector3) -> Table {
         let Self {
             length,
@@ -160,7 +164,8 @@ impl ClampedRod {
     }
 }
 
-/// Friction of the rod on itself, which it touches once it has left the helix: of metals.
+/// Self-friction of the rod, which touches itself after it has left the helix: the value of
+/// metals.
 const FRICTION: f64 = 0.2;
 /// Acceleration of free fall, m/s².
 const GRAVITY: f64 = 9.81;
@@ -223,7 +228,8 @@ mod tests {
         ClampedRod::read(&path)
     }
 
-    /// Thesis section 6.4 states 1.3816, which takes the diameter for the radius h of its own formula.
+    /// Thesis section 6.4 states 1.3816, because it inserts the diameter for the radius h in its
+    /// own formula.
     #[test]
     fn the_gravito_bending_length_of_the_wire_of_the_thesis() {
         let wire = read(WIRE).unwrap();

@@ -6,17 +6,18 @@ use rodlab_engine::mechanics::scene::{Motion, piecewise_linear};
 use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
 use rodlab_engine::random::uniform_numbers;
 
-/// Distance ‖(κ, τ, ω)‖ between corners of the path. The end turns by a fraction of a radian from one to the next.
+/// Distance ‖(κ, τ, ω)‖ between corners of the path. The end rotates by a fraction of a radian
+/// from one corner to the next.
 const SPACING: f64 = 0.02;
-/// Corners between two of the random displacements that jitter leads through.
+/// Number of corners between two random displacements of the jitter.
 const JITTER_CORNERS: usize = 10;
 
 /// Motion of the end of a rod of length 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Manipulation {
-    /// The rod whose chain of edges is to lie on the helices.
+    /// The rod; its chain of edges should lie on the helices.
     pub rod: DiscreteRod,
-    /// The direction of (κ, τ, ω), of any length.
+    /// The direction of (κ, τ, ω), a vector of any length.
     pub direction: Helix,
     /// Distance ‖(κ, τ, ω)‖ at the end of the path.
     pub farthest: f64,
@@ -35,12 +36,12 @@ pub struct EndPath {
     pub distances: Vec<(f64, f64)>,
     /// Displacements from the end of the straight rod, at the same times.
     pub displacements: Vec<(f64, Vector3)>,
-    /// Orientations relative to that at the start, at the same times.
+    /// Orientations relative to the initial one, at the same times.
     pub orientations: Vec<(f64, UnitQuaternion)>,
 }
 
 impl EndPath {
-    /// The path of a manipulation, which the end follows at constant speed, jitter apart.
+    /// The path of a manipulation. The end follows it at constant speed, apart from the jitter.
     pub fn new(manipulation: &Manipulation) -> Self {
         let unit = manipulation
             .direction
@@ -67,7 +68,7 @@ impl EndPath {
         path
     }
 
-    /// Time at which the path ends.
+    /// Time at the end of the path.
     pub fn duration(&self) -> f64 {
         self.distances.last().map_or(0.0, |(time, _)| *time)
     }
@@ -87,7 +88,8 @@ impl EndPath {
     }
 }
 
-/// Displacements at the corners: random ones at every [`JITTER_CORNERS`]th but the first, linear between them.
+/// Displacements at the corners: random ones at every [`JITTER_CORNERS`]th corner except the
+/// first, linear between them.
 fn jitter(corners: usize, amplitude: f64, seed: u64) -> Vec<Vector3> {
     let mut number = uniform_numbers(seed);
     let mut component = || (2.0 * number() - 1.0) * amplitude / 3.0_f64.sqrt();
@@ -131,7 +133,8 @@ mod tests {
         assert_eq!(path.distance(path.duration()), 4.0);
         let last = Helix::from([1.0, 1.0, 1.0]).scaled(4.0 / 3.0_f64.sqrt());
         let place = Vector3::x() + path.displacements.last().unwrap().1;
-        // The chords of 20 edges fit on a helix that is larger by their turn² / 24.
+        // The chords of 20 edges fit on a helix that is larger by the factor 1 + turn²/24, with
+        // their turning angle.
         assert!((place - last.position(1.0)).norm() < 2e-3);
         let tangent = path.orientations.last().unwrap().1 * Vector3::x();
         assert!((tangent - last.tangent(1.0)).norm() < 1e-12);

@@ -1,7 +1,9 @@
-//! A helical rod manipulated in time (thesis 6.3): the motion by a robot, and the loss of stability of the rod.
+//! Manipulation of a helical rod in time (thesis 6.3): the robot's motion, and the loss of
+//! stability of the rod.
 //!
-//! One end of a straight rod rests, the other is moved so that the rod would become the helices of growing distance
-//! ‖(κ, τ, ω)‖ along a direction. The error e of Eq. 6.1 shows when it no longer is one.
+//! One end of a straight rod is fixed. The other is moved so that the rod would form the helices
+//! of increasing distance ‖(κ, τ, ω)‖ along a direction. The error e of Eq. 6.1 shows when the rod
+//! has left them.
 //!
 //! | file | what |
 //! |---|---|

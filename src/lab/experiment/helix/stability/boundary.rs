@@ -29,7 +29,7 @@ impl Boundary {
             .map(|direction| (Part::Surface, direction))
             .collect();
         let count = plan.section_directions;
-        // Half planes with κ ≥ 0, their edges included, and the whole plane of straight rods.
+        // Half planes with κ ≥ 0 including their edges, and the whole plane of straight rods.
         let half = |k: usize| PI * (k as f64 / (count.max(2) - 1) as f64 - 0.5);
         let whole = |k: usize| TAU * k as f64 / count as f64;
         for k in 0..count {

@@ -1,4 +1,4 @@
-//! The discrete rod against theory, in bands of distance.
+//! The discrete rod compared with theory, in bands of distance.
 
 use super::files::COMPARISON;
 use super::row::{BoundaryRow, Outcome};
@@ -6,7 +6,7 @@ use rodlab_files::results::{ResultsError, write_whole};
 use serde::Serialize;
 use std::path::Path;
 
-/// Ends of the bands: beyond each, meshes resolve the rod less.
+/// Upper ends of the bands. Beyond each, meshes resolve the rod less well.
 const BANDS: [f64; 3] = [12.0, 25.0, f64::INFINITY];
 
 /// A row of `comparison.csv`.
@@ -16,19 +16,19 @@ pub struct Band {
     pub quantity: &'static str,
     /// Least distance by theory.
     pub from: f64,
-    /// Largest distance by theory; empty where there is no end.
+    /// Largest distance of the band by theory; empty if the band has no upper end.
     pub to: Option<f64>,
-    /// Directions for which both have a value.
+    /// Number of directions for which both values exist.
     pub directions: usize,
     /// Mean of |distance/theory − 1|.
     pub mean_difference: Option<f64>,
     /// Largest |distance/theory − 1|.
     pub largest_difference: Option<f64>,
-    /// Part of the directions that differ by at most 0.02 %.
+    /// Fraction of the directions that differ by at most 0.02 %.
     pub within_2e_4: Option<f64>,
-    /// Part of the directions that differ by at most 0.1 %.
+    /// Fraction of the directions that differ by at most 0.1 %.
     pub within_1e_3: Option<f64>,
-    /// Part of the directions that differ by at most 0.5 %.
+    /// Fraction of the directions that differ by at most 0.5 %.
     pub within_5e_3: Option<f64>,
 }
 
@@ -36,10 +36,10 @@ pub struct Band {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison(pub Vec<Band>);
 
-/// The relative difference of a row that counts.
+/// The relative difference of a row, if it is compared.
 type Difference = fn(&BoundaryRow) -> Option<f64>;
 
-/// Compares all rows: the mesh as it is, then the extrapolation.
+/// Compares all rows: first with the mesh itself, then with the extrapolation.
 pub fn compare(rows: &[BoundaryRow]) -> Comparison {
     let quantities: [(&str, Difference); 2] = [
         ("critical", |row| row.relative_difference),

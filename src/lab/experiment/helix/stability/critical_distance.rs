@@ -8,41 +8,45 @@ use rodlab_engine::mechanics::kirchhoff::{CriticalDistance, Helix};
 
 /// Twisting over bending stiffness at Poisson's ratio 1/2. Stability does not depend on it.
 const STIFFNESS_RATIO: f64 = 1.0 / 1.5;
-/// First step along a direction. Stability is not regained farther out, so that a step too long does no harm
-/// but where Newton's method fails.
+/// First step along a direction. Stability is not regained farther out, so a step that is too long
+/// does no harm unless Newton's method fails.
 const STEP: f64 = 1.0;
-/// Half of the first bracket around a guess, as a fraction of it.
+/// Half-width of the first bracket around a guess, as a fraction of the guess.
 const NEAR: f64 = 0.02;
-/// Narrow enough a bracket to end the search where Newton's method fails everywhere in it, as a fraction of the
-/// distance.
+/// Width of a bracket, as a fraction of the distance, at which the search ends if Newton's method
+/// fails everywhere in it.
 const SINGULAR: f64 = 1e-6;
-/// Parts of the way to a place where Newton's method fails.
+/// Fractions of the distance to a place where Newton's method fails, at which the search tries
+/// again.
 const ELSEWHERE: [f64; 6] = [0.97, 0.9, 0.75, 0.5, 0.3, 0.1];
-/// Step along a path, whose end finds the next equilibrium from the last: longer ones may leave the branch.
+/// Step along a path, on which each equilibrium is found from the last one. Longer steps may leave
+/// the branch.
 const PATH_STEP: f64 = 0.2;
-/// Newton's method may leave an unstable helix for an equilibrium of another shape.
+/// Newton's method may leave an unstable helix and find an equilibrium of another shape.
 const NO_HELIX: SceneError =
     SceneError::Unsuitable("the equilibrium that was found is not a helix");
 /// The search received a request to stop.
 const STOPPED: SceneError = SceneError::Unsuitable("the search was stopped");
-/// Largest distance of a node from the helix, over its radius, up to which the rod is that helix: the mesh alone
-/// makes 1e-3 of 100 edges.
+/// Largest distance of a node from the helix, over its radius, at which the rod still counts as
+/// this helix. The mesh alone causes 1e-3 with 100 edges.
 const LEFT: f64 = 0.1;
-/// The same over the length for helices that are nearly straight, though not over their radius. From them the mesh
-/// leads farther, and equilibria of other shapes are as far away as they are from straight.
+/// Limit of this distance over the length of the rod, for nearly straight helices, whose distance
+/// over the radius may be larger because of the mesh. Equilibria of other shapes are as far away
+/// as they are from the straight rod.
 const LEFT_STRAIGHT: f64 = 1e-3;
-/// The same over the length, for a rod that is followed: it leaves the helix smoothly.
+/// Limit of this distance over the length, for a rod along a path: it leaves the helix smoothly.
 const LEFT_PATH: f64 = 1e-3;
 /// Round-off, over the length.
 const ROUND_OFF: f64 = 1e-6;
-/// A path ends when the step is this short, as a fraction of the distance. Near the loss Newton's method
-/// loses its speed, which hides it by about as much.
+/// A path ends when the step is this short, as a fraction of the distance. Near the loss of
+/// stability Newton's method converges slowly, which causes an error of about the same size.
 const PATH_PRECISION: f64 = 1e-6;
 /// The search ends when the bracket is this narrow, as a fraction of the distance.
 const PRECISION: f64 = 1e-8;
 
-/// Distance at which the helical rod of `edges` edges along the direction of `helix` loses stability;
-/// `None` where it is stable up to a distance of `edges`/2, beyond which the mesh is too coarse.
+/// Distance at which a helical rod with `edges` edges along the direction of `helix` loses
+/// stability. `None` if it is stable up to a distance of `edges`/2, beyond which the mesh is too
+/// coarse.
 ///
 /// # Errors
 /// [`SimulationError::NoConvergence`] where no equilibrium is found next to the helix.
@@ -59,8 +63,8 @@ pub fn discrete_critical_distance(
     rod.critical_distance(helix, HelixSearch::Fast, largest, None, &|| true)
 }
 
-/// The same with an estimate of its error: the error of the mesh falls with the square of the edge length, so
-/// that it is 4/3 of the difference from a mesh twice as fine.
+/// The critical distance with an estimate of its error. The error of the mesh falls with the
+/// square of the edge length, so it is 4/3 of the difference from a mesh twice as fine.
 ///
 /// # Errors
 /// See [`discrete_critical_distance`].
@@ -79,8 +83,9 @@ pub fn estimated_critical_distance(
 }
 
 impl DiscreteRod {
-    /// Distance at which the rod loses stability along the direction of `helix`; `None` where it is stable up to
-    /// `largest`. A good `guess`, for example of a coarser mesh, saves a third of the time of the fast search.
+    /// Distance at which the rod loses stability along the direction of `helix`; `None` if it is
+    /// stable up to `largest`. A good `guess`, for example from a coarser mesh, saves a third of
+    /// the time of the fast search.
     ///
     /// # Errors
     /// [`SimulationError::NoConvergence`] where no equilibrium is found, and an error, too, where `goes_on` returns false.
@@ -99,7 +104,7 @@ impl DiscreteRod {
         }
     }
 
-    /// Each equilibrium is found from the helix itself.
+    /// Finds each equilibrium from the helix itself.
     fn at_once(
         &self,
         direction: &Helix,
@@ -127,7 +132,7 @@ impl DiscreteRod {
             match self.is_unstable(direction, stable, middle, goes_on) {
                 Ok((distance, true)) => lost = distance,
                 Ok((distance, false)) => stable = distance,
-                // Where the Hessian is singular Newton's method fails, and that is the place looked for.
+                // Newton's method fails where the Hessian is singular, which is the place to find.
                 Err(_) if lost - stable < SINGULAR * lost => break,
                 Err(error) => return Err(error),
             }
@@ -135,8 +140,9 @@ impl DiscreteRod {
         Ok(Some(0.5 * (stable + lost)))
     }
 
-    /// Whether the helix at `distance` is unstable. Where Newton's method fails or leaves it, as it may where the
-    /// Hessian is nearly singular, a place between `before` and it is tested instead; returns the place, too.
+    /// Whether the helix at `distance` is unstable. Where the Hessian is nearly singular, Newton's
+    /// method may fail or leave the helix; then a place between `before` and `distance` is tested
+    /// instead. Also returns the tested place.
     fn is_unstable(
         &self,
         direction: &Helix,
@@ -167,9 +173,10 @@ impl DiscreteRod {
         found
     }
 
-    /// Each equilibrium is found from the one before, as the end of the rod moves; the step is halved where the
-    /// next has lost stability, where there is none, or where it stops being a helix: past a supercritical pitchfork
-    /// the rod leaves the helix as the square root of the distance, and is stable.
+    /// Finds each equilibrium from the previous one, as the end of the rod moves. The step is
+    /// halved if the next equilibrium is unstable, is not found, or is not a helix: past a
+    /// supercritical pitchfork the rod leaves the helix with the square root of the distance, and
+    /// is stable.
     fn along_path(
         &self,
         direction: &Helix,
@@ -204,7 +211,8 @@ impl DiscreteRod {
     }
 }
 
-/// Largest distance of a node from a helix, over the length, up to which the rod is that helix.
+/// Largest distance of a node from a helix, over the length, at which the rod still counts as this
+/// helix.
 fn farthest(helix: &Helix) -> f64 {
     let radius = helix.radius();
     radius.min(LEFT_STRAIGHT).max(LEFT * radius) + ROUND_OFF
@@ -244,7 +252,7 @@ mod tests {
         }
     }
 
-    /// A rod bent to a full circle turns freely about its tangent at the clamps, on any mesh.
+    /// A rod bent to a full circle rotates freely about its tangent at the clamps, on any mesh.
     #[test]
     fn the_planar_ring_is_exact() {
         let found = discrete_critical_distance(&helix(1.0, 0.0, 0.0), 20).unwrap();

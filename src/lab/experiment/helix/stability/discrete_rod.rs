@@ -1,4 +1,5 @@
-//! The clamped rod: at once on a helix, or straight with ends to be moved to those of helices.
+//! The clamped rod: on a helix from the start, or straight, with ends to be moved to those of
+//! helices.
 
 use super::keys::HelixStability;
 use nalgebra::Rotation3;
@@ -10,13 +11,13 @@ use rodlab_engine::mechanics::scene::{
 };
 use rodlab_engine::mechanics::{Matrix3, UnitQuaternion, Vector3};
 
-/// Radius, m. EA = 4 EI/h² then makes the rod as good as inextensible: forces of 100 EI/L² stretch it by
-/// 2.5e-5.
+/// Radius, m. EA = 4 EI/h² makes the rod practically inextensible: forces of 100 EI/L² stretch it
+/// by 2.5e-5.
 const RADIUS: f64 = 1e-3;
 /// Index of the clamp at the end.
 pub const END: usize = 1;
 
-/// A rod of unit length as a chain of edges. Its stability depends on neither stiffness.
+/// A rod of unit length as a chain of edges. Its stability does not depend on the two stiffnesses.
 #[derive(Clone, Copy, Debug)]
 pub struct DiscreteRod {
     /// Number of edges.
@@ -41,7 +42,7 @@ pub fn first_scene(plan: &HelixStability) -> Scene {
 }
 
 impl DiscreteRod {
-    /// The same rod of half as many edges.
+    /// The rod with half as many edges.
     pub fn coarsened(&self) -> Self {
         Self {
             edges: self.edges / 2,
@@ -51,20 +52,20 @@ impl DiscreteRod {
 
     /// The rod with its nodes on the helix, clamped at both ends.
     ///
-    /// Edges are stretched as the tension demands, and evenly twisted by ω/GJ.
+    /// The tension stretches the edges. They are evenly twisted by ω/GJ.
     pub fn on_helix(&self, helix: &Helix) -> Scene {
         let centreline: Vec<Vector3> = (0..=self.edges)
             .map(|k| helix.position(k as f64 / self.edges as f64))
             .collect();
         let natural_length = (centreline[1] - centreline[0]).norm() / self.stretch(helix);
         let tangents = [0.0, 1.0].map(|end| helix.tangent(end));
-        // From the middle of the first edge to that of the last.
+        // The twist acts from the middle of the first edge to the middle of the last.
         let part = (self.edges - 1) as f64 / self.edges as f64;
         let twist = helix.twisting_moment / self.stiffness_ratio * part;
         self.clamped(centreline, tangents, natural_length, twist)
     }
 
-    /// The rod straight along x and without twist, clamped at both ends.
+    /// The rod, straight along x and untwisted, clamped at both ends.
     pub fn straight(&self) -> Scene {
         let edge = 1.0 / self.edges as f64;
         let centreline = (0..=self.edges)
@@ -73,11 +74,11 @@ impl DiscreteRod {
         self.clamped(centreline, [Vector3::x(); 2], edge, 0.0)
     }
 
-    /// Motion that takes the end of the straight rod to that of a helix.
+    /// Motion of the end of the straight rod to the end of a helix.
     ///
-    /// The nodes lie on a helix that is as much larger as its chords are shorter than its arcs, so that the
-    /// edges keep their length except for the stretch by the tension; and the end is turned as an even twist ω/GJ along this polygon demands, which is
-    /// not quite the turn of the smooth helix.
+    /// The nodes lie on an enlarged helix, whose chords have the length of the edges with their
+    /// stretch by the tension. The end is rotated for an even twist ω/GJ along this polygon, which
+    /// differs slightly from the rotation of the smooth helix.
     pub fn end_on_helix(&self, helix: &Helix) -> Motion {
         let edge = 1.0 / self.edges as f64;
         let edges = (0..self.edges).map(|k| {
@@ -109,7 +110,7 @@ impl DiscreteRod {
         }
     }
 
-    /// Enlargement of the helix on which the rod's own edges fit.
+    /// Factor of the enlarged helix on which the rod's edges fit.
     pub fn enlargement(&self, helix: &Helix) -> f64 {
         let edge = 1.0 / self.edges as f64;
         self.stretch(helix) * edge / helix.position(edge).norm()

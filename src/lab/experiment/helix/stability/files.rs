@@ -27,7 +27,7 @@ pub static FILES: [FileDescription; 4] = [
     ),
     table(
         &[COMPARISON],
-        "boundary.csv against theory, a row per band of distances.",
+        "boundary.csv compared with theory, a row per band of distances.",
         &[always(COMPARISON_COLUMNS)],
     ),
     file(
@@ -53,23 +53,23 @@ const BOUNDARY_COLUMNS: &[Column] = columns! {
     "tau": "Torsion of the unit direction.",
     "omega": "Twisting moment of the unit direction.",
     "outcome": "buckles, touches_itself (before it buckles), stable (up to the largest distance), or no_convergence.",
-    "critical": "Distance at which the discrete rod loses stability; empty where it does not.",
-    "extrapolated": "The same in the limit of a fine mesh, from this mesh and one of half as many edges; empty where it is not asked \
-        for or the coarse rod stays stable.",
-    "theory": "The same by the conjugate points of the smooth rod; empty where there are none up to 100.",
+    "critical": "Distance at which the discrete rod loses stability; empty if it does not.",
+    "extrapolated": "Critical distance in the limit of a fine mesh, from this mesh and one of half as many edges; empty if it is not requested, \
+        or if the coarse rod stays stable.",
+    "theory": "Critical distance by the conjugate points of the smooth rod; empty if there are none up to 100.",
     "relative_difference": "critical/theory − 1.",
     "relative_difference_extrapolated": "extrapolated/theory − 1.",
-    "contact": "Distance at which the rod first touches itself; empty where it does not before it buckles.",
+    "contact": "Distance at which the rod first touches itself; empty if it does not do so before it buckles.",
 };
 
 const COMPARISON_COLUMNS: &[Column] = columns! {
     "quantity": "Column of boundary.csv that is compared with theory: critical or extrapolated.",
     "from": "Least distance of the band, by theory.",
-    "to": "Largest distance of the band, by theory; empty where there is no end.",
-    "directions": "Directions for which both have a value.",
+    "to": "Largest distance of the band, by theory; empty if the band has no upper end.",
+    "directions": "Number of directions for which both values exist.",
     "mean_difference": "Mean of |distance/theory − 1|.",
     "largest_difference": "Largest |distance/theory − 1|.",
-    "within_2e_4": "Part of the directions that differ by at most 0.02 %.",
-    "within_1e_3": "Part of the directions that differ by at most 0.1 %.",
-    "within_5e_3": "Part of the directions that differ by at most 0.5 %.",
+    "within_2e_4": "Fraction of the directions that differ by at most 0.02 %.",
+    "within_1e_3": "Fraction of the directions that differ by at most 0.1 %.",
+    "within_5e_3": "Fraction of the directions that differ by at most 0.5 %.",
 };

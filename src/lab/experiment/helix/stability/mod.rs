@@ -1,10 +1,11 @@
 //! Stability of a helical rod with clamped ends, by the discrete rod (thesis 6.2).
 //!
-//! A point (κ, τ, ω) represents a naturally straight rod of unit length and bending stiffness, held at
-//! both ends in the shape of a helix of curvature κ and torsion τ with the twisting moment ω. Along a
-//! direction, the rod is brought to its equilibrium next to the helix at growing distances ‖(κ, τ, ω)‖;
-//! where the Hessian there gets its first negative pivot, the helix ceases to be stable. Nothing of
-//! [`critical_distance`](rodlab_engine::mechanics::kirchhoff::critical_distance), the theory, is used.
+//! A point (κ, τ, ω) represents a naturally straight rod of unit length and bending stiffness,
+//! held at both ends in the shape of a helix of curvature κ and torsion τ with the twisting moment
+//! ω. Along a direction, the equilibrium next to the helix is found at increasing distances ‖(κ,
+//! τ, ω)‖. The helix loses stability where the Hessian has its first negative pivot. The method
+//! does not use [`critical_distance`](rodlab_engine::mechanics::kirchhoff::critical_distance),
+//! which is the theory.
 //!
 //! | file | what |
 //! |---|---|

@@ -25,7 +25,7 @@ pub enum Part {
 pub enum Outcome {
     /// It loses stability.
     Buckles,
-    /// It loses stability, but touches itself before.
+    /// It touches itself before it loses stability.
     TouchesItself,
     /// It is stable up to the largest distance.
     Stable,
@@ -46,18 +46,21 @@ pub struct BoundaryRow {
     pub omega: f64,
     /// Outcome of the rod.
     pub outcome: Outcome,
-    /// Distance at which the discrete rod loses stability; empty where it does not.
+    /// Distance at which the discrete rod loses stability; empty if it does not.
     pub critical: Option<f64>,
-    /// The same in the limit of a fine mesh, by the error's falling with the square of the edge length; empty where
-    /// it is not asked for or the rod of half as many edges does not lose stability.
+    /// Critical distance in the limit of a fine mesh, since the error falls with the square of the
+    /// edge length; empty if it is not requested, or if the rod with half as many edges does not
+    /// lose stability.
     pub extrapolated: Option<f64>,
-    /// The same by the conjugate points of the smooth rod; empty where there are none up to 100.
+    /// Critical distance by the conjugate points of the smooth rod; empty if there are none up to
+    /// 100.
     pub theory: Option<f64>,
     /// critical/theory − 1.
     pub relative_difference: Option<f64>,
     /// extrapolated/theory − 1.
     pub relative_difference_extrapolated: Option<f64>,
-    /// Distance at which the rod first touches itself; empty where it does not before it loses stability.
+    /// Distance at which the rod first touches itself; empty if it does not do so before it loses
+    /// stability.
     pub contact: Option<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! Sections of the boundary, the discrete rod over theory.
+//! Sections of the boundary, with marks of the discrete rod on curves of theory.
 
 use super::files::SECTION_FIGURES;
 use super::row::{BoundaryRow, Part, read_boundary};
@@ -7,22 +7,23 @@ use rodlab_files::figure::{Curve, Figure, LinePlot, Look, Paper, plot_to_scale};
 use rodlab_files::results::{ResultsError, write_whole};
 use std::path::Path;
 
-/// The sections: part, names of the axes, and which of (κ, τ, ω) they are.
+/// The sections: part, names of the axes, and their indices in (κ, τ, ω).
 const SECTIONS: [(Part, [&str; 2], [usize; 2]); 3] = [
     (Part::KappaTau, ["τL", "κL"], [1, 0]),
     (Part::KappaOmega, ["ωL/EI", "κL"], [2, 0]),
     (Part::TauOmega, ["τL", "ωL/EI"], [1, 2]),
 ];
 
-/// Most marks of the discrete rod in a figure.
+/// Maximum number of marks of the discrete rod in a figure.
 const MARKS: usize = 91;
-/// Neighbouring points of theory farther apart than this, in multiples of the median distance, are not joined
-/// before directions between them are checked: a straight line would cut a corner.
+/// Distance of adjacent points of theory, in multiples of the median distance, above which they
+/// are joined only after directions between them are computed: a straight line would cut a corner.
 const FAR: f64 = 3.0;
-/// Number of times that the angle between two directions is halved; points that are still far apart are a jump.
+/// Maximum number of times that the angle between two directions is halved. Points that are still
+/// far apart are a jump.
 const HALVINGS: usize = 10;
 
-/// Writes the sections that there are as SVG.
+/// Writes the existing sections as SVG.
 ///
 /// # Errors
 /// [`ResultsError::Io`] where a figure cannot be written.
@@ -34,7 +35,7 @@ pub fn draw_sections(rows: &[BoundaryRow], directory: &Path) -> Result<(), Resul
     Ok(())
 }
 
-/// The sections of the boundary in a results directory, by the names of their files.
+/// The sections of the boundary in a results directory, with their file names.
 ///
 /// # Errors
 /// `boundary.csv` cannot be read.
@@ -42,7 +43,7 @@ pub fn section_figures(directory: &Path) -> Result<Vec<(&'static str, Figure)>, 
     Ok(sections_of(&read_boundary(directory)?))
 }
 
-/// The sections that there are among rows of a boundary, by the names of their files.
+/// The sections among rows of a boundary, with their file names.
 pub fn sections_of(rows: &[BoundaryRow]) -> Vec<(&'static str, Figure)> {
     let sections = SECTIONS.iter().zip(SECTION_FIGURES);
     let figure = |((part, labels, axes), name): (&(Part, [&str; 2], [usize; 2]), _)| {
@@ -52,7 +53,7 @@ pub fn sections_of(rows: &[BoundaryRow]) -> Vec<(&'static str, Figure)> {
     sections.filter_map(figure).collect()
 }
 
-/// The boundary in a plane; broken where there is none, and where it jumps.
+/// The boundary in a plane. The curve is broken where there is no boundary, and at jumps.
 fn section_figure(rows: &[&BoundaryRow], labels: &[&str; 2], axes: &[usize; 2]) -> Figure {
     let place = |at: &Option<Place>| match at {
         Some(at) => (
@@ -94,8 +95,8 @@ impl Place {
     }
 }
 
-/// The boundary by theory where the discrete rod has one, too: theory may lie far beyond where the search ended, and
-/// would make the axes useless. `None` where the curve is to be broken.
+/// The boundary by theory where the discrete rod also has one: theory may lie far beyond the end
+/// of the search, and would dominate the axes. `None` breaks the curve.
 fn theory(rows: &[&BoundaryRow]) -> Vec<Option<Place>> {
     let sampled: Vec<Option<Place>> = rows
         .iter()
@@ -123,7 +124,8 @@ fn theory(rows: &[&BoundaryRow]) -> Vec<Option<Place>> {
     curve
 }
 
-/// Adds the points between two points of theory: nothing where they are near each other, a break where it jumps.
+/// Adds the points between two points of theory: nothing if they are near each other, a break at a
+/// jump.
 fn join(curve: &mut Vec<Option<Place>>, from: Place, to: Place, far: f64, halvings: usize) {
     if from.distance_to(&to) <= far {
         return;
@@ -173,7 +175,8 @@ mod tests {
 
     #[test]
     fn the_section_at_no_torsion_cuts_no_corners_of_theory() {
-        // Coarse directions from the axis of ω to that of κ: on the way the boundary runs almost straight outwards.
+        // Coarse directions from the axis of ω to that of κ: between them the boundary runs almost
+        // straight outwards.
         let (far, step) = (0.5, 3.0);
         let mut curve = vec![Some(place(1.0))];
         for k in 1..30 {

@@ -8,11 +8,11 @@ use rodlab_files::figure::{ColouredSurface, surface_page};
 use rodlab_files::results::{PAGE, ResultsError, Surface, write_surface, write_whole};
 use std::path::Path;
 
-/// Longest edge of a triangle, as an angle between directions, over the mean distance of directions: longer ones
-/// bridge the region where there is no boundary.
+/// Longest edge of a triangle, as an angle between directions, over the mean distance of
+/// directions. Longer edges would bridge the region without a boundary.
 const LONGEST_EDGE: f64 = 4.0;
 
-/// The part of the boundary that is a surface.
+/// The part of the boundary that forms a surface.
 struct Found {
     surface: Surface,
     distances: Vec<f64>,
@@ -38,7 +38,7 @@ fn find(rows: &[BoundaryRow]) -> Option<Found> {
     })
 }
 
-/// Writes the surface for ParaView and as an interactive page, where there is one.
+/// Writes the surface for ParaView and as an interactive page, if there is a surface.
 ///
 /// # Errors
 /// [`ResultsError::Io`] where a file cannot be written.
@@ -51,7 +51,7 @@ pub fn write_surfaces(rows: &[BoundaryRow], directory: &Path) -> Result<(), Resu
     write_whole(&directory.join(PAGE), page.as_bytes())
 }
 
-/// The interactive page of the boundary in a results directory; `None` where it has no surface.
+/// The interactive page of the boundary in a results directory; `None` if it has no surface.
 ///
 /// # Errors
 /// `boundary.csv` cannot be read.
@@ -74,8 +74,8 @@ fn page(surface: &Surface, distances: Vec<f64>) -> String {
 
 /// Delaunay triangles of unit vectors with κ ≥ 0.
 ///
-/// Seen from the pole κ = −1 (stereographic projection) circles on the sphere are circles in the plane, so that
-/// triangles whose circles are empty are the same in both.
+/// The stereographic projection from the pole κ = −1 maps circles on the sphere to circles in the
+/// plane, so triangles with empty circumcircles are the same in both.
 fn triangles_between(directions: &[Vector3<f64>]) -> Vec<[usize; 3]> {
     let projected: Vec<Point> = directions
         .iter()
@@ -85,7 +85,7 @@ fn triangles_between(directions: &[Vector3<f64>]) -> Vec<[usize; 3]> {
         })
         .collect();
     let corners = triangulate(&projected).triangles;
-    // Each direction has an area of 2π over their number.
+    // Mean area of the sphere per direction: 2π over their number.
     let spacing = (std::f64::consts::TAU / directions.len() as f64).sqrt();
     let short = |a: usize, b: usize| directions[a].angle(&directions[b]) < LONGEST_EDGE * spacing;
     corners
@@ -116,7 +116,8 @@ mod tests {
                 0.5 * (b - a).cross(&(c - a)).norm()
             })
             .sum();
-        // Flat triangles and a rim within a spacing of the equator: a little less than the half sphere.
+        // Flat triangles and a rim within a spacing of the equator cover a little less than the
+        // hemisphere.
         let whole = std::f64::consts::TAU;
         assert!(area > 0.97 * whole && area < whole, "{area}");
         assert!((triangles.len() as f64 / directions.len() as f64 - 2.0).abs() < 0.1);

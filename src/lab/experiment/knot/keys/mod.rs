@@ -1,4 +1,4 @@
-//! The keys of knots: `typed`, `resolved`, and here the conversion between them.
+//! The keys of knots: modules `typed` and `resolved`, and the conversion between them here.
 
 mod resolved;
 mod start;
@@ -12,17 +12,18 @@ use serde::Serialize;
 use start::{PlacedKnot, knot_start};
 use std::f64::consts::{PI, TAU};
 
-/// Fewest nodes that resolve a loop.
+/// Minimum number of nodes that resolves a loop.
 const FEWEST_NODES: usize = 51;
 /// Most nodes of the rod.
 const MOST_NODES: usize = 100_000;
-/// Largest kinetic energy of a pull over ½ ρAL v² with the speed v of the ends: the loop, which they set in motion at
-/// once, swings. Measured are 3 to 5 where it was at rest.
+/// Largest kinetic energy of a pull over ½ ρAL v² with the speed v of the ends. The ends set the
+/// loop in motion suddenly, so that it swings. Measured values are 3 to 5 for a loop at rest.
 const SWING: f64 = 6.0;
-/// Share of drag in the traction by "auto".
+/// Fraction of drag in the traction by "auto".
 const DRAG_SHARE: f64 = 0.002;
-/// Default of the settling time in periods R² √(ρA/EI), and the least, s. Loose loops turn over before they are at rest:
-/// after 6 periods the kinetic energy of a trefoil is still 2e-4 of the elastic energy, after 12 it is 2e-6.
+/// Default of the settling time in periods R² √(ρA/EI), and its minimum, s. Loose loops turn over
+/// before they are at rest: after 6 periods the kinetic energy of a trefoil is still 2e-4 of the
+/// elastic energy, after 12 it is 2e-6.
 const SETTLING: (f64, f64) = (12.0, 2.0);
 
 /// The table of both experiments with knots.
@@ -43,7 +44,8 @@ pub struct KnotTables {
     pub knot: Knot,
 }
 
-/// Resolves the knotted rod and how it is pulled; `None` if a whole number is at fault, which is reported.
+/// Resolves the knotted rod and how it is pulled; `None` after a faulty whole number, which is
+/// reported.
 pub fn resolve(request: &Request<'_>) -> Option<KnotTables> {
     let (top, time) = (request.top, request.time);
     let built = request.needs_rod();
@@ -64,7 +66,7 @@ pub fn resolve(request: &Request<'_>) -> Option<KnotTables> {
             format_args!("less than the length of the rod, {length:?} m"),
         );
     }
-    // Bending waves of the loop, taken as a circle.
+    // Bending waves of the loop, approximated by a circle.
     let loop_radius = (length - end_to_end) / TAU;
     let mass_per_length = material.density * CrossSection::Circle.area(built.radius);
     let diffusivity = (stiffness.bending_1 / mass_per_length).sqrt();

@@ -11,14 +11,15 @@ pub struct Knot {
     pub start: KnotStart,
     /// Length of each rod, m.
     pub length: f64,
-    /// Distance of the ends, or of those on the left from those on the right, at the start, m.
+    /// Initial distance of the ends, m; with two rods, of the left ends from the right ends.
     pub end_to_end: f64,
     /// Support of the ends.
     pub ends: KnotEnds,
     /// Speed of each end, m/s.
     pub pull_speed: f64,
-    /// Largest kinetic over elastic energy of a quasi-static pull. Left out where it is the default, so that results
-    /// of before it was are still recognised as those of the same scenario.
+    /// Largest kinetic over elastic energy of a quasi-static pull. The default is not written, so
+    /// that results from versions without this key are still recognised as those of the same
+    /// scenario.
     #[serde(skip_serializing_if = "is_default_bound")]
     pub kinetic_bound: f64,
     /// Time for which the knot settles under strong drag before the ends move, s.
@@ -28,7 +29,8 @@ pub struct Knot {
 }
 
 impl Knot {
-    /// Default of the kinetic bound: pulled at half the speed, the traction is then the same within 1 %.
+    /// Default of the kinetic bound: a pull at half the speed then has the same traction within 1
+    /// %.
     pub const KINETIC_BOUND: f64 = 1e-3;
 }
 
@@ -53,7 +55,7 @@ pub enum KnotStart {
 }
 
 impl KnotStart {
-    /// Kind of the knot; `None` for any curve.
+    /// Kind of the knot; `None` allows any knot.
     pub fn kind(&self) -> Option<KnotKind> {
         match self {
             Self::Tied(kind) => Some(*kind),
@@ -75,7 +77,7 @@ impl KnotStart {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum KnotKind {
-    /// The overhand knot and its relatives of more turns.
+    /// The overhand knot and its relatives with more turns.
     Overhand {
         /// Unknotting number n.
         unknotting_number: usize,
@@ -97,8 +99,8 @@ pub enum KnotKind {
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum KnotEnds {
-    /// Position, tangent and material frame: the ends do not turn against each other.
+    /// Position, tangent and material frame: the ends do not rotate relative to each other.
     Clamped,
-    /// Position only: the ends turn freely, and twist leaves the rod.
+    /// Position only: the ends rotate freely, and twist leaves the rod.
     Pinned,
 }

@@ -1,21 +1,22 @@
-//! Resolving the placement of the rods of a knot at the start: tied from numbers, or along a curve.
+//! Resolves the initial placement of the rods of a knot: tied from numbers, or along a curve.
 
 use super::resolved::{KnotKind, KnotStart};
 use super::typed;
 use crate::scenario::keys::{POSITIVE, Request, Section};
 
-/// Largest unknotting number whose shape is available.
+/// Largest unknotting number for which a shape is available.
 const LARGEST_UNKNOTTING_NUMBER: usize = 6;
-/// Ends nearer to each other than this part of the length meet: the curve is closed.
+/// Distance of the ends over the length below which a curve counts as closed.
 const CLOSED: f64 = 1e-6;
-/// Part of the distance of the ends by which `end_to_end`, where it is typed, may be off.
+/// Largest relative error of a typed `end_to_end`.
 const SAME_DISTANCE: f64 = 1e-6;
-/// A curve that has its length already, up to round-off, is not scaled: resolved scenarios read back to themselves.
+/// A curve that already has its length, up to round-off, is not scaled, so that resolved scenarios
+/// read back to themselves.
 const SAME_LENGTH: f64 = 1e-12;
 
 /// Placement and length of the rods of a knot.
 pub struct PlacedKnot {
-    /// Placement; `None` if the kind of knot is at fault, which is reported.
+    /// Placement; `None` after a faulty kind of knot, which is reported.
     pub start: Option<KnotStart>,
     /// Length of each rod, m.
     pub length: f64,

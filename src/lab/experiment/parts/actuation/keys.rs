@@ -1,4 +1,4 @@
-//! Natural strains that change over time, as typed.
+//! Typed natural strains that change over time.
 
 use crate::scenario::quantity::Quantity;
 use crate::scenario::units::{Angle, Curvature, Dimensionless, Frequency, Length, Time, Twist};
@@ -7,9 +7,10 @@ use schemars::JsonSchema;
 /// Corners of a piecewise linear factor: [[time, factor], ...].
 type Schedule = Vec<(Quantity<Time>, Quantity<Dimensionless>)>;
 
-/// A natural strain that changes over time: the rod bends, twists or lengthens by itself. Give `values`, or a wave by its
-/// `amplitude`: amplitude · sin(2π (s/wavelength − t · frequency) + phase) at the distance s from the start of the rod.
-/// Several of one rod add up, and to the natural shape.
+/// A natural strain that changes over time, by which the rod bends, twists or lengthens. Give
+/// `values`, or a wave by its `amplitude`: amplitude · sin(2π (s/wavelength − t · frequency) +
+/// phase) at the distance s from the start of the rod. Several strains of one rod are added to
+/// each other and to the natural shape.
 #[derive(Debug, serde::Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(tag = "kind", deny_unknown_fields, rename = "actuation")]
@@ -62,7 +63,7 @@ pub enum ActuationKeys {
     },
     /// Relative change of the natural length: 0.1 is 10 % longer.
     ///
-    /// Mass, stiffnesses of the section, and natural curvature and twist per length stay.
+    /// Mass, stiffnesses of the section, and natural curvature and twist per length do not change.
     Length {
         /// Name of the rod.
         rod: Option<String>,

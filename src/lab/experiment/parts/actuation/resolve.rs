@@ -1,4 +1,4 @@
-//! Resolving natural strains that change over time.
+//! Resolves natural strains that change over time.
 
 use super::keys::ActuationKeys;
 use super::resolved::{Actuation, ActuationKind, Course};
@@ -7,10 +7,11 @@ use crate::scenario::quantity::Quantity;
 use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
 use crate::scenario::units::{self, Angle, Dimension, Dimensionless, Frequency, Length};
 
-/// Largest part of its length that a rod may lose; without length there is no rod.
+/// Largest fraction of its length that a rod may lose.
 const LARGEST_LOSS: f64 = 0.9;
 
-/// The keys of one actuation that do not depend on its kind, except for the unit `D` of the strain.
+/// The keys of one actuation that do not depend on its kind, except for the unit `D` of the
+/// strain.
 struct Keys<'a, D> {
     rod: &'a Option<String>,
     values: &'a Option<Vec<(Quantity<units::Time>, Quantity<D>)>>,
@@ -72,7 +73,7 @@ pub fn actuation(section: &Section<'_>, typed: &ActuationKeys) -> Actuation {
     }
 }
 
-/// Refuses changes in a run without time, and rods that would lose almost all their length.
+/// Rejects changes in a run without time, and rods that would lose almost all their length.
 pub fn judge(array: &Section<'_>, actuations: &[Actuation], time: &Time) {
     if *time == Time::Static {
         for (index, actuation) in actuations.iter().enumerate() {
@@ -149,7 +150,7 @@ fn course<D: Dimension>(section: &Section<'_>, keys: &Keys<'_, D>) -> Course {
     }
 }
 
-/// Refuses changes over time in a run without time.
+/// Rejects changes over time in a run without time.
 fn refuse_motion(section: &Section<'_>, course: &Course) {
     let key = match course {
         Course::Uniform { .. } => "values",
@@ -167,7 +168,7 @@ fn refuse_motion(section: &Section<'_>, course: &Course) {
     );
 }
 
-/// Refuses rods that would lose almost all their length.
+/// Rejects rods that would lose almost all their length.
 fn refuse_vanishing_lengths(section: &Section<'_>, actuations: &[Actuation]) {
     let lengths = actuations.iter().enumerate();
     let lengths = lengths.filter(|(_, actuation)| actuation.kind == ActuationKind::Length);

@@ -1,4 +1,4 @@
-//! Natural strains that change over time, as resolved.
+//! Resolved natural strains that change over time.
 
 use serde::Serialize;
 
@@ -19,7 +19,7 @@ pub struct Actuation {
     pub to: Option<f64>,
 }
 
-/// Natural strains that may change.
+/// Natural strains that may change over time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum ActuationKind {
@@ -34,7 +34,7 @@ pub enum ActuationKind {
     Length,
 }
 
-/// The size of a natural strain.
+/// The magnitude of a natural strain.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Course {
@@ -47,13 +47,13 @@ pub enum Course {
     Wave {
         /// Largest strain.
         amplitude: f64,
-        /// Wavelength, m; `None` where all of the rod does the same.
+        /// Wavelength, m; `None` if the strain is the same along the rod.
         wavelength: Option<f64>,
         /// Cycles per time, 1/s.
         frequency: f64,
         /// Phase at the start of the rod at time 0, rad.
         phase: f64,
-        /// Factor at given times in s, piecewise linear; 1 where empty.
+        /// Factor at given times in s, piecewise linear; empty for a factor of 1.
         #[serde(skip_serializing_if = "Vec::is_empty")]
         schedule: Vec<(f64, f64)>,
     },

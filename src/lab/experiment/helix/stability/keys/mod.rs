@@ -1,4 +1,5 @@
-//! The keys of the stability of helical rods: `typed`, `resolved`, and here the conversion between them.
+//! The keys of the stability of helical rods: modules `typed` and `resolved`, and the conversion
+//! between them here.
 
 mod resolved;
 mod typed;
@@ -14,7 +15,7 @@ pub static TABLES: [OwnTable; 1] = [OwnTable::new::<typed::HelixStability>(
     "Rod and directions of the experiment \"helix-stability\".",
 )];
 
-/// Most edges, and most directions of a list.
+/// Maximum number of edges, and maximum number of directions of a list.
 const MOST_EDGES: usize = 10_000;
 const MOST_DIRECTIONS: usize = 10_000_000;
 /// Radius over length of the rod of the thesis (section 6.3.4).
@@ -27,7 +28,8 @@ pub struct HelixTables {
     pub helix_stability: HelixStability,
 }
 
-/// Resolves the table of this experiment; `None` if a whole number or a list is at fault, which is reported.
+/// Resolves the table of this experiment; `None` after a faulty whole number or list, which is
+/// reported.
 pub fn resolve(request: &Request<'_>) -> Option<HelixTables> {
     let typed: &typed::HelixStability = request.table("helix_stability")?;
     let section = request.top.below("helix_stability");

@@ -1,4 +1,4 @@
-//! The helix-stability experiment as resolved.
+//! The resolved helix-stability experiment.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,9 +9,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 pub struct HelixStability {
     /// Edges of the rod.
     pub edges: usize,
-    /// Whether the limit of a fine mesh is extrapolated from half as many edges.
+    /// Whether the limit of a fine mesh is extrapolated with a mesh of half as many edges.
     pub extrapolate: bool,
-    /// Approach of the rod to each point.
+    /// How the rod approaches each point.
     pub search: HelixSearch,
     /// Radius over length.
     pub radius: f64,
@@ -21,25 +21,25 @@ pub struct HelixStability {
     pub largest_distance: f64,
     /// The directions.
     pub directions: Directions,
-    /// Directions in each of the three sections.
+    /// Number of directions in each of the three sections.
     pub section_directions: usize,
 }
 
 impl HelixStability {
-    /// Fewest edges that make a helix.
+    /// Minimum number of edges that resolves a helix.
     pub const FEWEST_EDGES: usize = 8;
-    /// Largest distance per edge: the rod turns by half a radian from edge to edge there.
+    /// Largest distance per edge. At this distance the angle between edges is half a radian.
     pub const LARGEST_TURN: f64 = 0.5;
 }
 
-/// Approach of the rod to a point of the (κ, τ, ω) space.
+/// How the rod approaches a point of the (κ, τ, ω) space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum HelixSearch {
-    /// At once, to the equilibrium next to the helix.
+    /// Directly to the equilibrium next to the helix.
     Fast,
-    /// From the straight rod, its ends moved along the direction.
+    /// From the straight rod, by moving its ends along the direction.
     Path,
 }
 
@@ -52,7 +52,7 @@ pub enum Directions {
         /// Number of directions.
         count: usize,
     },
-    /// Angles from the κ axis times angles about it.
+    /// A grid of angles from the κ axis and angles about it.
     Grid {
         /// Number of angles from the κ axis.
         polar: usize,
@@ -61,7 +61,7 @@ pub enum Directions {
     },
     /// A list.
     List {
-        /// κ, τ, ω each, of any length but zero.
+        /// Vectors (κ, τ, ω) of any length except zero.
         points: Vec<[f64; 3]>,
     },
 }
@@ -70,8 +70,8 @@ impl Directions {
     /// The unit vectors (κ, τ, ω).
     pub fn unit_vectors(&self) -> Vec<[f64; 3]> {
         match self {
-            // Equal areas: the height κ is uniformly distributed over a sphere; successive points are turned by
-            // the golden angle.
+            // Equal areas: the height κ of points on a sphere is uniformly distributed; successive
+            // points are rotated by the golden angle.
             Self::Fibonacci { count } => (0..*count)
                 .map(|k| {
                     let kappa = 1.0 - (k as f64 + 0.5) / *count as f64;
@@ -97,9 +97,10 @@ impl Directions {
     }
 }
 
-/// The unit vector (κ, τ, ω) at an angle from the κ axis and one about it from the τ axis.
+/// The unit vector (κ, τ, ω) at an angle from the κ axis, and an angle about it measured from the
+/// τ axis.
 fn on_sphere(from_axis: f64, about_axis: f64) -> [f64; 3] {
-    // The equator is a section of straight rods: no curvature left over by rounding.
+    // The equator is a section of straight rods: sets the curvature left by rounding to zero.
     let kappa = if from_axis == FRAC_PI_2 {
         0.0
     } else {
@@ -134,7 +135,7 @@ mod tests {
                 assert!((norm - 1.0).abs() < 1e-14 && direction[0] >= 0.0);
             }
         }
-        // Moments of a uniform half sphere.
+        // Moments of a uniform hemisphere.
         let points = lists[0].unit_vectors();
         let mean = |value: fn(&[f64; 3]) -> f64| points.iter().map(value).sum::<f64>() / 1000.0;
         assert!((mean(|p| p[0]) - 0.5).abs() < 1e-3);
