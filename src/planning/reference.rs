@@ -10,7 +10,7 @@ pub fn text(file: &str) -> Option<String> {
     text
 }
 
-/// Its rows of numbers below the header; empty if it is not available.
+/// The rows of numbers below the header of a table; empty if it is not available.
 pub fn rows(file: &str) -> Vec<Vec<f64>> {
     let text = text(file).unwrap_or_default();
     let numbers = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();

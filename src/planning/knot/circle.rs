@@ -13,10 +13,11 @@ pub struct FittedCircle {
     pub radius: f64,
 }
 
-/// Fits a circle: in the plane of least squares, the circle of least squares of |p − c|² − R² (Kåsa 1976).
+/// Fits a circle in the least-squares plane; it minimises the squares of |p − c|² − R² (Kåsa
+/// 1976).
 ///
-/// This fit is biased for short arcs, and not for whole circles. `None` for fewer than three points or points on
-/// a line.
+/// This fit is biased for short arcs, but not for whole circles. `None` for fewer than three
+/// points or points on a line.
 pub fn fit_circle(points: &[Vector3]) -> Option<FittedCircle> {
     if points.len() < 3 {
         return None;

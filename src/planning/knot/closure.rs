@@ -5,9 +5,9 @@ use rodlab_engine::mechanics::Vector3;
 /// Distance outside the curves at which their ends are joined, in multiples of their extent.
 const FAR: f64 = 20.0;
 
-/// A rod and the path that joins its ends: it leaves them along the line through both, away from
-/// each other, and closes outside the rod's extent. For a rod pulled at both ends this is the usual
-/// definition of its knot. `None` without nodes.
+/// A rod with a path that joins its ends. The path leaves both ends along the line through them,
+/// away from each other, and closes outside the rod's extent. For a rod pulled at both ends this
+/// is the usual definition of its knot. `None` without nodes.
 pub fn closed_far_away(nodes: &[Vector3]) -> Option<Vec<Vector3>> {
     let (first, last) = (nodes.first()?, nodes.last()?);
     let extent = extent(nodes.iter(), first);
@@ -25,9 +25,9 @@ pub fn closed_far_away(nodes: &[Vector3]) -> Option<Vec<Vector3>> {
     Some(closed)
 }
 
-/// Two rods whose ends are pulled along `axis`, two to each side, as one closed curve: a path joins
-/// the starts of the rods to each other, another one their ends. Both paths leave the
-/// rods outwards along the axis. They close on opposite sides of it, the second one on the side of the ends.
+/// Two rods as one closed curve. Their ends are pulled along `axis`, two to each side. One path
+/// joins the starts of the rods, another one their ends. Both paths leave the rods outwards along
+/// the axis and close on opposite sides of it; the second path is on the side of the ends.
 pub fn joined_far_away(rods: [&[Vector3]; 2], axis: &Vector3) -> Option<Vec<Vector3>> {
     let starts = [*rods[0].first()?, *rods[1].first()?];
     let ends = [*rods[0].last()?, *rods[1].last()?];

@@ -1,16 +1,16 @@
 //! The knot determinant: |Δ(−1)| with the Alexander polynomial Δ, 2n + 1 for the overhand knot of unknotting number n.
 //!
-//! From a projection: an arc runs from one passage below to the next, and every crossing gives the
-//! equation 2 over − before − after = 0 of Fox's colourings. The determinant is any cofactor of
-//! that matrix. It is computed modulo the prime 2⁶¹ − 1, which is exact if it is smaller than half
-//! of that.
+//! The determinant follows from a projection. An arc runs from one passage below to the next, and
+//! every crossing gives the equation 2 over − before − after = 0 of Fox's colourings. The
+//! determinant is any cofactor of the matrix of these equations. It is computed modulo the prime
+//! 2⁶¹ − 1, which is exact if the determinant is smaller than half of the prime.
 
 use super::closure::{closed_far_away, joined_far_away};
 use super::projection::{Crossing, crossings, some_crossings};
 use rodlab_engine::mechanics::Vector3;
 
 const PRIME: i128 = (1 << 61) - 1;
-/// Directions in which crossings are counted.
+/// Number of directions in which crossings are counted.
 const VIEWS: usize = 100;
 
 /// Determinant of the knot that results when the ends of an open curve are joined far away.
@@ -23,9 +23,9 @@ pub fn determinant(nodes: &[Vector3]) -> Option<u64> {
     determinant_of_closed(&closed_far_away(nodes)?)
 }
 
-/// Determinant of the knot that results when two rods are closed to one curve: far away their
-/// starts are joined to each other, and so are their ends. All four are pulled along `axis`, a unit
-/// vector, two to each side. `None` as for [`determinant`].
+/// Determinant of the knot of two rods that are closed to one curve: far away their starts are
+/// joined, and their ends are joined. All four are pulled along the unit vector `axis`, two to
+/// each side. `None` as for [`determinant`].
 pub fn determinant_of_pair(rods: [&[Vector3]; 2], axis: &Vector3) -> Option<u64> {
     determinant_of_closed(&joined_far_away(rods, axis)?)
 }
@@ -35,10 +35,10 @@ pub fn determinant_of_closed(nodes: &[Vector3]) -> Option<u64> {
     Some(cofactor(&some_crossings(nodes)?))
 }
 
-/// The fewest crossings that a closed polygon shows when it is seen along many directions; its knot has no more. `None`
-/// if no direction was found in which all crossings are clear.
+/// The smallest number of crossings of a closed polygon seen from many directions, an upper bound
+/// for its knot. `None` if no direction was found in which all crossings are clear.
 pub fn fewest_crossings(nodes: &[Vector3]) -> Option<usize> {
-    // A lattice along a spiral over half of the sphere; seen from behind, crossings are the same.
+    // A lattice along a spiral over a hemisphere; seen from behind, crossings are the same.
     let golden_angle = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let direction = |k: usize| {
         let z = (k as f64 + 0.5) / VIEWS as f64;

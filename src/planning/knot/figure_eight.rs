@@ -4,24 +4,25 @@ use super::KnotSize;
 use super::polyline::equally_spaced;
 use rodlab_engine::mechanics::Vector3;
 
-/// Height of the curve, in radii. At the crossings its strands are 1.018 heights apart at least: their surfaces stand
-/// 0.6 radii apart.
+/// Height of the curve, in radii. At the crossings its strands are at least 1.018 heights apart,
+/// so their surfaces are 0.6 radii apart.
 const HEIGHT: f64 = 2.55;
-/// Least extent of the loops, in radii: in smaller ones the strands of neighbouring crossings touch.
+/// Least extent of the loops, in radii: in smaller loops the strands of adjacent crossings touch.
 const SMALLEST: f64 = 12.0;
-/// Least length of the tails beyond the loops, over the extent of the loops: they bend back to the axis.
+/// Least length of the tails beyond the loops, over the extent of the loops. Over this length they
+/// return to the axis.
 const SHORTEST_TAIL: f64 = 1.0;
 /// Determinant of the figure-eight knot, whose Alexander polynomial is t² − 3t + 1.
 pub const FIGURE_EIGHT_DETERMINANT: u64 = 5;
 /// Points of the smooth curve per part: each tail, the loops.
 const POINTS: usize = 2000;
 
-/// The nodes of a figure-eight knot, m: equally spaced along a curve around the x axis, from x = −D/2 to x = D/2, D
-/// being the distance of the ends.
+/// The nodes of a figure-eight knot, m, equally spaced along a curve around the x axis, from x =
+/// −D/2 to x = D/2, where D is the distance of the ends.
 ///
-/// Between its tails it is the curve a T₅(t), a T₃(t), c T₇(t) of Chebyshev polynomials, −1 ≤ t ≤ 1 (the harmonic knot
-/// H(3, 5, 7) of Koseleff and Pecker), which has four crossings, above and below in turn. Like the knot, which is its
-/// own mirror image, it is symmetric about a point.
+/// Between its tails the curve is (a T₅(t), a T₃(t), c T₇(t)) with Chebyshev polynomials, −1 ≤ t ≤
+/// 1 (the harmonic knot H(3, 5, 7) of Koseleff and Pecker). It has four crossings, alternately
+/// above and below. The curve is symmetric about a point, since the knot is its own mirror image.
 ///
 /// # Errors
 /// A message if loops and tails do not fit between the ends.
@@ -38,7 +39,7 @@ fn smooth_curve(extent: f64, height: f64, half_line: f64) -> Vec<Vector3> {
     // T_n'(1) = n².
     let slope = Vector3::new(25.0 * extent, 9.0 * extent, 49.0 * height).normalize();
     let tail = half_line - extent;
-    // A cubic from the corner to the axis, along it in the end.
+    // A cubic from the corner to the axis, which it meets tangentially.
     let right = (1..=POINTS).map(|k| {
         let t = k as f64 / POINTS as f64;
         let s = 1.0 - t;

@@ -6,11 +6,12 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::kirchhoff::numerics::smooth_step;
 use std::f64::consts::PI;
 
-/// Distance of the two core strands from the axis, in radii: their surfaces stand 0.4 radii apart.
+/// Distance of the two core strands from the axis, in radii: their surfaces are 0.4 radii apart.
 const CORE_OFFSET: f64 = 1.2;
-/// Distance of the winding strand from the axis, in radii: its surface stands 0.4 radii from the core.
+/// Distance of the winding strand from the axis, in radii: its surface is 0.4 radii from the core.
 const WINDING_OFFSET: f64 = 3.6;
-/// Half turns of the winding strand: with one full turn and a half around the core, each rod ties a trefoil.
+/// Number of half turns of the winding strand. With one and a half turns around the core, each rod
+/// ties a trefoil.
 const HALF_TURNS: f64 = 3.0;
 /// Length of the winding per half turn, in radii.
 const PITCH: f64 = 16.0;
@@ -24,20 +25,20 @@ const SHORTEST_TAIL: f64 = 16.0;
 /// Points of the smooth curve per part: tail, core, arc, winding.
 const POINTS: usize = 1000;
 
-/// Determinant of the knot that results when the starts of the rods are joined to each other, and
-/// their ends.
+/// Determinant of the knot that results when the starts of the rods are joined, and their ends are
+/// joined.
 ///
-/// With Fox's colourings a and b of the two strands between the knots, the windings colour the ends
-/// of the second rod a + 5d and a − 5d, those of the first a − 6d and a + 6d, with d = b − a:
-/// joined they require 11 d = 0.
+/// With Fox's colourings a and b of the two strands between the knots, the windings give the ends
+/// of the second rod the colours a + 5d and a − 5d, and those of the first rod a − 6d and a + 6d,
+/// with d = b − a. If they are joined, this requires 11 d = 0.
 pub const FISHERMAN_DETERMINANT: u64 = 11;
 
 /// The nodes of both rods of a fisherman's knot, m, equally spaced: the first rod comes from the left and ends on the
 /// right, the second from the right and ends on the left. All four ends are pulled along x, two to each side, starts
 /// above and ends below.
 ///
-/// On the right the first rod runs along with the second, makes a loop and winds around both; a turn by π about the y
-/// axis swaps the rods.
+/// On the right the first rod runs beside the second, makes a loop and winds around both. A
+/// rotation by π about the y axis exchanges the rods.
 ///
 /// # Errors
 /// A message if loops and tails do not fit between the ends.
@@ -56,7 +57,8 @@ fn winding_length(knot: &KnotSize) -> f64 {
     HALF_TURNS * PITCH * knot.radius
 }
 
-/// The first rod, with a loop of two half circles of the radius `arc` and of somewhat less.
+/// The first rod. Its loop has two semicircles, one of the radius `arc` and a slightly smaller
+/// one.
 fn smooth_curve(knot: &KnotSize, arc: f64) -> Vec<Vector3> {
     let [core, winding] = [CORE_OFFSET, WINDING_OFFSET].map(|offset| offset * knot.radius);
     let half_line = 0.5 * knot.end_to_end;
@@ -80,7 +82,7 @@ fn smooth_curve(knot: &KnotSize, arc: f64) -> Vec<Vector3> {
             .skip(1)
             .map(|part| Vector3::new(-outside, 0.0, core).lerp(&core_end, part)),
     );
-    // Up and back above the core.
+    // Up, and back above the core.
     curve.extend(parts().skip(1).map(|part| {
         let (sine, cosine) = libm::sincos(PI * part);
         Vector3::new(right + arc * sine, arc * (1.0 - cosine), core)

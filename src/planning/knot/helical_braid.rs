@@ -4,19 +4,19 @@ use std::f64::consts::PI;
 
 /// Bending energy of a braid, with a derivation of Eq. 3.8 of the thesis.
 ///
-/// Both strands are helices of radius h, the axis of the braid being where they touch (thesis Eq.
-/// 3.7): (x, y, z)/h = (cos t, sin t, b t) with t over T = 2nπ − 2θ, each end of the braid being
-/// turned back by θ. A helix of radius 1 and pitch 2πb has the curvature κ̄ = 1/(1 + b²) and the
-/// arc length T √(1 + b²). Two strands with ½ EI κ² each, without twist, have
+/// Both strands are helices of radius h about the axis of the braid, where they touch (thesis Eq.
+/// 3.7): (x, y, z)/h = (cos t, sin t, b t) with t over T = 2nπ − 2θ, where each end of the braid
+/// is turned back by θ. A helix of radius 1 and pitch 2πb has the curvature κ̄ = 1/(1 + b²) and
+/// the arc length T √(1 + b²). Two strands with ½ EI κ² each, without twist, have
 ///
 /// ```text
 /// Ē_b = E_b h/EI = 2 · ½ κ̄² T √(1 + b²) = 2 (nπ − θ) (1 + b²)^(−3/2)
 /// ```
 ///
-/// which is the printed equation. With b = l̄_b/(2nπ − 2θ), as printed, l_b is the length of the braid along its axis;
-/// as its arc length, which the text calls it, it would give 1 + b² = (l̄_b/T)². They are a few per cent apart in braids
-/// at inversion, where b is about 4; here l_b is the length along the axis. With l_b → ∞, Ē_b = (2πn)⁴/l̄_b³ at θ = 0,
-/// the energy of Audoly et al. 2007.
+/// which is the printed equation. In the printed b = l̄_b/(2nπ − 2θ), l_b is the length of the
+/// braid along its axis. The text calls it the arc length; this would give 1 + b² = (l̄_b/T)². The
+/// two differ by a few per cent in braids at inversion, where b is about 4. Here l_b is the length
+/// along the axis. With l_b → ∞, Ē_b = (2πn)⁴/l̄_b³ at θ = 0, the energy of Audoly et al. 2007.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HelicalBraid {
     /// Half the angle by which a strand winds around the other, nπ − θ, rad, greater than 0.
@@ -26,7 +26,7 @@ pub struct HelicalBraid {
 }
 
 impl HelicalBraid {
-    /// The braid of `turns` full turns, its ends turned back by `rotation` (rad) each.
+    /// The braid of `turns` full turns, with each end turned back by `rotation` (rad).
     pub fn new(turns: f64, rotation: f64, length: f64) -> Self {
         Self {
             half_angle: turns * PI - rotation,
@@ -44,14 +44,15 @@ impl HelicalBraid {
         2.0 * self.half_angle * libm::pow(1.0 + self.pitch().powi(2), -1.5)
     }
 
-    /// −∂Ē_b/∂θ = (2 + 8b²)(1 + b²)^(−5/2): the energy that the braid gains by being turned back.
+    /// −∂Ē_b/∂θ = (2 + 8b²)(1 + b²)^(−5/2): the energy released when the braid is turned back.
     pub fn unwinding_moment(&self) -> f64 {
         let squared = self.pitch().powi(2);
         (2.0 + 8.0 * squared) * libm::pow(1.0 + squared, -2.5)
     }
 
-    /// The pitch b at which b times [`unwinding_moment`](Self::unwinding_moment) is largest: b² = (1 + √(3/2))/2.
-    /// The moment under which longer braids of the same angle turn back falls faster than 1/l_b.
+    /// The pitch b at which b times [`unwinding_moment`](Self::unwinding_moment) is largest: b² =
+    /// (1 + √(3/2))/2. For longer braids with the same angle the moment decreases faster than
+    /// 1/l_b.
     pub fn steepest_pitch() -> f64 {
         (0.5 * (1.0 + 1.5f64.sqrt())).sqrt()
     }

@@ -24,32 +24,33 @@ pub struct InversionPoint {
     pub by_height: Option<f64>,
 }
 
-/// Height of the loop, in radii of the rod, below which it is on the braid (the bent loop may touch
-/// beside its middle) and above which it is upright: at least four radii just before it snaps,
-/// depending on the unknotting number.
+/// Height of the loop, in radii of the rod, below which it counts as lying on the braid (the bent
+/// loop may touch beside its middle), and above which it counts as upright. Just before it snaps
+/// its height is at least four radii, depending on the unknotting number.
 const LYING: f64 = 1.0;
 const UPRIGHT: f64 = 3.0;
-/// Decrease of l̄_k within which an inverting loop falls. That of a trefoil, which closes and does not invert, takes 10.
+/// Decrease of l̄_k within which an inverting loop falls. The loop of a trefoil, which closes
+/// without inverting, takes 10.
 const FALLING: f64 = 3.0;
-/// Decrease of l̄_k within which the traction falls in an inversion, and largest delay of its start
-/// after the loop has fallen. In the same distance the corners of the polyline, slipping over each
-/// other, move it by less than [`FALL`].
+/// Decrease of l̄_k within which the traction falls in an inversion, and largest delay of the
+/// start of this fall after the loop has fallen. Over the same decrease, slipping corners of the
+/// polyline change the traction by less than [`FALL`].
 const DURING: f64 = 1.0;
-/// Decrease of l̄_k over which tractions are stored: back to a fall before the loop was last
+/// Decrease of l̄_k over which tractions are stored, back to a fall before the loop was last
 /// upright.
 const REMEMBERED: f64 = 2.0 * FALLING + DURING;
 /// Smallest relative loss of traction of an inverting knot.
 const FALL: f64 = 0.3;
-/// Share of the steepest fall from which a later one is preferred, so that vibrations before the
-/// fall do not determine its start.
+/// Fraction of the steepest fall from which a later fall is preferred, so that vibrations before
+/// the fall do not determine its start.
 const NEARLY: f64 = 0.95;
 
 /// Observes a knot while it is pulled tight, and finds its inversion.
 ///
-/// By height it is the point at which the loop reaches the braid, if it was upright within the last
-/// 3 of l̄_k. By force it is the start of the steepest fall of F̄ while the loop falls: the largest
-/// relative decrease of F̄ while l̄_k decreases by 1, if it is at least 0.3; the last such point if
-/// several are similar.
+/// The point by height is where the loop reaches the braid, if it was upright within the last 3 of
+/// l̄_k. The point by force is the start of the steepest fall of F̄ while the loop falls: the
+/// largest relative decrease of F̄ while l̄_k decreases by 1, if it is at least 0.3. Of several
+/// similar points the last one is used.
 ///
 /// Tractions also fall steeply elsewhere: at the start of a pull from a loose knot, when the
 /// friction of the settled strands gives way, and when the corners of a tight knot jerk. The loop
@@ -63,7 +64,7 @@ pub struct InversionWatch {
     /// Largest and smallest l̄_k at which a fall of the traction may begin: near the fall of the
     /// loop.
     falling: Option<[f64; 2]>,
-    /// Largest relative decrease of F̄ there.
+    /// Largest relative decrease of F̄ in this range.
     steepest: f64,
     point: InversionPoint,
 }
@@ -91,7 +92,7 @@ impl InversionWatch {
         self.point
     }
 
-    /// Why there is no inversion point by force, as a sentence, if there is one by height.
+    /// Reason why there is an inversion point by height but none by force, as a sentence.
     pub fn remark(&self) -> Option<String> {
         let height = self.point.by_height?;
         self.point.by_force.is_none().then(|| {
@@ -147,8 +148,8 @@ impl InversionWatch {
 }
 
 impl InversionPoint {
-    /// Whether a knot at this l̄_k does not invert yet: it is 1 before both measures, since an
-    /// inversion is not longer.
+    /// Whether a knot at this l̄_k is not inverting yet. It must be 1 ahead of both measures,
+    /// since an inversion is not longer than that.
     pub fn is_ahead_of(&self, length: f64) -> bool {
         let mut measures = [self.by_force, self.by_height].into_iter().flatten();
         measures.all(|point| length >= point + DURING)
@@ -165,7 +166,8 @@ impl InversionPoint {
 mod tests {
     use super::*;
 
-    /// A traction as 1/l̄_k² that falls by `fall` of itself within 0.5 at l̄_k = 150, and a loop that then falls.
+    /// A traction proportional to 1/l̄_k², which falls by the fraction `fall` within 0.5 at l̄_k =
+    /// 150, and a loop that then falls.
     fn pull_record(fall: f64) -> Vec<TightenedKnot> {
         (0..400)
             .map(|k| 200.0 - 0.25 * f64::from(k))
@@ -196,8 +198,8 @@ mod tests {
         assert!((point.difference().unwrap() - 0.5 / 149.75).abs() < 1e-15);
     }
 
-    /// The traction of the settled friction, which gives way at the start of a pull from a loose knot, and a jerk of the
-    /// tight knot long after its inversion.
+    /// The friction of the settled strands, which gives way at the start of a pull from a loose
+    /// knot, and a jerk of the tight knot long after its inversion.
     #[test]
     fn inversion_by_force_ignores_initial_transients_and_later_jerks() {
         let mut record = pull_record(0.5);

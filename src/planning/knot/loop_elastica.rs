@@ -1,24 +1,26 @@
 //! The loop of an overhand knot as a planar elastica.
 //!
-//! The loop leaves the braid along its axis, turns by 2π and enters it again along its axis (Jawed et al. 2015):
-//! with the curvature 1/R at its ends
+//! The loop leaves the braid along its axis, turns by 2π and enters it again along its axis (Jawed
+//! et al. 2015). With the curvature 1/R at its ends
 //!
 //! ```text
 //! (κ R)² = 1 − m sin²(θ/2),  0 ≤ θ ≤ 2π
 //! ```
 //!
-//! so that its length is λ = 4 K(m) R, and the ends lie x R = (8 (K − E)/m − 4 K) R apart, the last before the first.
+//! Its length is λ = 4 K(m) R. The distance of its ends is x R = (8 (K − E)/m − 4 K) R, with the
+//! last end before the first.
 
 use super::elliptic::complete_elliptic;
 
-/// A loop of end radius 1 and elliptic parameter m.
+/// A loop with end radius 1 and elliptic parameter m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoopElastica {
     /// The parameter m, 0 < m < 1; 0 is the circle.
     pub parameter: f64,
 }
 
-/// Below this parameter the difference K − E cancels; a series is exact there.
+/// Parameter below which the difference K − E loses digits by cancellation; a series is accurate
+/// there.
 const SMALL_PARAMETER: f64 = 1e-4;
 
 impl LoopElastica {
@@ -42,9 +44,9 @@ impl LoopElastica {
         2.0 * complete_elliptic(self.parameter)[1]
     }
 
-    /// The loop over a gap of `gap` end radii, more than 0 and at most 100.
+    /// The loop over a gap of `gap` end radii, greater than 0 and at most 100.
     pub fn over(gap: f64) -> Self {
-        // In terms of −ln(1 − m) the gap grows evenly.
+        // The gap is a smooth function of −ln(1 − m).
         let at = |stretched: f64| Self {
             parameter: -libm::expm1(-stretched),
         };
@@ -60,8 +62,8 @@ impl LoopElastica {
         at(0.5 * (low + high))
     }
 
-    /// Points [x, y] of the loop at equal steps of the tangent angle θ from 0 to 2π with the arc length before
-    /// each, all over R; the first is the origin, the first tangent is along x.
+    /// Points [x, y] of the loop at equal steps of the tangent angle θ from 0 to 2π, each with its
+    /// arc length, all over R. The first point is the origin; the first tangent is along x.
     pub fn points(self, steps: usize) -> Vec<[f64; 3]> {
         let step = std::f64::consts::TAU / steps as f64;
         let mut points = vec![[0.0; 3]];

@@ -59,8 +59,8 @@ pub use traction::{
 };
 pub use two_throws::TwoThrows;
 
-/// Smallest distance between nodes of rods, without those nearer along the same rod than `apart`
-/// (m).
+/// Smallest distance between nodes of rods. Nodes of the same rod closer than `apart` (m) along it
+/// are excluded.
 #[cfg(test)]
 fn least_distance(rods: &[&[rodlab_engine::mechanics::Vector3]], apart: f64) -> f64 {
     let mut least = f64::INFINITY;

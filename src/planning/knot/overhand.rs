@@ -20,22 +20,24 @@ pub struct Overhand {
     pub end_to_end: f64,
 }
 
-/// Distance of the strands' centrelines from the axis of the braid, in radii: the surfaces stand
-/// 0.4 h apart. Nearer strands overlap where the polyline cuts the corners of a coarse helix;
+/// Distance of the strands' centrelines from the axis of the braid, in radii: the surfaces are 0.4
+/// h apart. Nearer strands would overlap where the polyline cuts the corners of a coarse helix;
 /// farther ones take longer to settle.
 const STRAND_OFFSET: f64 = 1.2;
-/// Least length of the tails beyond the braid, in radii: over it the strands return to the axis.
+/// Least length of the tails beyond the braid, in radii, over which the strands return to the
+/// axis.
 const SHORTEST_TAIL: f64 = 8.0;
 /// Points of the smooth curve per part: tails, braid, loop.
 const POINTS: usize = 4000;
-/// Repetitions of the search for the shortening that gives the rod its length; each gains more than a digit.
+/// Maximum number of iterations for the shortening that gives the rod its length; each gains more
+/// than a digit.
 const REPETITIONS: usize = 20;
 
-/// The nodes of the knot, m: equally spaced along a curve around the x axis from x = −D/2 to x = D/2, D being the
-/// distance of the ends; the loop lies in the half plane y > 0.
+/// The nodes of the knot, m, equally spaced along a curve around the x axis from x = −D/2 to x =
+/// D/2, where D is the distance of the ends. The loop lies in the half plane y > 0.
 ///
 /// Braid and loop have the proportions of least energy without friction
-/// ([`relaxed_loop`](super::relaxed_loop)), the strands are slightly apart.
+/// ([`relaxed_loop`](super::relaxed_loop)). The strands are slightly apart.
 ///
 /// # Errors
 /// A message if braid and loop do not fit between the ends.
@@ -91,7 +93,8 @@ fn smooth_curve(knot: &Overhand, shortening: f64) -> Result<Vec<Vector3>, String
     Ok(curve)
 }
 
-/// The loop from the right end of the braid round to its left end, above it at both; the elastica itself at the top.
+/// The loop from the right end of the braid to its left end. It is raised above the braid at both
+/// ends and follows the elastica at the top.
 fn loop_points(elastica: &LoopElastica, radius: f64, half_braid: f64, offset: f64) -> Vec<Vector3> {
     let points = elastica.points(POINTS);
     let length = points[POINTS][2] * radius;
@@ -157,7 +160,7 @@ mod tests {
                 ..knot(n)
             };
             let curve = overhand_nodes(&knot, 2001).unwrap();
-            // Ten radii along the rod a strand is not yet back at itself.
+            // Within ten radii along the rod a strand does not return to itself.
             for (i, a) in curve.iter().enumerate() {
                 for b in curve.iter().skip(i + 32) {
                     assert!((a - b).norm() > 2.02 * knot.radius, "n = {n}");

@@ -2,9 +2,11 @@
 
 use rodlab_engine::mechanics::Vector3;
 
-/// Difference in height, over the largest coordinate, below which segments that cross meet: round-off.
+/// Difference in height, over the largest coordinate, below which crossing segments count as
+/// meeting, because of round-off.
 const MEETING: f64 = 1e-13;
-/// Directions without symmetry; a degenerate projection is rare, and then the next one is used.
+/// Directions without symmetry. If a projection is degenerate, which is rare, the next one is
+/// used.
 const DIRECTIONS: [[f64; 3]; 4] = [
     [0.123, 0.218, 0.968],
     [-0.317, 0.441, 0.839],
@@ -16,9 +18,10 @@ const DIRECTIONS: [[f64; 3]; 4] = [
 pub(super) struct Crossing {
     /// Number of the segment above and the fraction along it.
     pub over: f64,
-    /// The same of the segment below.
+    /// Number of the segment below and the fraction along it.
     pub under: f64,
-    /// Whether the segment above turns counter-clockwise, by less than half a turn, to the one below: a right-handed crossing.
+    /// Whether the crossing is right-handed: the rotation from the segment above to the one below,
+    /// by less than half a turn, is counter-clockwise.
     pub is_positive: bool,
 }
 
@@ -44,7 +47,7 @@ pub(super) fn crossings(closed: &[Vector3], direction: &Vector3) -> Option<Vec<C
         .fold(0.0, |m: f64, c| m.max(c.abs()));
     let count = points.len();
     let end = |segment: usize| points[(segment + 1) % count];
-    // Only segments that overlap in the first coordinate are compared, from left to right.
+    // Compares only segments that overlap in the first coordinate, from left to right.
     let extent = |segment: usize| {
         let [start, end] = [points[segment][0], end(segment)[0]];
         [start.min(end), start.max(end)]
@@ -71,7 +74,7 @@ pub(super) fn crossings(closed: &[Vector3], direction: &Vector3) -> Option<Vec<C
             let between = [c[0] - a[0], c[1] - a[1]];
             let turn = cross(first, second);
             let (s, t) = (cross(between, second) / turn, cross(between, first) / turn);
-            // Parallel segments are infinitely far from crossing, unless they are on one line.
+            // Parallel segments cross at infinity, unless they are on one line.
             if s.is_nan() || t.is_nan() {
                 return None;
             }

@@ -1,15 +1,18 @@
 //! The signature of a knot: zero if the knot is its own mirror image, −2 for the right-handed
 //! trefoil, 2 for the left-handed one.
 //!
-//! Signatures of connected sums add up, so that it distinguishes the reef knot, the sum of a
-//! trefoil and its mirror image, from the granny knot, the sum of two equal ones; their Alexander
-//! polynomials and determinants are the same.
+//! Signatures of connected sums add up. The signature therefore distinguishes the reef knot, the
+//! sum of a trefoil and its mirror image, from the granny knot, the sum of two equal trefoils.
+//! Their Alexander polynomials and determinants are the same.
 //!
-//! By Gordon and Litherland (On the signature of a link, Invent. Math. 47, 1978). The faces of a projection are coloured like a
-//! chessboard; those of one colour are a surface whose boundary is the knot, and each face i of the other colour is a loop
-//! around it. A crossing has the index η = 1 where the strand above, turned counter-clockwise, sweeps over faces of the
-//! surface, else −1. The Goeritz matrix G_ij = −Σ η over crossings between the faces i and j, with rows that add up to zero and one
-//! face left out, and the crossings at which η is the sign of the crossing, where the surface is not oriented like the knot, give
+//! The method is that of Gordon and Litherland (On the signature of a link, Invent. Math. 47,
+//! 1978). The faces of a projection are coloured like a chessboard. The faces of one colour form a
+//! surface whose boundary is the knot; each face i of the other colour is a loop around it. A
+//! crossing has the index η = 1 if the strand above, turned counter-clockwise, sweeps over faces
+//! of the surface, else −1. The Goeritz matrix G has the entries G_ij = −Σ η over crossings
+//! between the faces i and j; its rows add up to zero, and one face is left out. With the sum over
+//! crossings at which η is the sign of the crossing, where the surface is not oriented like the
+//! knot,
 //!
 //! ```text
 //! σ = sign G − Σ η
@@ -39,7 +42,8 @@ fn signature(crossings: &[Crossing]) -> i64 {
     let mut goeritz = DMatrix::<f64>::zeros(whites.len(), whites.len());
     let mut correction = 0;
     for (index, crossing) in crossings.iter().enumerate() {
-        // The strand below comes in at corner 0; turned counter-clockwise, the one above sweeps over corners 1 and 3.
+        // The strand below enters at corner 0. Turned counter-clockwise, the strand above sweeps
+        // over corners 1 and 3.
         let corners: [usize; STRANDS] = std::array::from_fn(|corner| faces.at(index, corner));
         let (eta, white) = if is_surface[corners[1]] {
             (1, [corners[0], corners[2]])
@@ -64,7 +68,7 @@ fn signature(crossings: &[Crossing]) -> i64 {
         return -correction;
     }
     let reduced = goeritz.view((0, 0), (size, size)).into_owned();
-    // Its determinant is that of the knot, an odd number: no eigenvalue is zero.
+    // The determinant of the matrix is that of the knot, an odd number, so no eigenvalue is zero.
     let signs = reduced.symmetric_eigenvalues();
     let sign: i64 = signs
         .iter()
@@ -73,8 +77,9 @@ fn signature(crossings: &[Crossing]) -> i64 {
     sign - correction
 }
 
-/// The faces of a projection, by the corners between neighbouring strands of its crossings. Strands of a crossing are counted
-/// counter-clockwise from that on which the lower one comes in, and corner k lies behind strand k.
+/// The faces of a projection, given by the corners between adjacent strands of its crossings.
+/// Strands of a crossing are numbered counter-clockwise, starting with the one on which the lower
+/// strand enters. Corner k follows strand k.
 struct Faces {
     of_corner: Vec<usize>,
     count: usize,
@@ -82,7 +87,7 @@ struct Faces {
 
 impl Faces {
     fn of(crossings: &[Crossing]) -> Self {
-        // Passages in the order of the curve: place, crossing, whether above.
+        // Passages in the order of the curve: position, crossing, whether above.
         let mut passages: Vec<(f64, usize, bool)> = Vec::with_capacity(2 * crossings.len());
         for (index, crossing) in crossings.iter().enumerate() {
             passages.push((crossing.under, index, false));
@@ -100,7 +105,7 @@ impl Faces {
         let next = passages.iter().cycle().skip(1);
         for (from, to) in passages.iter().zip(next) {
             let ((here, leaving), (there, arriving)) = (strand(from, true), strand(to, false));
-            // On the left of the strand between them, and on its right.
+            // The corners on the left and on the right of the curve between the two passages.
             let left = [(here, leaving), (there, arriving + STRANDS - 1)];
             let right = [(here, leaving + STRANDS - 1), (there, arriving)];
             for pair in [left, right] {
@@ -125,7 +130,8 @@ impl Faces {
         self.of_corner[STRANDS * crossing + corner]
     }
 
-    /// Whether each face has the colour of the first one: neighbouring corners of a crossing have different colours.
+    /// Whether each face has the colour of the first one; adjacent corners of a crossing have
+    /// different colours.
     fn colours(&self) -> Vec<bool> {
         let mut colours = vec![None; self.count];
         colours[self.of_corner[0]] = Some(true);
@@ -218,7 +224,7 @@ mod tests {
 
     #[test]
     fn loops_of_an_unknot_count_for_nothing_in_any_view() {
-        // A ring with two kinks, which is crossed in many ways.
+        // A ring with two kinks, seen from several directions with different crossings.
         let at = |k: i32| {
             let angle = TAU * f64::from(k) / 300.0;
             let radius = 1.0 + 0.9 * (5.0 * angle).cos();
@@ -263,7 +269,7 @@ mod tests {
         }
         assert_eq!(signature_of_closed(&reef), Some(0));
         assert_eq!(signature_of_closed(&granny).map(i64::abs), Some(4));
-        // The sum of the torus knots (2, 5) and (2, 3), of opposite hands.
+        // The sum of the torus knots (2, 5) and (2, 3) with opposite handedness.
         let surgeon = signature_of_closed(&tied(TwoThrows::SURGEON));
         assert_eq!(surgeon.map(i64::abs), Some(2));
     }

@@ -3,26 +3,26 @@
 use rodlab_engine::mechanics::Vector3;
 use std::ops::RangeInclusive;
 
-/// Contacts between nodes farther apart along the rod than this share of the farthest are between
-/// the two strands of the braid. If an inverted loop is on the braid, nodes half as far apart
-/// touch.
+/// Fraction of the largest distance along the rod between touching nodes, above which a contact is
+/// between the two strands of the braid. If an inverted loop is on the braid, nodes at half of
+/// that distance touch.
 const STRAND_TO_STRAND: f64 = 0.75;
 
 /// Dimensions of the loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Silhouette {
-    /// Clear height H: distance of the surface of the rod in the middle of the loop from that of the braid, m; 0 where
-    /// they touch.
+    /// Clear height H: distance between the surfaces of the rod in the middle of the loop and of
+    /// the braid, m; 0 if they touch.
     pub height: f64,
     /// Width W: distance of the two ends of the braid, m.
     pub width: f64,
 }
 
-/// Measures the loop of an overhand knot from its nodes (m), its radius (m), and the pairs of nodes
-/// that touch, the first of each pair being the one nearer to the start of the rod; `None` if none
-/// touch.
+/// Measures the loop of an overhand knot from its nodes (m), its radius (m), and the pairs of
+/// touching nodes. The first node of each pair is the one nearer to the start of the rod. `None`
+/// if no nodes touch.
 ///
-/// The braid extends from the first to the last contact of its two strands, the loop joins the
+/// The braid extends from the first to the last contact of its two strands; the loop joins the
 /// strands.
 pub fn silhouette(
     nodes: &[Vector3],
@@ -60,7 +60,7 @@ fn strands(touching: &[(usize, usize)]) -> Option<[RangeInclusive<usize>; 2]> {
         first = *first.start().min(&i)..=*first.end().max(&i);
         second = *second.start().min(&j)..=*second.end().max(&j);
     }
-    // Strands of one node each have no edges for a distance.
+    // Strands with a single node have no edges.
     (first.start() < first.end() && second.start() < second.end()).then_some([first, second])
 }
 
@@ -74,8 +74,8 @@ fn distance_to_segment(point: &Vector3, from: &Vector3, to: &Vector3) -> f64 {
 mod tests {
     use super::*;
 
-    /// Two straight strands 2h apart from x = −3 to x = 3 (nodes 0 to 6, and the last seven), joined by a polygon
-    /// whose middle is at the height `top` above the upper one.
+    /// Two straight strands at a distance of 2h from x = −3 to x = 3 (nodes 0 to 6, and the last
+    /// seven), joined by a polygon. Its middle is at the height `top` above the upper strand.
     fn knot(top: f64) -> (Vec<Vector3>, Vec<(usize, usize)>) {
         let strand = |y: f64| (-3..=3).map(move |x| Vector3::new(f64::from(x), y, 0.0));
         let mut nodes: Vec<Vector3> = strand(0.0).collect();

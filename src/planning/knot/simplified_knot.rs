@@ -2,8 +2,8 @@
 //! ends.
 //!
 //! It omits tails, friction, contact between loop and braid, and twist of the braid. The total
-//! energy over EI/h is Ē(θ) = Ē_b + Ē_l at fixed φ and ε; the knot turns its ends by a θ at which
-//! it is stationary.
+//! energy over EI/h is Ē(θ) = Ē_b + Ē_l at fixed φ and ε. The rotation θ of the ends makes the
+//! energy stationary.
 //!
 //! The source does not state how the loop is held. Here its ends are on the axis of the braid or,
 //! by `offset`, on the strands; their tangents make the angle φ with the axis; and they either keep
@@ -13,15 +13,16 @@ use super::helical_braid::HelicalBraid;
 use rodlab_engine::mechanics::kirchhoff::{EndSpin, LoopEnds, SuspendedLoop, numerics::bisect};
 use std::f64::consts::FRAC_PI_3;
 
-/// Largest rotation θ that is searched, rad: that of the thesis' figure 3.9.
+/// Largest rotation θ of the search, rad, as in figure 3.9 of the thesis.
 const LARGEST_ROTATION: f64 = 5.0;
 /// Step of θ, rad. Folds are found between steps by parabolas, to about 1e-4 of l̄_k.
 const ROTATION_STEP: f64 = 0.05;
 /// Largest l̄_k of an equilibrium; beyond it, the braid has no significant effect.
 const LARGEST_LENGTH: f64 = 1e4;
-/// Repetitions of the substitution of l̄_k into the offset over the loop's length; each gains a digit or more.
+/// Maximum number of iterations for the offset over the loop's length, which depends on l̄_k; each
+/// gains a digit or more.
 const SUBSTITUTIONS: usize = 30;
-/// Change of l̄_k, relative, at which they end.
+/// Relative change at which the iteration ends.
 const SUBSTITUTION_TOLERANCE: f64 = 1e-9;
 
 /// A braid and its loop, apart from their size and the rotation of the ends.
@@ -40,7 +41,7 @@ pub struct SimplifiedKnot {
     pub spin: EndSpin,
 }
 
-/// A knot whose ends are held at a rotation.
+/// A knot with ends held at a given rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotatedKnot {
     /// θ, rad.
@@ -62,20 +63,20 @@ pub struct Equilibrium {
     pub length: f64,
 }
 
-/// A fold, at which a stable and an unstable equilibrium meet.
+/// A fold, where a stable and an unstable equilibrium meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fold {
     /// θ, rad.
     pub rotation: f64,
     /// l̄_k.
     pub length: f64,
-    /// Whether a knot that is tightened loses its equilibrium here: the inversion. At the other kind of fold two
-    /// equilibria appear.
+    /// Whether a knot loses its equilibrium here when it is tightened: the inversion. At the other
+    /// kind of fold two equilibria appear.
     pub is_inversion: bool,
 }
 
 impl SimplifiedKnot {
-    /// φ = π/3 and ε = 0.7 as in the thesis, the loop's ends on the axis.
+    /// The knot of the thesis: φ = π/3 and ε = 0.7, with the loop's ends on the axis.
     pub fn of_thesis(unknotting_number: usize, spin: EndSpin) -> Self {
         Self {
             turns: unknotting_number as f64,
@@ -102,8 +103,9 @@ impl SimplifiedKnot {
         SuspendedLoop::planar(self.ratio, self.tilt, offset, self.spin)
     }
 
-    /// Energy and moment of a knot of size l̄_k = `length` from θ = 0 on, in steps of 0.05 to 5 or as far as the
-    /// loop's shape changes continuously with its ends; free ends snap over near π/2.
+    /// Energy and moment of a knot of size l̄_k = `length` from θ = 0 on, in steps of 0.05 up to
+    /// 5, or as long as the loop's shape changes continuously with its ends; free ends snap over
+    /// near π/2.
     pub fn over_rotation(&self, length: f64) -> Vec<RotatedKnot> {
         let loop_length = self.loop_length(length);
         let Some(planar) = self.planar_loop(length) else {
@@ -123,7 +125,7 @@ impl SimplifiedKnot {
             .collect()
     }
 
-    /// Loops whose ends are turned step by step; `adjust` may change the ends further, given the
+    /// Loops with ends turned step by step. `adjust` may change the ends further, given the
     /// previous loop.
     fn turned(
         &self,
@@ -154,7 +156,7 @@ impl SimplifiedKnot {
     }
 
     /// The size l̄_k at which a loop is in balance with the braid; `None` if the loop has no
-    /// resistance, or more than a loose braid can overcome.
+    /// resistance, or a resistance that a loose braid cannot overcome.
     fn balanced_length(&self, turned: &SuspendedLoop) -> Option<f64> {
         let rotation = turned.ends.rotation;
         let resistance = (1.0 + self.ratio) * turned.turning_moment();
@@ -166,7 +168,7 @@ impl SimplifiedKnot {
             .then(|| bisect(smallest, LARGEST_LENGTH, surplus))
     }
 
-    /// The equilibria θ, l̄_k in the order of θ, as pieces of curves without gaps.
+    /// The equilibria θ, l̄_k in the order of θ, as continuous pieces of curves.
     pub fn equilibria(&self) -> Vec<Vec<Equilibrium>> {
         let Some(planar) = self.planar_loop(LARGEST_LENGTH) else {
             return Vec::new();
@@ -190,8 +192,8 @@ impl SimplifiedKnot {
         pieces
     }
 
-    /// The offset over the loop's length of the knot that is in balance with these ends: the length depends on the
-    /// loop, whose ends' distance from the axis depends on the length, but little.
+    /// The offset over the loop's length of the knot in balance with these ends. The length
+    /// depends on the loop, and the loop depends weakly on the offset over the length.
     fn balanced_offset(&self, near: &SuspendedLoop, ends: LoopEnds) -> f64 {
         let mut offset = ends.offset;
         if self.offset == 0.0 {
@@ -221,7 +223,7 @@ impl SimplifiedKnot {
             .collect()
     }
 
-    /// The fold at which a knot that is tightened from a large loop inverts.
+    /// The fold at which a knot inverts when it is tightened from a large loop.
     pub fn inversion(&self) -> Option<Fold> {
         self.folds().into_iter().find(|fold| fold.is_inversion)
     }
@@ -229,8 +231,8 @@ impl SimplifiedKnot {
 
 /// The extremum of l̄_k over θ on the parabola through three equilibria, if it lies in the middle.
 ///
-/// An equilibrium is stable where l̄_k falls with θ: a looser braid pushes less, so that ∂²Ē/∂θ² and −dl̄_k/dθ have one
-/// sign.
+/// An equilibrium is stable if l̄_k decreases with θ. A looser braid pushes less, so ∂²Ē/∂θ² and
+/// −dl̄_k/dθ have the same sign.
 fn fold_between(points: &[Equilibrium]) -> Option<Fold> {
     let [before, middle, after] = [0, 1, 2].map(|k| points[k]);
     let [left, right] = [middle.length - before.length, after.length - middle.length];

@@ -3,7 +3,7 @@
 use super::polyline::length;
 use rodlab_engine::mechanics::Vector3;
 
-/// Bisections of the size of a knot: as many as the bits of a number.
+/// Number of bisections of the size of a knot, equal to the bits of a number.
 const BISECTIONS: usize = 53;
 
 /// Dimensions of a knot that is to be tied.
@@ -13,16 +13,16 @@ pub struct KnotSize {
     pub length: f64,
     /// Radius of the rods, m.
     pub radius: f64,
-    /// Distance of the ends on the left from those on the right, m.
+    /// Distance of the left ends from the right ends, m.
     pub end_to_end: f64,
 }
 
 impl KnotSize {
-    /// The curve that has the length of the rod, from a family of curves that grow longer with the extent of their
-    /// loops, m, which lies between two bounds.
+    /// The curve with the length of the rod, from a family of curves whose length increases with
+    /// the extent of their loops (m), which lies between two bounds.
     ///
     /// # Errors
-    /// A message if there is none.
+    /// A message if there is no such curve.
     pub(super) fn fitted(
         &self,
         [mut smaller, mut larger]: [f64; 2],

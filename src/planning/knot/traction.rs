@@ -11,8 +11,9 @@ pub const TREFOIL_FRICTION: f64 = 0.492;
 
 /// F̄ = ε⁴/2 + μ σ ε³ (Audoly, Clauvelin & Neukirch, PRL 99, 164301, 2007; thesis Eq. 2.29).
 ///
-/// The first term is the bending energy per length of a circular loop, which the ends gain when it shrinks; the
-/// second is the work of friction: strands that slip by as much as the ends move, under the total contact force.
+/// The first term is the bending energy per length of a circular loop, which is released when the
+/// loop shrinks. The second term is the work of friction: the strands slip by the same distance as
+/// the ends move, under the total contact force.
 pub fn audoly_traction(tightness: f64, friction: f64, sigma: f64) -> f64 {
     0.5 * tightness.powi(4) + friction * sigma * tightness.powi(3)
 }
@@ -24,16 +25,18 @@ pub fn audoly_traction(tightness: f64, friction: f64, sigma: f64) -> f64 {
 /// n² h/e = g(x)/(8√3 π²),  x = (96√3 π² n² F̄/μ)^⅓,  g(x) = x²/(x + λ/R)
 /// ```
 ///
-/// Friction dominates in it: `friction` must be greater than 0. g follows from the elastica of the loop.
+/// Friction dominates in this law: `friction` must be greater than 0. g follows from the elastica
+/// of the loop.
 pub fn jawed_shortening(scaled_traction: f64, friction: f64) -> f64 {
     let factor = 8.0 * 3f64.sqrt() * PI * PI;
     let gap = libm::cbrt(12.0 * factor * scaled_traction / friction);
     gap * gap / (gap + LoopElastica::over(gap).length()) / factor
 }
 
-/// The scaled traction n² F̄ at which [`jawed_shortening`] is the given n² h/e: its inverse.
+/// The scaled traction n² F̄ for which [`jawed_shortening`] returns the given n² h/e.
 pub fn jawed_traction(scaled_shortening: f64, friction: f64) -> f64 {
-    // It grows with the traction; knots of rods lie far inside of this range of decades.
+    // The shortening increases with the traction; knots of rods lie far inside this range of
+    // decades.
     let logarithm = bisect(-35.0, 5.0, |logarithm| {
         jawed_shortening(libm::exp(logarithm), friction) - scaled_shortening
     });
@@ -53,9 +56,9 @@ pub struct BraidAndLoop {
     pub energy: f64,
 }
 
-/// The braid and loop of shortening e = ℓ + λ (m) with elliptic parameter m, where two strands of radius `radius`
-/// wind around each other by n full turns: the strands are helices of curvature h (2πn/ℓ)², and the braid has the
-/// energy EI h² (2πn)⁴/ℓ³.
+/// The braid and loop with the shortening e = ℓ + λ (m) and the elliptic parameter m. Two strands
+/// of radius `radius` wind around each other by n full turns: they are helices of curvature h
+/// (2πn/ℓ)², and the braid has the energy EI h² (2πn)⁴/ℓ³.
 pub fn braid_and_loop(
     unknotting_number: usize,
     radius: f64,
@@ -74,7 +77,8 @@ pub fn braid_and_loop(
     }
 }
 
-/// The braid and loop of least energy among those of a shortening: the shape of a knot without friction.
+/// The braid and loop of least energy for a given shortening: the shape of a knot without
+/// friction.
 pub fn relaxed_loop(unknotting_number: usize, radius: f64, shortening: f64) -> BraidAndLoop {
     let at = |stretched: f64| {
         braid_and_loop(
@@ -122,7 +126,7 @@ mod tests {
 
     #[test]
     fn a_loose_knot_without_friction_pulls_with_half_of_epsilon_to_the_fourth() {
-        // F = −dE/de; the braid vanishes against the loop as h/e → 0.
+        // F = −dE/de; the braid is negligible compared with the loop as h/e → 0.
         let radius = 1e-9;
         let at = |shortening: f64| relaxed_loop(1, radius, shortening);
         let force = (at(0.999).energy - at(1.001).energy) / 0.002;

@@ -6,7 +6,8 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::kirchhoff::numerics::smooth_step;
 use std::f64::consts::PI;
 
-/// Distance of the centrelines from the axis of a throw, in radii: the surfaces stand 0.4 radii apart.
+/// Distance of the centrelines from the axis of a throw, in radii: the surfaces are 0.4 radii
+/// apart.
 const STRAND_OFFSET: f64 = 1.2;
 /// Length of a throw per half turn, in radii.
 const PITCH: f64 = 10.0;
@@ -16,27 +17,29 @@ const SMALLEST: f64 = 10.0;
 const END_OFFSET: f64 = 2.5;
 /// Clearance between a loop and the tails that pass around it, in radii.
 const CLEARANCE: f64 = 4.0;
-/// Smallest length of the tails between throws and axis, over the distance of the throws from it.
+/// Smallest length of the tails between throws and axis, over the distance of the throws from the
+/// axis.
 const SLOPE: f64 = 1.5;
 /// Points of the smooth curve per part: tail, throw, loop.
 const POINTS: usize = 1000;
 
-/// Two throws, by their half turns, positive for right-handed screws.
+/// Two throws, given by their half turns, positive for right-handed screws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TwoThrows([i32; 2]);
 
 impl TwoThrows {
-    /// Reef or square knot: the second throw turns the other way.
+    /// Reef or square knot: the throws have opposite handedness.
     pub const REEF: Self = Self([3, -3]);
-    /// Granny knot: both throws turn the same way.
+    /// Granny knot: both throws have the same handedness.
     pub const GRANNY: Self = Self([3, 3]);
     /// Surgeon's knot: a reef knot with another full turn in its first throw.
     pub const SURGEON: Self = Self([5, -3]);
 
-    /// Determinant of the knot that results when the starts of the rods are joined to each other,
-    /// and their ends.
+    /// Determinant of the knot that results when the starts of the rods are joined, and their ends
+    /// are joined.
     ///
-    /// It is the sum of the torus knots (2, h) of the throws with h half turns, and determinants multiply.
+    /// This knot is the sum of the torus knots (2, h) of the throws with h half turns, and
+    /// determinants multiply.
     pub fn determinant(self) -> u64 {
         let Self(half_turns) = self;
         half_turns
@@ -45,12 +48,13 @@ impl TwoThrows {
             .product()
     }
 
-    /// The nodes of both rods, m, equally spaced: the first rod comes from the left and returns
-    /// there, the second from the right, and both starts lie below the ends. All four are pulled
-    /// along x, two to each side.
+    /// The nodes of both rods, m, equally spaced. The first rod comes from the left and returns
+    /// there, the second from the right. Both starts lie below the ends. All four are pulled along
+    /// x, two to each side.
     ///
-    /// The rods turn around each other in the first throw, below the x axis, and in the second one above it; between
-    /// the throws each makes a loop, inside the tails of the other. A turn by π about the y axis swaps the rods.
+    /// The rods turn around each other in the first throw, below the x axis, and in the second
+    /// one, above it. Between the throws each makes a loop inside the tails of the other. A
+    /// rotation by π about the y axis exchanges the rods.
     ///
     /// # Errors
     /// A message if loops and tails do not fit between the ends.
@@ -71,14 +75,14 @@ impl TwoThrows {
         0.5 * PITCH * radius * f64::from(first.abs().max(second.abs()))
     }
 
-    /// The first rod, the axes of the throws at the heights −`extent` and `extent`.
+    /// The first rod. The axes of the throws are at the heights −`extent` and `extent`.
     fn smooth_curve(self, knot: &KnotSize, extent: f64) -> Vec<Vector3> {
         let Self([first, second]) = self;
         let half_line = 0.5 * knot.end_to_end;
         let half_throw = self.half_throw(knot.radius);
         let offset = STRAND_OFFSET * knot.radius;
         let parts = || (0..=POINTS).map(|k| k as f64 / POINTS as f64);
-        // Straight beside the loop of the other rod, then to the axis.
+        // The tail runs straight beside the loop of the other rod, then to the axis.
         let bend = half_throw + extent + CLEARANCE * knot.radius;
         let tail = |part: f64| {
             let x = half_throw + part * (half_line - half_throw);
@@ -86,7 +90,8 @@ impl TwoThrows {
             let y = (1.0 - way) * (extent + offset) + way * END_OFFSET * knot.radius;
             Vector3::new(-x, y, 0.0)
         };
-        // From the outer strand on one side to the inner one on the other, `height` being that of the axis.
+        // From the outer strand on one side to the inner one on the other, around an axis at
+        // `height`.
         let throw = |part: f64, half_turns: i32, height: f64| {
             let angle = PI * (1.0 + f64::from(half_turns) * smooth_step(part));
             let x = half_throw * (2.0 * part - 1.0);
@@ -104,7 +109,8 @@ impl TwoThrows {
             let radius = extent - offset;
             Vector3::new(half_throw + radius * sine, -radius * cosine, 0.0)
         }));
-        // The second throw from its end to its start: like the first, seen from above.
+        // The second throw from its end to its start, which has the shape of the first seen from
+        // above.
         curve.extend(
             parts()
                 .skip(1)

@@ -25,7 +25,7 @@ pub const RECORD: &str = "training.json";
 /// First line of `training.csv`.
 const EPOCHS_HEADER: &[u8] = b"epoch,phase,training,held_back\n";
 
-/// Files beside the record, each with the first bytes of such a file.
+/// Files in addition to the record, each with the first bytes of a valid file.
 type IsOwn = fn(&[u8]) -> bool;
 const OWN_FILES: [(&str, IsOwn); 3] = [
     (MODEL, is_model),
@@ -47,7 +47,7 @@ pub struct Task<'a> {
     pub inputs: &'a [&'a str],
     /// Output columns.
     pub outputs: &'a [&'a str],
-    /// Weights of their errors; equal if empty.
+    /// Weights of the errors of the outputs; equal if empty.
     pub weights: &'a [f64],
     /// How.
     pub plan: Plan,
@@ -55,7 +55,7 @@ pub struct Task<'a> {
     pub processor: Processor,
     /// Directory of the results.
     pub directory: &'a Path,
-    /// Whether an earlier training there is discarded.
+    /// Whether to discard an earlier training in the directory.
     pub force: bool,
 }
 
@@ -124,7 +124,7 @@ pub enum TrainingError {
     /// Samples could not be read.
     #[error(transparent)]
     Samples(#[from] SamplesError),
-    /// There are too few of them.
+    /// There are too few samples.
     #[error("{path} has {rows} samples; at least {FEWEST_SAMPLES} are needed")]
     TooFew {
         /// The file.
@@ -143,7 +143,7 @@ pub enum TrainingError {
         /// The difference.
         what: &'static str,
     },
-    /// The directory holds something else.
+    /// The directory holds other files.
     #[error(
         "{directory} is not empty and does not hold a training ({RECORD}); choose another with --out"
     )]

@@ -16,9 +16,9 @@ pub struct Errors {
     pub percentile_95: f64,
     /// The largest.
     pub largest: f64,
-    /// The inputs where it is largest.
+    /// The inputs at the largest error.
     pub largest_at: Vec<f64>,
-    /// All sizes, from the least to the largest.
+    /// Magnitudes of all errors, in ascending order.
     #[serde(skip)]
     pub sizes: Vec<f64>,
 }
@@ -28,11 +28,11 @@ pub struct Errors {
 pub struct Compared {
     /// Its name, with its unit.
     pub quantity: &'static str,
-    /// Its components by inputs and outputs; zeros where it has fewer than three.
+    /// Its components, computed from inputs and outputs; zeros if it has fewer than three.
     pub components: fn(&[f64], &[f64]) -> [f64; 3],
 }
 
-/// Compares a model with samples: the length of the difference of each quantity.
+/// Compares a model with samples: the norm of the error of each quantity.
 ///
 /// # Errors
 /// [`ModelError::Tensors`].

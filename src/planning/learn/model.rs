@@ -1,12 +1,12 @@
-//! A trained network with all data for its use, and its file.
+//! A trained network with all data needed to use it, and its file.
 //!
 //! The file is in the safetensors format: weights and biases as `layer.0.weight`, `layer.0.bias`,
 //! ... (single precision), and under `rodlab` in its metadata a JSON text with the names of
 //! columns, the standardisation, the range of the samples and their origin.
 //!
-//! The text holds a BLAKE3 checksum of itself and of all weights and biases: a weight with a
-//! flipped bit is usually a finite number, and the network would use it. Files of version 1 have
-//! none; they are read with a warning.
+//! The text holds a BLAKE3 checksum of itself and of all weights and biases. Without it a flipped
+//! bit would usually give another finite weight, which the network would use. Files of version 1
+//! have no checksum; they are read with a warning.
 
 use super::network::Network;
 use super::scaling::Scaling;
@@ -54,12 +54,12 @@ pub struct About {
     pub input_scaling: Scaling,
     /// Standardisation of the outputs.
     pub output_scaling: Scaling,
-    /// Least and largest value of each input that it was trained with.
+    /// Smallest and largest value of each input in the training.
     pub range: Vec<[f64; 2]>,
     /// Least and largest value of each output; missing in models of earlier versions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub output_range: Vec<[f64; 2]>,
-    /// Its origin: program, commit, number of samples, seed, errors.
+    /// Origin of the model: program, commit, number of samples, seed, errors.
     pub provenance: BTreeMap<String, String>,
     /// Checksum of a file, see [`checksum`]; `None` for a model in memory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -85,7 +85,7 @@ pub enum ModelError {
     Tensors(#[from] candle_core::Error),
 }
 
-/// Why a file is not a model, or not the required one.
+/// Reason why a file is not a model, or not the required one.
 #[derive(Debug, Error)]
 pub enum ModelFault {
     /// It is not a safetensors file, or is truncated.
@@ -138,8 +138,8 @@ pub enum ModelFault {
 }
 
 impl About {
-    /// A model of samples of a kind, with the standardisation and ranges of its training samples,
-    /// inputs first.
+    /// A model for samples of a kind. The standardisation and ranges are those of the training
+    /// samples, with inputs first.
     pub fn new(
         samples: &str,
         names: [Vec<String>; 2],
@@ -311,7 +311,8 @@ impl Model {
         Ok(bytes.expect("tensors of single precision can be written"))
     }
 
-    /// A model from the bytes of the file `path`, which must be one of samples of the kind `wanted`.
+    /// A model from the bytes of the file `path`, which must be a model of samples of the kind
+    /// `wanted`.
     ///
     /// # Errors
     /// See [`ModelError`].
@@ -328,7 +329,7 @@ impl Model {
             .as_ref()
             .and_then(|texts| texts.get("rodlab"));
         let text = text.ok_or_else(|| refused(ModelFault::Foreign))?;
-        // The version first: other versions have other metadata.
+        // The version is checked first, since other versions have other metadata.
         let value: serde_json::Value =
             serde_json::from_str(text).map_err(|error| contradiction(error.to_string()))?;
         if value["kind"] != KIND {
@@ -450,14 +451,15 @@ pub fn read_model(path: &Path, wanted: &str) -> Result<Model, ModelError> {
     Model::from_bytes(path, &bytes, wanted)
 }
 
-/// Checksum of a model's text, without the checksum in it, and of its tensors: name, shape and bytes, in the order of the layers.
+/// Checksum of a model's text, without the checksum itself, and of its tensors with name, shape
+/// and bytes, in the order of the layers.
 fn checksum<'a>(
     about: &About,
     tensors: impl Iterator<Item = (&'a str, &'a [usize], &'a [u8])>,
 ) -> String {
     let mut hasher = blake3::Hasher::new();
     let mut add = |bytes: &[u8]| {
-        // With their length, so that bytes cannot move between parts.
+        // The length is hashed, too, so that bytes cannot move between parts.
         hasher.update(&(bytes.len() as u64).to_le_bytes());
         hasher.update(bytes);
     };
@@ -471,7 +473,7 @@ fn checksum<'a>(
     hasher.finalize().to_hex().to_string()
 }
 
-/// The same of a file of `count` layers.
+/// Checksum of a file with `count` layers.
 fn checksum_of_file(
     about: &About,
     file: &SafeTensors<'_>,
@@ -495,7 +497,7 @@ fn name(layer: usize, part: &str) -> String {
     format!("layer.{layer}.{part}")
 }
 
-/// Shape and numbers of a tensor of single precision.
+/// Shape and numbers of a single-precision tensor.
 fn numbers(view: &TensorView<'_>) -> Option<(Vec<usize>, Vec<f32>)> {
     if view.dtype() != Dtype::F32 {
         return None;

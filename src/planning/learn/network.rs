@@ -18,8 +18,8 @@ struct Layer {
 }
 
 impl Network {
-    /// A network whose weights are uniformly distributed within ±√(6/n) of layers with n inputs (He et al. 2015), without
-    /// biases. `widths` are those of input, hidden layers and output.
+    /// A network without biases. Its weights are uniformly distributed within ±√(6/n) in layers
+    /// with n inputs (He et al. 2015). `widths` are the widths of input, hidden layers and output.
     pub fn new(widths: &[usize], random: &mut Pcg64, device: &Device) -> Result<Self> {
         let layers = widths.windows(2).map(|pair| {
             let bound = (6.0 / pair[0] as f64).sqrt();
@@ -35,7 +35,7 @@ impl Network {
         })
     }
 
-    /// A network of given weights, `outputs` × `inputs` each, and biases.
+    /// A network with given weights, `outputs` × `inputs` each, and biases.
     pub fn from_tensors(layers: Vec<[Tensor; 2]>) -> Result<Self> {
         let layers = layers.into_iter().map(|[weight, bias]| {
             Ok(Layer {
@@ -64,7 +64,7 @@ impl Network {
             .collect()
     }
 
-    /// A copy that does not change with this one.
+    /// A copy that does not share data with this one.
     pub fn snapshot(&self) -> Result<Self> {
         let copies = self
             .tensors()

@@ -6,10 +6,11 @@ use candle_core::Device;
 /// Processor for training.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Processor {
-    /// The processor of the machine: the same network on every machine of a kind.
+    /// The CPU, which gives the same network on every machine of a kind.
     #[default]
     Cpu,
-    /// The first GPU, by CUDA; sums there have no order, so that the network differs in its last digits from run to run.
+    /// The first GPU, by CUDA. The order of sums is not fixed there, so that the last digits of
+    /// the network differ from run to run.
     Gpu,
 }
 

@@ -6,7 +6,7 @@ use rodlab_files::finite;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Rows of inputs and of the outputs that belong to them, one after the other.
+/// Rows of inputs and of the corresponding outputs, each stored one after the other.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Samples {
     /// Inputs, `rows` × `input_width`.
@@ -125,7 +125,7 @@ impl Samples {
         Ok(samples)
     }
 
-    /// Reads the same columns of several files, one after the other.
+    /// Reads the same columns of several files and concatenates them.
     ///
     /// # Errors
     /// See [`SamplesError`].
@@ -164,7 +164,7 @@ impl Samples {
         }
     }
 
-    /// Random split into training samples and a held-out share.
+    /// Random split into training samples and a held-out fraction.
     pub fn split(&self, held_back: f64, seed: u64) -> [Self; 2] {
         let mut rows: Vec<usize> = (0..self.rows()).collect();
         shuffle(&mut rows, &mut Pcg64::seed_from_u64(seed));
@@ -173,7 +173,7 @@ impl Samples {
     }
 }
 
-/// Brings items into a random order (Fisher and Yates).
+/// Shuffles items (Fisher and Yates).
 pub fn shuffle<Item>(items: &mut [Item], random: &mut Pcg64) {
     for last in (1..items.len()).rev() {
         let other = (random.next_u64() % (last as u64 + 1)) as usize;

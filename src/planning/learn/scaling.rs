@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub struct Scaling {
     /// Mean of each column.
     pub mean: Vec<f64>,
-    /// Standard deviation of each column, over its weight; 1 for constant columns.
+    /// Standard deviation of each column divided by its weight; 1 for constant columns.
     pub deviation: Vec<f64>,
 }
 
@@ -37,7 +37,8 @@ impl Scaling {
         }
     }
 
-    /// The same with weights of the columns; equal ones if none are given.
+    /// Mean and standard deviation with weights of the columns, or equal weights if none are
+    /// given.
     pub fn weighted(mut self, weights: &[f64]) -> Self {
         for (deviation, weight) in self.deviation.iter_mut().zip(weights) {
             *deviation /= weight;

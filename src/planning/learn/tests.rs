@@ -63,7 +63,7 @@ fn small_model(hidden: &[usize]) -> Model {
     trained(&plan).model(&[]).unwrap()
 }
 
-/// A training that continues where another one stopped.
+/// A training that resumes an interrupted one.
 fn resumed(plan: &Plan, stopped: &Trainer) -> Trainer {
     let mut trainer = trainer(plan);
     let model = stopped.model(&[]).unwrap();
@@ -167,7 +167,7 @@ fn a_rate_falls_along_a_cosine_over_all_phases() {
         let end = pair[0].rate_after(decay(&pair[0]).rounds as f64);
         assert!((end - pair[1].rate_after(0.0)).abs() < 1e-15);
     }
-    // Half of it half way through, nothing at the end.
+    // Half of the rate half way through, zero at the end.
     assert!((phases[1].rate_after(17.0) - 2e-3).abs() < 1e-15);
     assert!(phases[2].rate_after(decay(&phases[2]).rounds as f64) < 1e-15);
 }
@@ -230,7 +230,7 @@ fn weights_say_which_errors_matter() {
     assert!(errors(&[10.0, 1.0]) < errors(&[1.0, 10.0]));
 }
 
-/// Gradients of the library against differences, through all layers.
+/// Gradients of the library compared with differences, through all layers.
 #[test]
 fn gradients_are_those_of_the_error() {
     use candle_core::{Device, Tensor};
@@ -331,7 +331,7 @@ fn files_that_are_not_models_are_reported_with_their_kind() {
     assert!(text("from_2", "from\\2").contains("model.safetensors"));
 }
 
-/// A file with the JSON text of its metadata changed.
+/// A file with changed JSON text in its metadata.
 fn with_text(bytes: &[u8], change: impl Fn(&mut serde_json::Value)) -> Vec<u8> {
     let length = u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
     let mut header: serde_json::Value = serde_json::from_slice(&bytes[8..8 + length]).unwrap();
@@ -353,7 +353,8 @@ fn a_file_with_any_number_changed_is_refused_as_damaged() {
     let bytes = small_model(&[3]).to_bytes().unwrap();
     let data = 8 + u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
     for at in data..bytes.len() {
-        // The lowest bit of any byte: the numbers stay finite, most of them nearly the same.
+        // Flips the lowest bit of any byte: the numbers stay finite, and most of them are nearly
+        // the same.
         let mut changed = bytes.clone();
         changed[at] ^= 1;
         assert!(fault(&changed).contains("is damaged: its checksum"), "{at}");
@@ -383,7 +384,7 @@ fn only_files_of_the_earlier_version_may_lack_a_checksum() {
         read.predict(&inputs).unwrap(),
         model.predict(&inputs).unwrap()
     );
-    // Written again it is of this version, and has one.
+    // When written again, the file has the current version and a checksum.
     assert_eq!(read.to_bytes().unwrap(), bytes);
 }
 

@@ -8,7 +8,7 @@ use super::scaling::{Scaling, range_of};
 use super::training::{Epoch, Phase, Plan, Rows, random_of_phase, train_phase};
 use candle_core::{Device, Tensor};
 
-/// Share of held-out samples (thesis 5.3.5).
+/// Fraction of held-out samples (thesis 5.3.5).
 pub const HELD_BACK: f64 = 0.2;
 /// Minimum number of samples that can be split and standardised.
 pub const FEWEST_SAMPLES: usize = 50;
@@ -37,15 +37,15 @@ pub enum Standing {
 }
 
 impl Trainer {
-    /// A training before its first phase. `names` are those of the columns of samples of a kind; an
-    /// error of an output of `weight` 2 counts like one twice as large of another; without weights,
-    /// all count equally.
+    /// A training before its first phase. `names` are the names of the input and output columns of
+    /// samples of a kind. An error of an output with `weight` 2 counts twice; without weights all
+    /// outputs count equally.
     ///
     /// # Errors
     /// [`ModelError::Tensors`]; [`ModelError::NoGpu`].
     ///
     /// # Panics
-    /// Fewer than [`FEWEST_SAMPLES`].
+    /// If there are fewer than [`FEWEST_SAMPLES`].
     pub fn new(
         plan: Plan,
         kind: &str,
@@ -93,8 +93,8 @@ impl Trainer {
         })
     }
 
-    /// Resumes a training: the best weights so far, the rounds before, and the phase to continue
-    /// with.
+    /// Resumes a training, given the best weights so far, the previous rounds, and the current
+    /// phase.
     ///
     /// # Errors
     /// [`ModelError::Tensors`]: the model is of another shape.
@@ -137,7 +137,7 @@ impl Trainer {
     /// is called after each phase.
     ///
     /// # Errors
-    /// [`ModelError::Tensors`], and what `saved` fails with.
+    /// [`ModelError::Tensors`], and the errors of `saved`.
     pub fn train<Error: From<ModelError>>(
         &mut self,
         keep_going: &mut dyn FnMut(&Self) -> bool,

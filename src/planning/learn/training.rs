@@ -1,6 +1,6 @@
-//! Training: the mean absolute error of standardised outputs, minimised by Adam and stochastic
-//! gradient descent in turns (thesis 4.3.4 and 5.3.5) or by Adam alone with a cosine schedule, with
-//! growing batches.
+//! Training: minimises the mean absolute error of standardised outputs with growing batches,
+//! either by Adam and stochastic gradient descent in turns (thesis 4.3.4 and 5.3.5) or by Adam
+//! alone with a cosine schedule.
 
 use super::network::Network;
 use super::samples::shuffle;
@@ -22,8 +22,8 @@ pub struct Plan {
     /// Schedule of the learning rate.
     #[serde(default)]
     pub schedule: Schedule,
-    /// Learning rates of Adam with the first and the last batch size; with a cosine only the first,
-    /// which decreases to zero.
+    /// Learning rates of Adam with the first and the last batch size. With a cosine schedule only
+    /// the first is used, which decreases to zero.
     pub rates: [f64; 2],
     /// Number of rounds without a lower held-out error after which the method changes.
     pub patience: usize,
@@ -49,7 +49,7 @@ impl Default for Plan {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Schedule {
-    /// With each batch size, Adam and gradient descent, each until the error no longer decreases.
+    /// Adam, then gradient descent with each batch size, both until the error no longer decreases.
     #[default]
     Plateau,
     /// Adam for the maximum number of rounds, with a rate that decreases to zero along a half
@@ -73,10 +73,10 @@ pub struct Phase {
     pub method: Method,
     /// Samples in a batch.
     pub batch: usize,
-    /// Its learning rate, or the first of the schedule.
+    /// The learning rate, or the first rate of the schedule.
     pub rate: f64,
-    /// Its schedule; `None` for a constant rate, with which the phase ends when the error no longer
-    /// decreases.
+    /// Schedule of the rate; `None` for a constant rate, with which the phase ends when the error
+    /// no longer decreases.
     pub decay: Option<Decay>,
 }
 
@@ -85,7 +85,7 @@ pub struct Phase {
 pub struct Decay {
     /// Rounds of the phase.
     pub rounds: usize,
-    /// Its start and end in the half cosine, from 0 to 1.
+    /// Start and end of the phase in the half cosine, from 0 to 1.
     pub parts: [f64; 2],
 }
 
@@ -113,8 +113,8 @@ pub struct Epoch {
 }
 
 impl Plan {
-    /// Rounds without a lower error after which a phase ends. Gradient descent gains little here,
-    /// and has fewer.
+    /// Rounds without a lower error after which a phase ends. Gradient descent gains little after
+    /// the first rounds, and has fewer.
     pub fn patience_of(&self, phase: &Phase) -> usize {
         match phase.method {
             Method::Adam => self.patience,
@@ -122,7 +122,7 @@ impl Plan {
         }
     }
 
-    /// For each size of batches Adam, then gradient descent; or Adam along the cosine.
+    /// For each batch size Adam, then gradient descent; or Adam along the cosine.
     pub fn phases(&self) -> Vec<Phase> {
         let [first, last] = self.batch;
         let doublings = (last / first.max(1)).max(1).ilog2();
@@ -222,9 +222,9 @@ impl Descent {
     }
 }
 
-/// Trains a network for the rest of a phase, which ends with the best weights for the held-out
-/// samples; `report` is called after each round, with both errors and the best network so far, and
-/// returns whether to continue.
+/// Trains a network for the rest of a phase, which ends with the weights that are best for the
+/// held-out samples. `report` is called after each round with both errors and the best network so
+/// far, and returns whether to continue.
 #[allow(clippy::too_many_arguments)]
 pub fn train_phase(
     network: &Network,
@@ -262,7 +262,7 @@ pub fn train_phase(
         since += 1;
         done += 1;
         if held < best.0 {
-            // Small gains do not extend a phase.
+            // Small improvements do not extend a phase.
             if held < 0.998 * best.0 {
                 since = 0;
             }
@@ -276,7 +276,8 @@ pub fn train_phase(
     Ok(f64::from(best.0))
 }
 
-/// Random numbers of a phase, which can be restarted.
+/// Random numbers of a phase. They depend only on the seed and the phase, so that a phase can be
+/// restarted.
 pub fn random_of_phase(seed: u64, phase: usize) -> Pcg64 {
     Pcg64::seed_from_u64(seed.wrapping_mul(1_000_003).wrapping_add(phase as u64 + 1))
 }

@@ -61,10 +61,11 @@ pub fn trajectory_csv(poses: &[TimedPose]) -> Result<String, NotFinite> {
     Ok(text)
 }
 
-/// The same as JSON, with its context: the pattern, the rod and its gravito-bending length, m.
+/// The trajectory as JSON, with its context: the pattern, the rod and its gravito-bending length,
+/// m.
 ///
 /// # Errors
-/// As of [`trajectory_csv`].
+/// As [`trajectory_csv`].
 pub fn trajectory_json(
     poses: &[TimedPose],
     pattern: &str,
@@ -80,7 +81,8 @@ pub fn trajectory_json(
     Ok(text.expect("names and numbers are JSON values") + "\n")
 }
 
-/// The pattern of a path with columns s_m, x_m, y_m, curvature_per_m, friction_demand, and the figure of it, by their names.
+/// The pattern of a path with columns s_m, x_m, y_m, curvature_per_m, friction_demand, and its
+/// figure, each with its file name.
 pub fn path_files(
     title: &str,
     path: &LaidPath,

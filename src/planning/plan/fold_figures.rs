@@ -3,13 +3,14 @@
 use super::fold::{Cell, Fold, FoldPath, ForceManifold};
 use rodlab_files::figure::{Curve, Figure, LinePlot, Look, line_plots, plot_to_scale};
 
-/// Number of drawn poses of the sheet, and of points of each.
+/// Number of drawn poses of the sheet, and of points of each pose.
 const POSES: usize = 7;
 const POINTS: usize = 60;
-/// Rows and columns of the manifold between two samples.
+/// Number of rows and columns of the manifold between two samples.
 const EVERY: usize = 4;
 
-/// The sheet along its path, over the positions without a force along the table, to scale, in L_gb.
+/// The sheet along its path, to scale, in L_gb, with the positions without a force along the
+/// table.
 pub fn fold_figure(path: &FoldPath, manifold: &ForceManifold, length: f64) -> Figure {
     let mut poses = vec![];
     for pose in 0..POSES {
@@ -32,8 +33,8 @@ pub fn fold_figure(path: &FoldPath, manifold: &ForceManifold, length: f64) -> Fi
     plot_to_scale(plot, "x/L_{gb}")
 }
 
-/// λ, and the friction demand of a sheet of length L̄, along the path of the gripper in L_gb, with
-/// the friction of the table, and the sliding of the sheet.
+/// λ and the friction demand of a sheet of length L̄ along the path of the gripper, in L_gb, with
+/// the friction of the table and the sliding of the sheet.
 pub fn friction_figure(
     path: &FoldPath,
     length: f64,

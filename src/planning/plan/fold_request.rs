@@ -24,7 +24,7 @@ pub struct FoldPlanRequest<'a> {
     pub network: Option<&'a NeuralFolds>,
     /// Friction of the table, if known.
     pub friction: Option<f64>,
-    /// Speed of the gripper, m/s; lower where it would turn faster than 1 rad/s.
+    /// Speed of the gripper, m/s; it is lower where the gripper would turn faster than 1 rad/s.
     pub speed: f64,
 }
 
@@ -39,8 +39,8 @@ impl Default for FoldPlanRequest<'_> {
     }
 }
 
-/// Sheets and edge displacements, m, of successive folds in half: each folds the result of the
-/// previous one, whose gravito-bending length is larger by a factor.
+/// Sheets and edge displacements, m, of successive folds in half. Each folds the result of the
+/// previous fold, whose gravito-bending length is larger by a factor.
 pub fn halvings(
     sheet: FoldedSheet,
     target: f64,
@@ -57,7 +57,8 @@ pub fn halvings(
 }
 
 impl FoldPlanRequest<'_> {
-    /// The planner for the fold of a sheet, and the comparison of network folds with exact ones.
+    /// The planner for the fold of a sheet, and the comparison of the network's folds with exact
+    /// ones.
     ///
     /// # Errors
     /// The network cannot be used.
@@ -144,10 +145,10 @@ pub struct PlannedFold {
     pub sheet: FoldedSheet,
     /// The path of the gripper, in L_gb.
     pub path: FoldPath,
-    /// The same in metres, with times.
+    /// The path of the gripper in metres, with times.
     pub trajectory: Vec<TimedPose>,
-    /// Sliding of the sheet during the fold, in L_gb, if the friction is known and it does not
-    /// slide away.
+    /// Sliding of the sheet during the fold, in L_gb, if the friction is known and the sheet does
+    /// not slide away.
     pub slid: Option<Vec<f64>>,
     /// Summary for programs.
     pub numbers: FoldNumbers,
@@ -177,7 +178,7 @@ pub struct FoldNumbers {
 }
 
 impl PlannedFold {
-    /// The files of a plan: the trajectory, its folds and figures of both.
+    /// The files of a plan: the trajectory, its folds, and figures of both.
     ///
     /// # Errors
     /// A pose is not finite.
@@ -198,8 +199,8 @@ impl PlannedFold {
         ])
     }
 
-    /// Columns x, z, suspended length (m), alpha_rad, lambda, friction_demand, the forces in EI/L_gb², as of `rodlab solve fold`, and the
-    /// moment at the gripper in EI/L_gb.
+    /// Columns x, z, suspended length (m), alpha_rad, lambda, friction_demand, the forces in
+    /// EI/L_gb² as in `rodlab solve fold`, and the moment at the gripper in EI/L_gb.
     fn folds_csv(&self) -> String {
         let mut text = String::from(
             "x_m,z_m,suspended_length_m,alpha_rad,lambda,friction_demand,\
@@ -216,7 +217,7 @@ impl PlannedFold {
                 fold.angle,
                 fold.force_ratio(),
                 fold.friction_demand(length),
-                // Adding zero removes the sign of zero.
+                // Adding zero removes the sign of negative zero.
                 fold.forces.horizontal + 0.0,
                 fold.forces.vertical + 0.0,
                 (1e9 * fold.moment).round() / 1e9 + 0.0

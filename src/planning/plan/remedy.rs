@@ -9,11 +9,12 @@ use std::fmt;
 
 /// Largest proposed deviation, relative to the longer side of the drawing.
 const LARGEST_DEVIATION: f64 = 0.1;
-/// Shares of the longest possible pattern that are tried as lengths of a scaled one.
+/// Fractions of the longest possible pattern that are tried as lengths of a scaled pattern.
 const LENGTHS: [f64; 4] = [0.9, 0.75, 0.5, 0.25];
-/// Halvings, on a logarithmic scale, between a deviation that does not work and one that does.
+/// Number of bisections, on a logarithmic scale, between a deviation that fails and one that
+/// works.
 const HALVINGS: usize = 4;
-/// Factor between the deviations that are tried before.
+/// Ratio of successive deviations in the search for these.
 const STEP: f64 = 1.6;
 
 /// Proposed values of the options.
@@ -40,9 +41,9 @@ impl fmt::Display for Remedy {
 }
 
 impl DeploymentRequest<'_> {
-    /// The smallest change with which a drawing can be planned: its deviation if that is enough,
-    /// otherwise also its size. It is verified by a complete plan. `None` if nothing is found, or
-    /// the pattern is a formula.
+    /// The smallest change with which a drawing can be planned: only its deviation if that is
+    /// enough, otherwise also its size. A complete plan verifies it. `None` if nothing is found,
+    /// or if the pattern is a formula.
     pub fn remedy(
         &self,
         source: &PatternSource,
@@ -79,7 +80,7 @@ impl DeploymentRequest<'_> {
             };
             let most = deviation.max(LARGEST_DEVIATION * side);
             let least = self.least_deviation(*deviation, most, rod, &drawn)?;
-            // The complete plan may need more.
+            // The complete plan may need a larger deviation.
             let works = [1.0, STEP, STEP * STEP]
                 .iter()
                 .map(|factor| match least == *deviation {
@@ -95,7 +96,8 @@ impl DeploymentRequest<'_> {
         })
     }
 
-    /// The least deviation up to `most` with which the rod is long enough and thin enough for a drawing, m.
+    /// The least deviation up to `most`, m, for which the rod is long enough and thin enough for a
+    /// drawing.
     fn least_deviation(
         &self,
         given: f64,
@@ -123,7 +125,7 @@ impl DeploymentRequest<'_> {
         Some(high)
     }
 
-    /// Checks of a plan before it computes poses.
+    /// Checks of a plan that need no poses.
     fn check(&self, source: &PatternSource, rod: &DeployedRod) -> Result<(), RequestError> {
         let pattern = self.pattern(source, rod)?;
         long_enough(rod, &pattern)?;
@@ -140,7 +142,7 @@ impl DeploymentRequest<'_> {
     }
 }
 
-/// The longer side of the box around points, m.
+/// The longer side of the bounding box of points, m.
 fn longer_side(points: &[Point]) -> f64 {
     let first = points.first().copied().unwrap_or_default();
     let low = points.iter().fold(first, |low, point| low.inf(point));
@@ -148,10 +150,10 @@ fn longer_side(points: &[Point]) -> f64 {
     (high - low).max()
 }
 
-/// A length to two digits in millimetres, m.
+/// Rounds a length to two digits in millimetres, m.
 fn rounded(length: f64, to: fn(f64) -> f64) -> f64 {
     let digits = libm::floor(libm::log10(1e3 * length)) as i32 - 1;
-    // Whole powers of ten, so that the number is written with two digits.
+    // Uses whole powers of ten, so that the number is printed with two digits.
     let millimetres = match digits >= 0 {
         true => to(1e3 * length / 10f64.powi(digits)) * 10f64.powi(digits),
         false => to(1e3 * length * 10f64.powi(-digits)) / 10f64.powi(-digits),

@@ -1,5 +1,5 @@
 //! Request and plan of a deployment: from the source of its pattern to the path of the gripper and
-//! its demands.
+//! the demands.
 
 use super::deployment::{
     DeployedRod, DeploymentError, Feasibility, LaidPath, MOST_POSES, OptimalGrasps, Scheme, Spare,
@@ -22,11 +22,12 @@ pub enum LeadLength {
 /// Options for laying a rod along a pattern.
 #[derive(Clone, Debug)]
 pub struct DeploymentRequest<'a> {
-    /// The start in front of the pattern.
+    /// The lead-in before the pattern.
     pub lead_in: LeadLength,
-    /// The lead-out behind it; by default as much of the surplus of the rod as there is space for.
+    /// The lead-out after the pattern. By default it takes as much of the surplus of the rod as
+    /// there is space for.
     pub lead_out: LeadLength,
-    /// Largest distance of neighbouring poses along the pattern, m.
+    /// Largest distance of adjacent poses along the pattern, m.
     pub step: f64,
     /// Speed of laying, m/s.
     pub speed: f64,
@@ -64,7 +65,7 @@ pub enum RequestError {
     /// It cannot be laid.
     #[error(transparent)]
     Deployment(#[from] DeploymentError),
-    /// No knot can be tied along it.
+    /// No knot can be tied along the pattern.
     #[error(transparent)]
     Tying(#[from] TyingError),
     /// It needs too many poses.
@@ -157,7 +158,7 @@ impl DeploymentRequest<'_> {
         Ok(pattern.with_lead_in(length))
     }
 
-    /// One of the rods of a knot of several: its whole pattern, and the path along which it is laid
+    /// One rod of a knot of several rods: its whole pattern, and the path along which it is laid
     /// before its end is moved.
     ///
     /// # Errors
@@ -183,7 +184,7 @@ impl DeploymentRequest<'_> {
         passages(&tied.collect::<Vec<_>>(), &self.knot)
     }
 
-    /// Checked before sampling: it may be very long.
+    /// Checked before sampling, since the pattern may be very long.
     fn refuse_long(&self, pattern: &Pattern, rod: &DeployedRod) -> Result<(), RequestError> {
         long_enough(rod, pattern)?;
         let (step, length) = (self.step, pattern.length());

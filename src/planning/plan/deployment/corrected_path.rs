@@ -9,16 +9,16 @@ use rodlab_engine::mechanics::{UnitQuaternion, Vector3, rotation};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Length of lying rod, in gravito-bending lengths, used to observe its end.
+/// Length of lying rod from which its end is observed, in gravito-bending lengths.
 const WINDOW: f64 = 1.5;
-/// Length behind the last lying point, in gravito-bending lengths, that may already be lifted: z =
+/// Length before the last lying point, in gravito-bending lengths, that may already be lifted: z =
 /// s³/8 there.
 const RISEN: f64 = 0.2;
-/// Share of the length between two corrections for the transition of the gripper to the new path.
+/// Fraction of the length between two corrections over which the gripper moves to the new path.
 const TRANSITION: f64 = 0.5;
-/// Smallest ratio of the length of return to that between two corrections.
+/// Smallest ratio of the return length to the length between two corrections.
 const SHORTEST_RETURN: f64 = 3.0;
-/// Largest curvature, over 1/L_gb, in addition to that of its pattern.
+/// Largest curvature of the path in addition to that of its pattern, over 1/L_gb.
 const LARGEST_CURVATURE: f64 = 0.3;
 /// Difference of direction, rad, above which an observation is rejected.
 const MOST_TURNED: f64 = 0.5;
@@ -30,10 +30,10 @@ pub struct CorrectedPath {
     /// The estimated rod, and its initial L_gb, m.
     rod: DeployedRod,
     nominal: f64,
-    /// Length between two corrections, and that over which the rod returns to the pattern, m.
+    /// Length between two corrections, and return length of the rod to the pattern, m.
     every: f64,
     return_length: f64,
-    /// Length ahead that is replanned, m; `None` for the whole rest.
+    /// Length ahead that is replanned, m; `None` for the whole rest of the path.
     horizon: Option<f64>,
     /// The pattern.
     pattern: Vec<PatternPoint>,
@@ -45,8 +45,8 @@ pub struct CorrectedPath {
 }
 
 impl CorrectedPath {
-    /// The initial path, with the `poses` for the points of the `pattern`. The rod is observed at
-    /// every length `every`, and returns to the pattern over `return_length`, m.
+    /// The initial path, with the `poses` for the points of the `pattern`. The rod is observed
+    /// after every length `every`, m, and returns to the pattern over `return_length`, m.
     pub fn new(
         rod: DeployedRod,
         pattern: Vec<PatternPoint>,
@@ -67,8 +67,8 @@ impl CorrectedPath {
     }
 
     /// Replans only as far ahead as the rod needs to return to the pattern, and keeps the previous
-    /// poses behind that: they are replanned after the next observation anyway, and replanning all
-    /// of them takes longer.
+    /// poses beyond. They are replanned after the next observation anyway, and replanning all of
+    /// them takes longer.
     pub fn with_horizon(mut self) -> Self {
         self.horizon = Some(self.return_length + self.every);
         self
@@ -89,12 +89,12 @@ impl CorrectedPath {
         &self.poses
     }
 
-    /// Length of lying rod used to observe its end, m.
+    /// Length of lying rod from which its end is observed, m.
     pub fn window(&self) -> f64 {
         WINDOW * self.rod.gravito_bending_length
     }
 
-    /// Length behind the last lying point that may already be lifted, m.
+    /// Length before the last lying point that may already be lifted, m.
     pub fn risen(&self) -> f64 {
         RISEN * self.rod.gravito_bending_length
     }

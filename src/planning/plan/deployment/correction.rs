@@ -1,8 +1,8 @@
-//! Online correction: the rest of the path from the observed position of the rod.
+//! Online correction: replans the rest of the path from the observed position of the rod.
 //!
-//! A camera, or a simulation instead, observes positions of the lying rod at arc lengths. From its
-//! end the rod returns to the pattern over a length ℓ: with the heading error ψ and the distance b
-//! to the left of the pattern there, it is laid with the curvature
+//! A camera, or a simulation in its place, observes positions of the lying rod at arc lengths.
+//! From its observed end the rod returns to the pattern over a length ℓ. With the heading error ψ
+//! and the distance b to the left of the pattern at this end, the rod is laid with the curvature
 //!
 //! > κ(s) + (c₀ + c₁ x)(1 − x)²,  x = (s − s₀)/ℓ,  c₀ = −20 b/ℓ² − 8 ψ/ℓ,  c₁ = −12 ψ/ℓ − 4 c₀,
 //!
@@ -17,8 +17,7 @@ use std::f64::consts::TAU;
 
 /// Minimum number of positions for the fit of a parabola.
 const FEWEST: usize = 4;
-/// Curvature, over 1/L_gb, below which a bend has little information about the gravito-bending
-/// length.
+/// Curvature, over 1/L_gb, below which a bend is too weak to determine the gravito-bending length.
 const LEAST_BEND: f64 = 0.2;
 /// Gain of the correction of the gravito-bending length, and its largest total change.
 const BELIEF: f64 = 0.6;
@@ -36,8 +35,8 @@ pub struct ObservedContact {
 }
 
 impl ObservedContact {
-    /// Position and direction at the last of the `lying` points (arc length and position, m), by
-    /// parabolas through those within `window` (m) of it; `None` if there are too few.
+    /// Position and direction at the last of the `lying` points (arc length and position, m), from
+    /// parabolas through the points within `window` (m) of it; `None` if there are too few.
     pub fn of(lying: &[(f64, Point)], window: f64) -> Option<Self> {
         let end = lying.last()?.0;
         let near = || lying.iter().filter(|(s, _)| end - s <= window);
@@ -62,8 +61,8 @@ impl ObservedContact {
         })
     }
 
-    /// The same extrapolated to `s` (m) along a curve of given curvatures (1/m): points of
-    /// increasing arc length.
+    /// The end extrapolated to `s` (m) along a curve with given curvatures (1/m), whose points
+    /// have increasing arc length.
     pub fn carried(&self, along: &[PatternPoint], s: f64) -> Self {
         let mut carried = *self;
         for pair in along.windows(2) {
@@ -94,9 +93,9 @@ impl ObservedContact {
     }
 }
 
-/// The curve on which the rod is to return from `contact` to the pattern, whose `points` begin
-/// there, over `return_length` (m), with at most `largest_curvature` (1/m) in addition to that of
-/// the pattern.
+/// The curve on which the rod returns from `contact` to the pattern, whose `points` begin there.
+/// It takes `return_length` (m) and adds at most `largest_curvature` (1/m) to the curvature of the
+/// pattern.
 pub fn return_curve(
     points: &[PatternPoint],
     contact: &ObservedContact,
@@ -141,11 +140,12 @@ pub fn return_curve(
     curve
 }
 
-/// The gravito-bending length, m, used in planning, corrected by the observed bend: over `length`
-/// (m) the rod turned by `turned` (rad), while `aimed` are the planned curvatures (1/m).
+/// The gravito-bending length assumed in planning, m, corrected by an observed bend. Over `length`
+/// (m) the rod turned by `turned` (rad); `aimed` are the planned curvatures (1/m).
 ///
-/// A rod laid with an L_gb that is too large bends too much: the gripper is as far aside as L_gb² κ
-/// requires, so that the curvature is laid (L_gb/L)² times. `nominal` is the initial length.
+/// A rod laid with an L_gb that is too large bends too much. The gripper is displaced sideways as
+/// L_gb² κ requires, so the rod is laid with (L_gb/L)² times the curvature, where L is its true
+/// length. `nominal` is the initial length.
 pub fn corrected_length(
     rod: &DeployedRod,
     nominal: f64,
@@ -219,7 +219,7 @@ mod tests {
             assert!(point.position.y.abs() < 2e-5, "{point:?}");
             assert!(point.angle.abs() < 1e-4 && point.curvature == 0.0);
         }
-        // Without a jump of its direction.
+        // Its direction is continuous.
         for pair in curve.windows(2) {
             let turned = pair[1].angle - pair[0].angle;
             let mean = 0.5 * (pair[0].curvature + pair[1].curvature);
@@ -256,7 +256,7 @@ mod tests {
             rod.gravito_bending_length = corrected_length(&rod, 0.033, [turned, aimed], 0.02);
         }
         assert!((rod.gravito_bending_length / truth - 1.0).abs() < 1e-3);
-        // A straight part has no information.
+        // A straight part gives no information.
         let same = corrected_length(&rod, 0.033, [0.01, 0.0], 0.02);
         assert_eq!(same, rod.gravito_bending_length);
     }

@@ -1,4 +1,4 @@
-//! Requirements of a pattern on rod and table.
+//! Requirements of a pattern on the rod and the table.
 
 use super::{DeployedRod, DeploymentError, GripperPose, Lead};
 use crate::plan::grasp::GraspProblem;
@@ -7,16 +7,16 @@ use serde::Serialize;
 
 /// Largest friction demand of a lead-in.
 const LEAD_IN_DEMAND: f64 = 0.1;
-/// Largest |d²κ/dx²| of the lead-in's curvature over x = s/ℓ, of a pattern that continues with
-/// constant curvature 1.
+/// Largest |d²κ/dx²| of a lead-in over x = s/ℓ, for a pattern that continues with constant
+/// curvature 1.
 const LEAD_IN_BEND: f64 = 5.7735;
 /// Smallest radius of curvature of a lead, in radii of the rod.
 const LEAD_RADII: f64 = 3.0;
 /// Largest rotation of a lead whose curvature overshoots that of the pattern, rad.
 const MOST_TURN: f64 = std::f64::consts::PI;
-/// Factor between two lengths of a lead that are tried.
+/// Ratio of successive trial lengths of a lead.
 const SHORTER: f64 = 0.9;
-/// Relative difference of two curvatures that are the same.
+/// Relative difference of two curvatures that count as equal.
 const ROUNDING: f64 = 1e-6;
 /// Curvature times L_gb below which a pattern starts straight.
 const STRAIGHT: f64 = 0.02;
@@ -26,12 +26,12 @@ pub fn lying_demand(rod: &DeployedRod, point: &PatternPoint) -> f64 {
     2.0 * rod.gravito_bending_length.powi(3) * point.curvature_bend.abs()
 }
 
-/// The coefficient of friction that holds a rod at each point of a pattern: in its curve where it lies, and at its contact node when the
-/// gripper has the pose of that point.
+/// Coefficient of friction that holds a rod at each point of a pattern: in its curve where it
+/// lies, and at its contact node when the gripper has the pose for that point.
 ///
-/// Thesis Eq. 5.2 includes the lying rod only. Where the pattern is curved, the suspended part
-/// pushes the contact node sideways, which can need several times as much friction: for a circle it
-/// is the whole demand.
+/// Thesis Eq. 5.2 includes only the lying rod. On a curved pattern the suspended part also pushes
+/// the contact node sideways, which can need several times as much friction; for a circle this is
+/// the whole demand.
 pub fn friction_demands(
     rod: &DeployedRod,
     points: &[PatternPoint],
@@ -44,7 +44,7 @@ pub fn friction_demands(
     pairs.map(demand).collect()
 }
 
-/// Demand at the contact node at an arc length, between those of the poses on either side.
+/// Demand at the contact node at an arc length, interpolated between the poses on either side.
 fn contact_demand_at(poses: &[GripperPose], s: f64) -> f64 {
     let next = poses.partition_point(|pose| pose.s < s);
     let of = |index: usize| poses.get(index).and_then(|pose| pose.contact_demand);
@@ -60,9 +60,9 @@ fn contact_demand_at(poses: &[GripperPose], s: f64) -> f64 {
 /// Length of the lead-in for a pattern that starts at this point, m: zero if it is nearly straight
 /// there. For a lead-out, use the reversed last point.
 ///
-/// It is shorter than for the friction demand alone where the lead would bend below three radii of
-/// the rod, or coil: a rapidly changing curvature at the start of the pattern makes a long lead
-/// oscillate.
+/// It is shorter than the friction demand alone requires if the lead would bend to less than three
+/// radii of the rod, or coil: a rapidly changing curvature at the start of the pattern makes a
+/// long lead oscillate.
 pub fn lead_length(rod: &DeployedRod, end: &PatternPoint) -> f64 {
     let unit = rod.gravito_bending_length;
     let bent = end.curvature.abs() * unit;
@@ -131,14 +131,14 @@ pub struct Feasibility {
     pub largest_lying_demand: f64,
     /// Friction of the table, if known.
     pub friction: Option<f64>,
-    /// Share of the length whose demand is above the friction of the table, if given.
+    /// Fraction of the length whose demand exceeds the friction of the table, if that is given.
     pub share_above_friction: Option<f64>,
 }
 
 /// Minimum and maximum number of points at which a pattern is checked.
 const CHECKED_POINTS: [f64; 2] = [8000.0, 400_000.0];
 
-/// Points of a pattern whose poses lie `spacing` (m) apart at which it is checked: closer ones,
+/// Points at which a pattern is checked. They are closer than the `spacing` (m) of the poses,
 /// because corners may be between poses.
 ///
 /// # Errors
@@ -199,7 +199,7 @@ fn leads_bend_little(
     Ok(())
 }
 
-/// The largest value over a pattern, and where it is, m from the start.
+/// The largest value over a pattern, and its position, m from the start.
 fn worst(points: &[PatternPoint], value: &dyn Fn(&PatternPoint) -> f64) -> (f64, f64) {
     let values = points.iter().map(|point| (value(point), point.s));
     values.fold(
@@ -209,8 +209,8 @@ fn worst(points: &[PatternPoint], value: &dyn Fn(&PatternPoint) -> f64) -> (f64,
 }
 
 impl Feasibility {
-    /// The demands of a pattern at the points of [`checked_points`], with the demand of the poses
-    /// at the contact node. Sliding is not an error; `friction` is that of the table.
+    /// The demands of a pattern at the points of [`checked_points`], including those at the
+    /// contact node of the poses. Sliding is not an error; `friction` is that of the table.
     pub fn of(
         points: &[PatternPoint],
         rod: &DeployedRod,
@@ -254,8 +254,8 @@ mod tests {
 
     #[test]
     fn a_circle_asks_for_friction_at_its_contact_node() {
-        // Eq. 5.2 has no demand along a circle after its lead-in; a simulated rod slides at a
-        // friction of 0.12.
+        // By Eq. 5.2 there is no demand along a circle after its lead-in, but a simulated rod
+        // slides at a friction of 0.12.
         let circle = Pattern::new(Box::new(Circle { radius: 0.08 }), 0.0).unwrap();
         let lead_in = lead_length(&GREEN, &circle.at(0.0));
         let circle = || {
@@ -264,7 +264,7 @@ mod tests {
         };
         let asked = asked(&circle(), Scheme::Optimal, 0.12);
         assert!((asked.largest_lying_demand - 0.1).abs() < 1e-3, "{asked:?}");
-        // x_M n_y = κ̄ = 0.4 of a long rod; n_z is that of the grasp.
+        // For a long rod x_M n_y = κ̄ = 0.4; n_z is that of the grasp.
         let problem = GraspProblem::new(15.0, 0.4, GREEN.stretch_stiffness()).unwrap();
         let grasp = GraspSolver::new()
             .solve(&problem, GraspMethod::Theory)
@@ -278,7 +278,7 @@ mod tests {
             "{demand} {expected}"
         );
         assert!((demand - 0.228).abs() < 1e-3, "{demand}");
-        // Where the curvature of the lead-in grows, its shear force adds to that.
+        // Where the curvature of the lead-in increases, its shear force adds to this demand.
         assert!(asked.largest_demand > demand && asked.largest_demand < 1.5 * demand);
         assert!(asked.share_above_friction.unwrap() > 0.5);
     }

@@ -12,7 +12,8 @@ const TITLE: f64 = 64.0;
 const LARGEST_VIEW: f64 = 640.0;
 const PLOT: f64 = 200.0;
 
-/// View from above to scale, and below it the friction demand over the arc length, as SVG.
+/// View from above to scale, and below it a plot of the friction demand over the arc length, as
+/// SVG.
 pub fn deployment_figure(
     title: &str,
     points: &[PatternPoint],
@@ -55,7 +56,7 @@ pub fn deployment_figure(
         MARGIN + 80.0,
         MARGIN + 230.0
     );
-    // About forty of the lines between contact node and gripper.
+    // About forty lines between contact node and gripper are drawn.
     let every = points.len().div_ceil(40).max(1);
     for (from, to) in pattern.iter().zip(&gripper).step_by(every) {
         let ((x1, y1), (x2, y2)) = (place(from), place(to));

@@ -11,7 +11,7 @@ use crate::plan::pattern::{Pattern, PatternPoint};
 pub struct LaidPath {
     /// The pattern with lead-in and lead-out.
     pub points: Vec<PatternPoint>,
-    /// The gripper at these points.
+    /// Poses of the gripper at these points.
     pub poses: Vec<GripperPose>,
     /// Length of the lead-in, m.
     pub lead_in: f64,
@@ -22,8 +22,8 @@ pub struct LaidPath {
 }
 
 impl LaidPath {
-    /// The path along a pattern with its lead-in and, depending on `spare`, the rest of the rod;
-    /// its points are at most `step` apart, m, and `way` is the scheme of the gripper and the
+    /// The path along a pattern with its lead-in and, depending on `spare`, with the rest of the
+    /// rod. Its points are at most `step` apart, m. `way` is the scheme of the gripper and the
     /// solver for its grasps.
     ///
     /// # Errors
@@ -40,7 +40,8 @@ impl LaidPath {
         Self::along(&pattern, length, rod, step, way)
     }
 
-    /// The same along the whole laid curve, of which `length`, m, is the pattern and its lead-in.
+    /// The path along a whole laid curve. `length`, m, is the part with the pattern and its
+    /// lead-in.
     ///
     /// # Errors
     /// There is no grasp at some point.

@@ -5,10 +5,10 @@ use crate::plan::grasp::{GraspProblem, GraspSolver};
 use crate::plan::pattern::PatternPoint;
 use rodlab_engine::mechanics::{Vector3, rotation};
 
-/// Nodes of the whole rod hanging from the first pose of the gripper, its free end on the table at
-/// the first point of the pattern, m: an equilibrium. For the optimal scheme it is that of the
-/// optimal grasp; for the intuitive one the rod hangs straight down, slightly stretched by its own
-/// weight.
+/// Nodes of the whole rod in equilibrium, m. It hangs from the first pose of the gripper, with its
+/// free end on the table at the first point of the pattern. In the optimal scheme this is the
+/// shape of the optimal grasp; in the intuitive scheme the rod hangs straight down, slightly
+/// stretched by its own weight.
 ///
 /// # Errors
 /// No grasp was found.
@@ -51,8 +51,8 @@ fn grasped(
     })
 }
 
-/// Heights of the nodes of a rod that hangs freely over its lowest one, m: the part s carries the
-/// weight below it, so that it is stretched to s (1 + s/(4 k̄_s L_gb)).
+/// Heights of the nodes of a freely hanging rod above its lowest node, m. The part at s carries
+/// the weight below it, which stretches it to s (1 + s/(4 k̄_s L_gb)).
 fn upright(rod: &DeployedRod, edges: usize) -> impl Iterator<Item = f64> {
     let stretch = 0.25 / (rod.stretch_stiffness() * rod.gravito_bending_length);
     let length = rod.length;
@@ -99,7 +99,8 @@ mod tests {
             &trajectory(&points[..1], &rod, Scheme::Intuitive, OptimalGrasps::Exact).unwrap()[0];
         assert!((nodes[100] - pose.position).norm() < 1e-12);
         assert!((nodes[0] - Vector3::new(0.0, 0.0, rod.radius)).norm() < 1e-15);
-        // Between nodes k and k + 1 the strain is that of the weight below their middle, ρ g s/E = s/(2 k̄_s L_gb).
+        // The strain between nodes k and k + 1 is due to the weight below their middle, ρ g s/E =
+        // s/(2 k̄_s L_gb).
         for k in [0, 50, 99] {
             let edge = rod.length / 100.0;
             let strain = (nodes[k + 1].z - nodes[k].z) / edge - 1.0;

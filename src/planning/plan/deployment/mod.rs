@@ -46,7 +46,7 @@ use thiserror::Error;
 /// Maximum number of poses of a trajectory.
 pub const MOST_POSES: f64 = 100_000.0;
 
-/// The curve laid in front of a pattern or behind it.
+/// The curve laid before or after a pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lead {
     /// In front.
@@ -74,7 +74,7 @@ impl fmt::Display for Lead {
     }
 }
 
-/// Why a rod cannot be laid along a pattern.
+/// Reason why a rod cannot be laid along a pattern.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DeploymentError {
     /// The rod is too short.
@@ -85,14 +85,14 @@ pub enum DeploymentError {
     TooLong {
         /// Length of the pattern, m.
         pattern_m: f64,
-        /// The lead-in included, as text.
+        /// Note on the lead-in, as text.
         lead_in: String,
         /// Length of the rod, m.
         rod_m: f64,
         /// Least length of the rod, m.
         least_m: f64,
     },
-    /// The pattern is curved more than the rod is thick.
+    /// The radius of curvature of the pattern is smaller than the radius of the rod.
     #[error(
         "the pattern has a radius of {radius_m:.2e} m at {s_m:.4} m, less than the rod's, {rod_m} m: draw its corners \
          round, or allow a larger `deviation`"
@@ -105,7 +105,7 @@ pub enum DeploymentError {
         /// Radius of the rod, m.
         rod_m: f64,
     },
-    /// A lead bends more than a rod should.
+    /// A lead is bent more sharply than allowed.
     #[error(
         "the {lead} bends to a radius of {radius_m:.2e} m at {s_m:.4} m; allowed: at least three \
          radii of the rod, {least_m:.4} m. The drawing is not the cause: shorten the {lead}, or \

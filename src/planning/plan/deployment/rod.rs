@@ -27,7 +27,8 @@ impl DeployedRod {
         4.0 * (self.gravito_bending_length / self.radius).powi(2)
     }
 
-    /// Young's modulus of a round rod of a density (kg/m³) in a gravity (m/s²), Pa: L_gb³ = E h²/(8 ρ g).
+    /// Young's modulus of a round rod with a density (kg/m³) in a gravity (m/s²), Pa: L_gb³ = E
+    /// h²/(8 ρ g).
     pub fn youngs_modulus(&self, density: f64, gravity: f64) -> f64 {
         8.0 * density * gravity * self.gravito_bending_length.powi(3) / self.radius.powi(2)
     }
@@ -51,7 +52,7 @@ mod tests {
         let modulus = rod.youngs_modulus(density, gravity);
         let back = libm::cbrt(modulus * rod.radius.powi(2) / (8.0 * density * gravity));
         assert!((back - 0.032).abs() < 1e-15);
-        // A bar under its own weight: ρ g L²/2E.
+        // Lengthening of a bar under its own weight: ρ g L²/2E.
         let stretch = density * gravity * rod.length.powi(2) / (2.0 * modulus);
         assert!((rod.hanging_length() - rod.length - stretch).abs() < 1e-12);
     }

@@ -1,27 +1,27 @@
-//! The surplus of a rod that is longer than its pattern: laid behind it and in front of it, so that
-//! it does not fall.
+//! The surplus of a rod that is longer than its pattern. It is laid after and before the pattern,
+//! so that it does not fall.
 
 use super::{DeployedRod, lead_length};
 use crate::plan::pattern::{Pattern, PatternPoint, Point};
 
-/// Suspended length, in gravito-bending lengths, at which the gripper releases: it is then 0.73
-/// L_gb above the table. A longer rest pulls at the lying part when it falls, and with a shorter
-/// one the fingers reach the table.
+/// Suspended length, in gravito-bending lengths, at which the gripper releases the rod; the
+/// gripper is then 0.73 L_gb above the table. A longer rest pulls at the lying part when it falls.
+/// With a shorter rest the fingers would reach the table.
 const SUSPENDED: f64 = 2.5;
-/// Longest rest, in gravito-bending lengths, that falls straight when the gripper releases it: a
+/// Largest rest, in gravito-bending lengths, that falls straight when the gripper releases it; a
 /// longer one may fall onto itself.
 const FALLS_STRAIGHT: f64 = SUSPENDED + LEAST;
 /// Smallest length, in gravito-bending lengths, of a lead-out or a straight start.
 const LEAST: f64 = 1.0;
-/// Distance of checked points, and smallest distance between parts of the rod, in radii: pictures
-/// show no gap between rods that touch.
+/// Distance of checked points, and smallest distance between parts of the rod, in radii. At
+/// smaller distances pictures would show no gap.
 const SPACING: f64 = 2.0;
 const CLEARANCE: f64 = 6.0;
 
 /// Maximum number of checked points of the rod.
 const MOST_POINTS: f64 = 1000.0;
 
-/// Whether the rest of a rod behind a path of some length, m, falls straight when the gripper
+/// Whether the rest of a rod after a path of this length, m, falls straight when the gripper
 /// releases it.
 pub fn falls_straight(rod: &DeployedRod, laid: f64) -> bool {
     rod.length - laid <= FALLS_STRAIGHT * rod.gravito_bending_length
@@ -30,9 +30,9 @@ pub fn falls_straight(rod: &DeployedRod, laid: f64) -> bool {
 /// Treatment of a rod that is longer than its pattern.
 #[derive(Clone, Copy)]
 pub struct Spare<'a> {
-    /// The share of the surplus, from 0 to 1, that is laid if there is space.
+    /// Fraction of the surplus, from 0 to 1, that is laid if there is space.
     pub part: f64,
-    /// Whether there is space at a position in the frame of the pattern, m.
+    /// Whether a position in the frame of the pattern, m, is free.
     pub is_free: &'a dyn Fn(Point) -> bool,
 }
 
@@ -44,9 +44,9 @@ impl Spare<'_> {
     };
 }
 
-/// Lays a part of the surplus: behind the end of the pattern, as far as there is space, and the
-/// rest in front of its lead-in. There is space where `spare` allows it and no other part of the
-/// rod is.
+/// Lays a part of the surplus: after the end of the pattern as far as there is space, and the rest
+/// before its lead-in. There is space at positions that `spare` allows and that no other part of
+/// the rod occupies.
 pub fn with_spare_laid(pattern: Pattern, rod: &DeployedRod, spare: &Spare<'_>) -> Pattern {
     let unit = rod.gravito_bending_length;
     let (whole, bent) = (pattern.length(), pattern.lead_in());
@@ -86,7 +86,7 @@ struct Room<'a> {
 }
 
 impl Room<'_> {
-    /// Length over which a rod with the laid points `laid` can be laid further along `next`, which
+    /// Length by which a rod with the laid points `laid` can be extended along `next`, which
     /// begins at the arc length `from`, m.
     fn along(&self, laid: &[PatternPoint], next: &[PatternPoint], from: f64) -> f64 {
         // Points that are near along the rod are excluded.
@@ -118,7 +118,7 @@ mod tests {
         Pattern::new(Box::new(Line { length: 0.5 }), 0.0).unwrap()
     }
 
-    /// As much of a rod as there is space for.
+    /// Lays as much of a rod as there is space for.
     fn laid(pattern: Pattern, rod: &DeployedRod, is_free: &dyn Fn(Point) -> bool) -> Pattern {
         with_spare_laid(pattern, rod, &Spare { part: 1.0, is_free })
     }
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn the_surplus_without_space_behind_is_laid_in_front() {
-        // A table whose edge is 10 cm beyond the end.
+        // The edge of the table is 10 cm beyond the end.
         let wide = laid(line(), &GREEN, &|place| place.x < 0.6);
         assert!(
             (0.096..0.1).contains(&wide.lead_out()),
@@ -140,7 +140,7 @@ mod tests {
             wide.lead_out()
         );
         assert!((wide.length() - (0.885 - 2.5 * 0.032)).abs() < 1e-12);
-        // One that ends 1 cm beyond it, and 10 cm in front of the start.
+        // The table ends 1 cm beyond the end and 10 cm before the start.
         let narrow = laid(line(), &GREEN, &|place| (-0.1..0.51).contains(&place.x));
         assert_eq!(narrow.lead_out(), 0.0);
         assert!((0.096..0.1).contains(&narrow.lead_in()));

@@ -3,15 +3,15 @@
 use super::GripperPose;
 use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
 
-/// Largest gripper displacement per laid length at full speed: above it, laying is slower. Along a
-/// straight line it moves √2 times as far, with the optimal scheme around a bend of 1/L_gb about
-/// four times, and a constant speed of laying throws the rod out of bends: an A laid at 5 cm/s is
-/// twice as far from its pattern as with this limit.
+/// Ratio of gripper displacement to laid length above which laying is slower. Along a straight
+/// line this ratio is √2, and about four for the optimal scheme around a bend of 1/L_gb. At
+/// constant speed of laying, the rod is thrown out of bends: an A laid at 5 cm/s deviates twice as
+/// far from its pattern as with this limit.
 const LARGEST_RATIO: f64 = 1.5;
 
-/// Times of the poses of the gripper, s, from 0: laying proceeds at `speed` (m/s) or, where the
-/// gripper moves more than 1.5 times as far, at a lower speed such that it moves at 1.5 times
-/// `speed`.
+/// Times of the poses of the gripper, s, from 0. Laying proceeds at `speed` (m/s). Where the
+/// gripper moves more than 1.5 times as far as the laid length, laying is slower, so that the
+/// gripper moves at 1.5 times `speed`.
 pub fn times(poses: &[GripperPose], speed: f64) -> Vec<f64> {
     let mut time = 0.0;
     let mut times = Vec::with_capacity(poses.len());
@@ -40,8 +40,8 @@ pub fn when_laid(poses: &[GripperPose], times: &[f64], s: f64) -> f64 {
     between(after, times.len(), s, |k| [poses[k].s, times[k]])
 }
 
-/// The second of a row of pairs where the first is `at`, between the pairs before and at `after`;
-/// constant beyond them.
+/// Interpolates the second elements of pairs at the first element `at`, between pair `after` and
+/// the one before it; constant beyond the ends.
 fn between(after: usize, count: usize, at: f64, pair: impl Fn(usize) -> [f64; 2]) -> f64 {
     match (after, count) {
         (_, 0) => 0.0,
@@ -54,7 +54,7 @@ fn between(after: usize, count: usize, at: f64, pair: impl Fn(usize) -> [f64; 2]
     }
 }
 
-/// Time, s, place, m, and orientation of a gripper.
+/// Time, s, position, m, and orientation of a gripper.
 pub type TimedPose = (f64, Vector3, UnitQuaternion);
 
 /// Poses with the times at which the gripper passes them, s.

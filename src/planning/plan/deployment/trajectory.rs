@@ -15,15 +15,15 @@ use std::f64::consts::FRAC_PI_2;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
-    /// By the optimal grasp of each point.
+    /// The optimal grasp of each point.
     Optimal,
-    /// Upright above the contact node, lower by the laid length (thesis 5.1.1, Fig. 5.2): the
-    /// gripper moves along the pattern and, at the same rate, down.
+    /// Upright above the contact node, at a height that decreases by the laid length (thesis
+    /// 5.1.1, Fig. 5.2): the gripper moves along the pattern and, at the same rate, down.
     Intuitive,
 }
 
-/// Interval of network outputs that are compared with the equations; those between are compared
-/// with interpolated grasps.
+/// Interval of the network outputs that are compared with the equations. Those between are
+/// compared with interpolated grasps.
 const CHECKED: usize = 8;
 /// Allowed error of an output, L_gb and rad: twice the largest error of the built-in network.
 const TOLERANCES: [f64; 2] = [0.05, 0.02];
@@ -33,8 +33,8 @@ const TOLERANCES: [f64; 2] = [0.05, 0.02];
 pub enum OptimalGrasps<'a> {
     /// The equations of the suspended rod.
     Exact,
-    /// A network whose outputs are checked; the equations outside the range of its samples and
-    /// where an output is wrong.
+    /// A network whose outputs are checked. The equations replace it outside the range of its
+    /// samples, and where an output is wrong.
     Neural(&'a NeuralGrasps),
 }
 
@@ -52,10 +52,10 @@ pub struct Trajectory {
 pub struct GripperPose {
     /// Arc length of the contact node, m.
     pub s: f64,
-    /// Place, m. The table is z = 0, and the lying rod's centreline a radius above it.
+    /// Position, m. The table is z = 0; the lying rod's centreline is a radius above it.
     pub position: Vector3,
-    /// Orientation: its x axis is the tangent of the rod, towards the gripper; the frame of the rod that lies on the
-    /// table, (t, ẑ × t, ẑ), goes over into it without twist.
+    /// Orientation. Its x axis is the tangent of the rod, towards the gripper. It is the frame of
+    /// the lying rod, (t, ẑ × t, ẑ), carried along the rod without twist.
     pub rotation: UnitQuaternion,
     /// The exact grasp, dimensionless; `None` for the intuitive scheme and for a network.
     pub grasp: Option<Grasp>,
@@ -83,7 +83,7 @@ impl GripperPose {
     }
 }
 
-/// The gripper's poses for the points of a pattern; quaternions are continuous in sign.
+/// The gripper's poses for the points of a pattern; the signs of quaternions are continuous.
 ///
 /// # Errors
 /// There is no grasp at some point.
@@ -96,7 +96,8 @@ pub fn trajectory(
     checked_trajectory(points, rod, scheme, grasps).map(|trajectory| trajectory.poses)
 }
 
-/// The same, with the number of replaced outputs of a network, which is also logged as a warning.
+/// Computes [`trajectory`] and returns also the number of replaced outputs of a network, which is
+/// logged as a warning.
 ///
 /// # Errors
 /// There is no grasp at some point.
@@ -133,7 +134,7 @@ pub fn checked_trajectory(
     })
 }
 
-/// Poses by a network alone, without a check; points out of its range by the equations.
+/// Poses by a network without checks. Points outside its range use the equations.
 ///
 /// # Errors
 /// There is no grasp at some point, or an output of the network is not finite.
@@ -154,7 +155,7 @@ pub fn network_trajectory(
     continuous(poses.collect::<Result<_, _>>()?)
 }
 
-/// The poses, finite, with quaternions of one sign.
+/// The poses after checking that they are finite, with quaternions of consistent sign.
 fn continuous(found: Vec<GripperPose>) -> Result<Vec<GripperPose>, DeploymentError> {
     let mut poses: Vec<GripperPose> = Vec::with_capacity(found.len());
     for mut pose in found {
@@ -203,7 +204,7 @@ fn exact(
     })
 }
 
-/// An exact grasp at a point of the pattern.
+/// The exact grasp at a point of the pattern.
 fn placed_grasp(point: &PatternPoint, rod: &DeployedRod, grasp: Grasp) -> GripperPose {
     let force = [-grasp.contact_force.y, -grasp.contact_force.z];
     GripperPose {
@@ -247,10 +248,10 @@ fn predictions(
     Ok(problems.into_iter().zip(found).collect())
 }
 
-/// Poses by a network whose outputs are checked, and the number of replaced ones.
+/// Poses by a network with checked outputs, and the number of replaced outputs.
 ///
-/// Every eighth output is compared with the exact grasp. Those between are compared with the
-/// interpolation of the exact grasps on either side; where they differ, for example because the
+/// Every eighth output is compared with the exact grasp. The others are compared with the
+/// interpolation of the exact grasps on either side. If they differ, for example because the
 /// curvature changes, the equations are solved for that point as well. An output with an error
 /// beyond the tolerances is replaced by the exact grasp.
 fn learned(
@@ -301,14 +302,15 @@ fn learned_of(grasp: &Grasp) -> LearnedGrasp {
     }
 }
 
-/// Whether an output equals a known one within the tolerances; numbers that are not finite are not.
+/// Whether an output equals a reference within the tolerances; false for numbers that are not
+/// finite.
 fn is_near(answer: &LearnedGrasp, known: &LearnedGrasp) -> bool {
     let [farthest, most] = TOLERANCES;
     (answer.position - known.position).norm() <= farthest
         && answer.rotation.angle_to(&known.rotation) <= most
 }
 
-/// Between the exact grasps on either side of a point, by arc length.
+/// Interpolates by arc length between the exact grasps on either side of a point.
 fn between(
     grasps: &[Option<Grasp>],
     points: &[PatternPoint],
@@ -367,7 +369,7 @@ mod tests {
 
     const GREEN: DeployedRod = DeployedRod::GREEN;
 
-    /// A wavy curve, moved by a motion of the plane, mirrored about x first if requested.
+    /// A wavy curve, moved in the plane; mirrored about x first if requested.
     fn wave(turn: f64, shift: Point, mirror: f64) -> Vec<PatternPoint> {
         let turned = nalgebra::Rotation2::new(turn);
         let points: Vec<Point> = (0..=300)
@@ -429,7 +431,7 @@ mod tests {
             let ahead = pose.position.x - pose.s;
             assert!((ahead / 0.032 - 2.566).abs() < 2e-3, "{pose:?}");
             assert!(pose.position.y.abs() < 1e-12);
-            // Upright, except for the last few gravito-bending lengths.
+            // Upright, except over the last few gravito-bending lengths.
             let tangent = pose.rotation * Vector3::x();
             assert!(tangent.z > 0.99999);
         }
@@ -488,7 +490,7 @@ mod tests {
         let by_network =
             |poses: &[GripperPose]| poses.iter().filter(|pose| pose.grasp.is_none()).count();
         assert!(by_network(&built_in.poses) > points.len() / 2);
-        // Slightly off, far off, and so far that its numbers overflow.
+        // Slightly wrong, far off, and so far off that its numbers overflow.
         for by in [0.1, 30.0, 3e38] {
             let network = damaged(by);
             let trajectory = planned(&network);
@@ -499,7 +501,7 @@ mod tests {
             );
             assert!(trajectory.poses.iter().all(GripperPose::is_finite));
             let [far, turned] = off(&trajectory.poses);
-            // The interpolation between exact grasps has an error, too.
+            // The interpolation between exact grasps also has an error.
             assert!(
                 far < 2.0 * TOLERANCES[0] && turned < 2.0 * TOLERANCES[1],
                 "{by}: {far} {turned}"

@@ -1,7 +1,8 @@
 //! Gentle folds all over the workspace, as initial guesses for Newton's method.
 //!
-//! They are the same for every sheet, and take longer to find than all that is asked of them afterwards, so that the program contains
-//! them as a table, `atlas.npy`: an array of NumPy with a row for each fold. [`FoldAtlas::search`] finds them; a test compares both.
+//! They are the same for every sheet and take longer to find than any later computation. The
+//! program therefore contains them as a table, `atlas.npy`: a NumPy array with a row for each
+//! fold. [`FoldAtlas::search`] finds them; a test compares both.
 
 use super::FoldError;
 use super::equilibrium::{Fold, between};
@@ -15,7 +16,8 @@ const HEADER: usize = 128;
 /// Numbers in a row: x̄, z̄, α, l̄_s, H, V and the moment.
 const COLUMNS: usize = 7;
 
-/// Suspended lengths of the folds, L_gb: the first, the last, and how they grow.
+/// Suspended lengths of the folds, L_gb: the first and the last, and the ratio of successive
+/// lengths.
 const LENGTHS: [f64; 2] = [0.1, Fold::LONGEST];
 const GROWTH: f64 = 1.15;
 /// Angle between neighbours, rad.
@@ -28,7 +30,7 @@ const LARGEST_PULL: f64 = 100.0;
 const FARTHEST: [f64; 3] = [0.3, 0.4, 6.0];
 /// Number of neighbours from which a fold is searched.
 const STARTS: usize = 6;
-/// Number of steps to a point that are tried if a single step fails.
+/// Maximum number of steps to a point if a single step fails.
 const MOST_PARTS: usize = 64;
 
 /// Folds by suspended length and angle.
@@ -61,8 +63,9 @@ impl FoldAtlas {
         }
     }
 
-    /// Finds the folds of the table. For each suspended length the fold without a push along the table, and from it to smaller angles, where it is pulled
-    /// taut, and to larger ones, until the edge is back on the table.
+    /// Finds the folds of the table. For each suspended length the search starts at the fold
+    /// without a push along the table. It continues to smaller angles until the sheet is pulled
+    /// taut, and to larger ones until the edge is back on the table.
     pub fn search() -> Self {
         let mut folds = vec![];
         let mut length = LENGTHS[0];
@@ -84,13 +87,13 @@ impl FoldAtlas {
         Self { folds }
     }
 
-    /// The gentle fold at a gripper.
+    /// The gentle fold at a gripper position.
     ///
     /// # Errors
-    /// There is none in the workspace.
+    /// The workspace has no such fold.
     pub fn solve(&self, gripper: [f64; 2]) -> Result<Fold, FoldError> {
         let [x, z] = gripper;
-        // Relative, because short folds are similar to each other.
+        // The difference is relative, because short folds are similar to each other.
         let distance = |fold: &Fold| {
             let [other_x, other_z] = fold.gripper;
             libm::hypot(x - other_x, z - other_z) / libm::hypot(other_x, other_z)
@@ -115,7 +118,7 @@ impl FoldAtlas {
     /// All folds found at a gripper position, the gentle one first if it exists.
     ///
     /// # Errors
-    /// There is none in the workspace.
+    /// The workspace has no such fold.
     pub fn solve_all(&self, gripper: [f64; 2]) -> Result<Vec<Fold>, FoldError> {
         let gentle = self.solve(gripper);
         let others = folds_at(gripper).into_iter();
@@ -129,7 +132,7 @@ impl FoldAtlas {
     }
 
     /// A sheet that is lifted without a push along the table, from nearly flat to a suspended
-    /// length, in equal steps of it.
+    /// length, in equal steps of the length.
     pub fn lift(longest: f64, steps: usize) -> Vec<Fold> {
         let length = |step: usize| longest * step as f64 / steps as f64;
         let mut lift: Vec<Fold> = vec![];
@@ -155,14 +158,14 @@ impl Default for FoldAtlas {
     }
 }
 
-/// The gentle fold at a gripper position from another one, in as many steps as needed.
+/// The gentle fold at a gripper position, found from another fold in as many steps as needed.
 pub fn solve_from(start: &Fold, gripper: [f64; 2]) -> Option<Fold> {
     in_parts(start, gripper, MOST_PARTS, |fold, place| {
         Fold::at(place, fold).filter(|next| is_near(next, fold))
     })
 }
 
-/// A fold at another gripper position, by one step or, if it fails, by ever smaller steps.
+/// A fold at another gripper position, found in one step or, if that fails, in ever smaller steps.
 pub(super) fn in_parts(
     start: &Fold,
     gripper: [f64; 2],
@@ -181,7 +184,7 @@ pub(super) fn in_parts(
     })
 }
 
-/// The fold without a push that is longer.
+/// The fold without a push with a larger suspended length.
 pub(super) fn lengthened(fold: Fold, length: f64) -> Option<Fold> {
     const STEP: f64 = 0.1;
     let mut free = fold;
@@ -197,8 +200,9 @@ pub(super) fn lengthened(fold: Fold, length: f64) -> Option<Fold> {
     Some(free)
 }
 
-/// Folds of one suspended length from the one without a push on, to smaller angles (-1) until the sheet is pulled taut, or to larger
-/// ones (1) until its edge is back on the table: the last one is beyond.
+/// Folds of one suspended length, starting at the one without a push. With direction -1 the angles
+/// decrease until the sheet is pulled taut; with 1 they increase until the edge is back on the
+/// table, and the last fold is beyond.
 pub(super) fn angles_from(free: Fold, direction: f64) -> impl Iterator<Item = Fold> {
     Angles {
         last: free,
@@ -208,7 +212,7 @@ pub(super) fn angles_from(free: Fold, direction: f64) -> impl Iterator<Item = Fo
     }
 }
 
-/// Folds of one suspended length, one angle after the other.
+/// Folds of one suspended length at successive angles.
 struct Angles {
     last: Fold,
     before: Fold,
@@ -221,7 +225,7 @@ impl Iterator for Angles {
 
     fn next(&mut self) -> Option<Fold> {
         let (last, before) = (self.last, self.before);
-        // Ever smaller steps towards zero, where the forces grow without bound.
+        // The steps decrease towards zero, where the forces grow without bound.
         let largest = if self.direction < 0.0 {
             ANGLE.min(0.2 * last.angle)
         } else {
@@ -252,7 +256,8 @@ impl Iterator for Angles {
     }
 }
 
-/// Whether a fold may be of the same family as another: not far in length, angle and forces.
+/// Whether a fold may belong to the same family as another: their length, angle and forces are
+/// close.
 pub(super) fn is_near(fold: &Fold, last: &Fold) -> bool {
     let length = libm::log(fold.suspended_length / last.suspended_length).abs();
     let turn = (fold.angle - last.angle).abs();
@@ -266,7 +271,7 @@ mod tests {
     use super::*;
     use crate::reference;
 
-    /// The table, of folds that were found.
+    /// The table of the folds that were found.
     fn table(folds: &[Fold]) -> Vec<u8> {
         let shape = format!("({}, {COLUMNS})", folds.len());
         let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
@@ -330,8 +335,7 @@ mod tests {
         })
     }
 
-    /// If the reference has a solution other than the gentle one, it is unstable and among all
-    /// folds.
+    /// If the reference is not the gentle solution, it is unstable and among all folds.
     #[test]
     fn folds_agree_with_the_reference() {
         let atlas = FoldAtlas::new();
@@ -380,8 +384,8 @@ mod tests {
         assert!(moment.abs() < 1e-5, "{moment}");
     }
 
-    /// At (9.625, 0.175) the longest sheets hang over before they reach the table; one of them,
-    /// unstable, was returned.
+    /// At (9.625, 0.175) the longest sheets overhang before they reach the table. The atlas once
+    /// returned one of these unstable folds.
     #[test]
     fn gentle_folds_are_stable_where_long_sheets_turn_over() {
         let atlas = FoldAtlas::new();

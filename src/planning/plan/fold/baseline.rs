@@ -12,7 +12,8 @@ use std::f64::consts::PI;
 /// Poses of the circle (thesis sec. 4.6.2).
 const POSES: usize = 250;
 
-/// The edge on half a circle about the crease, tangent to it, as if the sheet were a hinged plate (thesis Eq. 4.17):
+/// The edge moves on a semicircle about the crease, tangent to it, as if the sheet were a hinged
+/// plate (thesis Eq. 4.17):
 ///
 /// > x̄ = C̄/2 (1 − cos θ), z̄ = C̄/2 sin θ, α = θ, θ from 0 to π
 pub fn circle(target: f64) -> Vec<FoldPose> {
@@ -31,18 +32,18 @@ pub fn circle(target: f64) -> Vec<FoldPose> {
 /// Greedy steps: the gripper moves around the crease, each time to the neighbouring cell with the
 /// smallest λ, and holds without a moment.
 ///
-/// This follows the description in the thesis of the method of Petrík et al.: a beam on a table,
+/// This follows the description of the method of Petrík et al. in the thesis: a beam on a table,
 /// whose current state alone determines the next grasp.
 ///
 /// # Errors
-/// No cell is left before the edge is down.
+/// There is no further cell before the edge is down.
 pub fn step_by_step(
     manifold: &ForceManifold,
     sheet: &Sheet,
     target: f64,
 ) -> Result<Vec<FoldPose>, FoldError> {
     let lost = FoldError::NoPath(target);
-    // The lift has no force along the table, and continues as long as there is a sheet to lift.
+    // The lift has no force along the table, and continues until the whole sheet is lifted.
     let mut folds = lift_of(sheet);
     let is_known = |fold: &Fold| manifold.fold(manifold.cell(fold.gripper)).is_some();
     let end = folds.iter().rposition(is_known).ok_or(lost)?;
@@ -90,7 +91,7 @@ mod tests {
         assert_eq!((first.gripper, first.angle), ([0.0; 2], 0.0));
         assert!((last.gripper[0] - 5.0).abs() < 1e-12 && last.gripper[1].abs() < 1e-12);
         assert!((last.angle - PI).abs() < 1e-12);
-        // The edge moves along the tangent of a plate that turns about the crease.
+        // The edge moves along the tangent of a plate that rotates about the crease.
         for pair in poses.windows(2) {
             let [dx, dz] = [0, 1].map(|k| pair[1].gripper[k] - pair[0].gripper[k]);
             let middle = 0.5 * (pair[0].angle + pair[1].angle);

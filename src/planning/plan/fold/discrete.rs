@@ -1,11 +1,11 @@
-//! The same equilibrium with a discrete elastic rod.
+//! Equilibrium of a fold with a discrete elastic rod.
 
 use super::FoldError;
 use super::equilibrium::{Condition, Fold};
 use nalgebra::Vector3;
 use rodlab_engine::mechanics::kirchhoff::elastica::{Forces, Place, State};
 
-/// A number and its derivatives by H, V and l̄_s.
+/// A number and its derivatives with respect to H, V and l̄_s.
 #[derive(Clone, Copy)]
 struct Dual {
     value: f64,
@@ -22,7 +22,8 @@ impl Dual {
 }
 
 impl Fold {
-    /// The same with a discrete elastic rod of N edges; second order in their length.
+    /// The fold at the same gripper position for a discrete elastic rod of N edges; second-order
+    /// accurate in their length.
     ///
     /// # Errors
     /// Newton's method does not converge.
@@ -43,8 +44,8 @@ impl Fold {
 ///
 /// > M_{j+1} − M_j = l (H sin θ_j − (V + (j + ½) l/2) cos θ_j),  θ_j = θ_{j−1} + φ_j
 ///
-/// The first edge lies on the table, without moment before it. The inclination is that of the last edge; the
-/// derivatives by the length come beside the place.
+/// The first edge lies on the table, without a moment before it. The returned angle is that of the
+/// last edge. The derivatives with respect to the length are returned beside the end.
 fn end(forces: Forces, length: f64, edges: usize) -> (Place, State) {
     let part = 1.0 / edges as f64;
     let edge = part * length;

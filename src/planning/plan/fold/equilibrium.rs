@@ -3,19 +3,20 @@
 use nalgebra::Vector3;
 use rodlab_engine::mechanics::kirchhoff::elastica::{Elastica, Forces, Place, State};
 
-/// Iterations of Newton's method.
+/// Maximum number of iterations of Newton's method.
 const ITERATIONS: usize = 30;
-/// Change of length and forces, relative, at which the method has converged.
+/// Relative change of length and forces at which the method has converged.
 const CONVERGED: f64 = 1e-12;
-/// Largest change of a force, of EI/l̄_s², and of the length, relative, in one iteration.
+/// Largest change in one iteration: of a force, in EI/l̄_s², and of the length, relative.
 const LARGEST_CHANGE: [f64; 2] = [4.0, 0.2];
 
 /// A sheet that is held without moment at its edge, dimensionless: lengths in L_gb, forces in EI/L_gb².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fold {
-    /// (x̄, z̄): the gripper, from where the manipulated edge lay when the sheet was flat; towards the sheet, and up.
+    /// (x̄, z̄): position of the gripper relative to the initial position of the held edge on the
+    /// flat sheet; x̄ towards the sheet, z̄ up.
     pub gripper: [f64; 2],
-    /// α, rad, by which the manipulated edge is turned.
+    /// α, rad, the angle of the held edge.
     pub angle: f64,
     /// l̄_s.
     pub suspended_length: f64,
@@ -40,12 +41,13 @@ pub(super) enum Condition {
     NoMoment,
     /// α.
     Angle(f64),
-    /// H over the weight of the lying rest and −V, for a sheet of length L̄.
+    /// Ratio of H to the pressure on the table, which is the weight of the lying rest and −V, for
+    /// a sheet of length L̄.
     Push { ratio: f64, length: f64 },
 }
 
 impl Condition {
-    /// Its residual at an end, and the derivatives by H, V and l̄_s.
+    /// Residual of the condition at an end, and its derivatives with respect to H, V and l̄_s.
     fn fault(self, forces: Forces, (end, by_length): &(Place, State)) -> (f64, [f64; 3]) {
         let of = |part: fn(&State) -> f64| {
             let by = [&end.by_horizontal, &end.by_vertical, by_length].map(part);
@@ -79,7 +81,8 @@ impl Fold {
     /// Longest suspended length at which folds are searched, L_gb.
     pub const LONGEST: f64 = 7.4;
 
-    /// Without a force along the table and next to flat: α = l̄³/24, z̄ = l̄⁴/48 and V = −l̄/4 of a beam.
+    /// The nearly flat fold without a force along the table. The initial guess is that of a beam:
+    /// α = l̄³/24, z̄ = l̄⁴/48 and V = −l̄/4.
     pub fn just_lifted(suspended_length: f64) -> Option<Self> {
         let guess = Forces {
             horizontal: 0.0,
@@ -88,7 +91,7 @@ impl Fold {
         Self::without_push(suspended_length, guess)
     }
 
-    /// Without a force along the table: θ'(l̄_s) = 0 by the choice of V.
+    /// The fold without a force along the table, with V such that θ'(l̄_s) = 0.
     pub fn without_push(suspended_length: f64, guess: Forces) -> Option<Self> {
         let conditions = [
             Condition::Horizontal(guess.horizontal),
@@ -98,8 +101,8 @@ impl Fold {
         Self::solved(guess, suspended_length, conditions, end)
     }
 
-    /// The fold of a suspended length and an angle: θ(l̄_s) = α and θ'(l̄_s) = 0 by the choice of H
-    /// and V.
+    /// The fold with a given suspended length and angle, with H and V such that θ(l̄_s) = α and
+    /// θ'(l̄_s) = 0.
     pub fn at_angle(suspended_length: f64, angle: f64, guess: Forces) -> Option<Self> {
         let conditions = [
             Condition::Length(suspended_length),
@@ -109,19 +112,20 @@ impl Fold {
         Self::solved(guess, suspended_length, conditions, end)
     }
 
-    /// With the gripper at (x̄, z̄), from another fold nearby.
+    /// The fold with the gripper at (x̄, z̄), found from another fold nearby.
     pub fn at(gripper: [f64; 2], near: &Self) -> Option<Self> {
         Self::held(gripper, Condition::NoMoment, near)
     }
 
-    /// With the gripper at (x̄, z̄) and its angle held at α, by the required moment, from another
-    /// fold nearby.
+    /// The fold with the gripper at (x̄, z̄), held at the angle α by the required moment, found
+    /// from another fold nearby.
     pub fn clamped_at(gripper: [f64; 2], angle: f64, near: &Self) -> Option<Self> {
         Self::held(gripper, Condition::Angle(angle), near)
     }
 
-    /// Fold with the gripper at (x̄, z̄) at the angle where the force of a sheet of length L̄ along the table is `ratio` times its
-    /// pressure on the table, H = `ratio` ((L̄ − l̄_s)/2 − V). The search starts from another fold nearby.
+    /// The fold with the gripper at (x̄, z̄), at the angle for which the force along the table is
+    /// `ratio` times the pressure on the table: H = `ratio` ((L̄ − l̄_s)/2 − V) for a sheet of
+    /// length L̄. The search starts from another fold nearby.
     pub fn pushing_at(gripper: [f64; 2], ratio: f64, length: f64, near: &Self) -> Option<Self> {
         Self::held(gripper, Condition::Push { ratio, length }, near)
     }
@@ -131,8 +135,8 @@ impl Fold {
         Self::solved(near.forces, near.suspended_length, conditions, end)
     }
 
-    /// Newton's method from forces and a suspended length nearby; `end` finds the end of a sheet from them, and its derivatives by
-    /// the length.
+    /// Newton's method, starting at given forces and a suspended length. `end` computes the end of
+    /// a sheet from them, and its derivatives with respect to the length.
     pub(super) fn solved(
         mut forces: Forces,
         mut length: f64,
@@ -183,13 +187,14 @@ impl Fold {
         (self.forces.horizontal / self.forces.vertical).abs()
     }
 
-    /// arctan(H/|V|), rad: how far the force on the lying part is inclined from the vertical; positive where the sheet is pulled. λ is
-    /// the size of its tangent.
+    /// arctan(H/|V|), rad: inclination of the force on the lying part from the vertical; positive
+    /// if the sheet is pulled. λ is the magnitude of its tangent.
     pub fn force_inclination(&self) -> f64 {
         libm::atan(self.forces.horizontal / self.forces.vertical.abs())
     }
 
-    /// Least coefficient of friction that holds a sheet of total length L̄: the lying rest of it presses on the table, too,
+    /// Least coefficient of friction that holds a sheet of total length L̄, whose lying rest also
+    /// presses on the table,
     ///
     /// > |F_x| / (|F_z| + (L̄ − l̄_s)/2)
     pub fn friction_demand(&self, length: f64) -> f64 {
@@ -206,7 +211,8 @@ impl Fold {
     }
 }
 
-/// The sheet at the suspended length from the touchdown point, and its derivatives by that.
+/// The sheet at the suspended length from the touchdown point, and its derivatives with respect to
+/// this length.
 fn end(forces: Forces, length: f64) -> (Place, State) {
     let sheet = Elastica::heavy(forces);
     let end = sheet.place(length);

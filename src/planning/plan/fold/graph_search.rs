@@ -9,7 +9,8 @@ use std::collections::BinaryHeap;
 /// A cell of the grid: column and row.
 pub type Cell = [usize; 2];
 
-/// A queued cell with its predecessor; the cheapest first, equal costs in the order of the cells.
+/// A queued cell with its predecessor. The cheapest cell comes first; equal costs are ordered by
+/// cell.
 pub struct Waiting<From = ()> {
     /// Its cost.
     pub cost: f64,
@@ -43,15 +44,16 @@ impl<From> Ord for Waiting<From> {
 /// Objective of a path over the manifold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Objective {
-    /// The sum over its cells (thesis Eq. 4.11).
+    /// The sum over the cells of the path (thesis Eq. 4.11).
     Sum,
-    /// The largest of its cells; of all such paths the one with the smallest sum.
+    /// The largest value over the cells of the path; of equal paths, the one with the smallest
+    /// sum.
     Largest,
 }
 
-/// Uniform-cost search (thesis Algorithm 4): the path of neighbouring cells, eight to each, from
-/// one of `starts` to `goal` whose costs over the cells after the first are least, and their sum or
-/// largest. `cost` is `None` for forbidden cells.
+/// Uniform-cost search (thesis Algorithm 4). Returns the path over neighbouring cells (each has
+/// eight) from one of `starts` to `goal` that minimises the sum or the maximum of the costs of all
+/// cells after the first. `cost` is `None` for forbidden cells.
 pub fn uniform_cost_search(
     manifold: &ForceManifold,
     starts: &[Cell],
@@ -125,7 +127,8 @@ fn search(
     None
 }
 
-/// The eight cells around a cell; those left of or below the grid wrap to cells beyond it, which no manifold has.
+/// The eight cells around a cell. Those left of or below the grid wrap around to cells outside any
+/// manifold.
 pub fn neighbours([column, row]: Cell) -> impl Iterator<Item = Cell> {
     const STEPS: [[isize; 2]; 8] = [
         [1, 0],
@@ -150,7 +153,7 @@ mod tests {
     use super::super::FoldAtlas;
     use super::*;
 
-    /// Against Bellman's equation over all cells.
+    /// Compares with Bellman's equation over all cells.
     #[test]
     fn paths_are_the_cheapest() {
         let manifold = ForceManifold::new(&FoldAtlas::new(), 0.2, 4.0);

@@ -9,11 +9,11 @@ use super::manifold::ForceManifold;
 use super::path::{FoldPath, Sheet, after_lift, lift_of, starts, way_over};
 use std::collections::BinaryHeap;
 
-/// Number of steps to a neighbour that are tried if a single step fails.
+/// Maximum number of steps to a neighbour if a single step fails.
 const MOST_PARTS: usize = 4;
-/// Largest differences of a fold and its neighbour: ln l̄_s and α.
+/// Largest differences of a fold from its neighbour: ln l̄_s and α.
 const FARTHEST: [f64; 2] = [0.3, 0.5];
-/// Cost of a step without a moment, to select the shortest of such paths.
+/// Cost of a step without a moment, which selects the shortest path among those without moments.
 const STEP_COST: f64 = 0.02;
 /// Number of smoothing sweeps of a path, and allowed growth of a moment in each.
 const SWEEPS: usize = 16;
@@ -22,12 +22,13 @@ const LARGER: f64 = 1e-3;
 const POINTS: usize = 24;
 const BELOW: f64 = 1e-6;
 
-/// From a fold to another gripper position, with the smallest moment that the friction φ of the
-/// table allows:
+/// The fold at another gripper position, found from a nearby fold, with the smallest moment that
+/// the friction φ of the table allows:
 ///
 /// > |H| ≤ φ ((L̄ − l̄_s)/2 − V)
 ///
-/// Without a moment if the demand is not larger, otherwise with a push or pull of that size.
+/// There is no moment if the demand is not larger; otherwise the sheet is pushed or pulled with
+/// exactly this force.
 pub fn held_from(start: &Fold, gripper: [f64; 2], length: f64, friction: f64) -> Option<Fold> {
     in_parts(start, gripper, MOST_PARTS, |fold, place| {
         held_next_to(fold, place, length, friction)
@@ -45,7 +46,7 @@ fn held_next_to(near: &Fold, gripper: [f64; 2], length: f64, friction: f64) -> O
     Fold::pushing_at(gripper, ratio, length, near).filter(is_like)
 }
 
-/// Whether a fold is of the kind of its neighbour, and possible.
+/// Whether a fold is similar to its neighbour, and possible.
 fn is_like(fold: &Fold, near: &Fold, length: f64) -> bool {
     let stretched = libm::log(fold.suspended_length / near.suspended_length);
     let turned = fold.angle - near.angle;
@@ -57,8 +58,9 @@ fn is_like(fold: &Fold, near: &Fold, length: f64) -> bool {
 }
 
 impl ForceManifold {
-    /// Folds of a sheet on a table of friction φ at every cell that `held_from` reaches, starting
-    /// at those of the lift; from the cells with the smallest moments first.
+    /// Folds of a sheet on a table with friction φ at every cell that `held_from` reaches,
+    /// starting at the folds of the lift. The search continues from the cells with the smallest
+    /// moments first.
     pub fn held(spacing: f64, sheet: &Sheet, friction: f64) -> Self {
         let cells = |reach: f64| (reach / spacing).ceil() as usize + 1;
         let longest = sheet.length.min(Fold::LONGEST);
@@ -101,8 +103,8 @@ impl ForceManifold {
     }
 }
 
-/// Plans a fold whose edge reaches (C̄, 0), with moments at the gripper that keep the friction
-/// demand within φ and whose sum over the cells of [`ForceManifold::held`] is least.
+/// Plans a fold whose edge reaches (C̄, 0). Moments at the gripper keep the friction demand within
+/// φ; their sum over the cells of [`ForceManifold::held`] is minimal.
 ///
 /// # Errors
 /// The target cannot be reached.
@@ -143,8 +145,8 @@ pub fn held_path(
     })
 }
 
-/// Smooths the path on the grid: each gripper position except the first and the last moves halfway
-/// between its neighbours if that needs no larger moment.
+/// Smooths the path over the grid. Each gripper position except the first and the last moves to
+/// the midpoint of its neighbours, if that needs no larger moment.
 fn smooth(way: &mut [Fold], sheet: &Sheet, friction: f64) {
     for _ in 0..SWEEPS {
         for index in 1..way.len() - 1 {
@@ -193,7 +195,8 @@ mod tests {
         assert!((last.gripper[0] - A4.length).abs() < 1e-9 && last.gripper[1].abs() < 1e-9);
         let moment = |fold: &Fold| fold.moment.abs();
         let most = path.folds.iter().map(moment).fold(0.0, f64::max);
-        // Without a push and without weight θ'² = 2 |V| sin θ: where the loop is tightest it is bent by √6 at the end.
+        // Without push and weight θ'² = 2 |V| sin θ. At the tightest loop the curvature at the end
+        // is √6.
         assert!((0.3..1.1).contains(&most), "{most}");
         assert!(
             path.folds
@@ -216,8 +219,8 @@ mod tests {
         }
     }
 
-    /// Without weight, a sheet that leaves the table under a force at atan φ swings about its
-    /// direction like a pendulum, and its edge never reaches the table.
+    /// Without weight, a sheet that leaves the table under a force at the angle atan φ oscillates
+    /// about its direction like a pendulum, so its edge never reaches the table.
     #[test]
     fn a_tight_fold_is_held_by_no_moment() {
         let cardboard = Sheet {

@@ -16,7 +16,7 @@ pub struct ForceManifold {
 
 /// Number of folds of the atlas from which a row is started.
 const STARTS: usize = 8;
-/// Largest pull H l̄_s² of such a fold.
+/// Largest pull H l̄_s² of the starting folds.
 const MOST_PULL: f64 = 5.0;
 
 /// Values of the manifold at a position: λ = |H|/|V|, α (rad) and l̄_s.
@@ -36,8 +36,8 @@ impl ForceManifold {
     /// The thesis' longest suspended length, in L_gb (sec. 4.3.3).
     pub const LONGEST: f64 = 6.84;
 
-    /// Exact folds of suspended lengths up to `longest`, at every cell of the grid that the gripper
-    /// can reach. Each row starts from the atlas and continues from cell to cell.
+    /// Exact folds with suspended lengths up to `longest`, at every cell of the grid that the
+    /// gripper can reach. Each row starts from the atlas and continues from cell to cell.
     pub fn new(atlas: &FoldAtlas, spacing: f64, longest: f64) -> Self {
         let reach = |k: usize| {
             let within = atlas
@@ -59,7 +59,7 @@ impl ForceManifold {
         }
     }
 
-    /// Folds found elsewhere, row by row.
+    /// A manifold of folds that were computed elsewhere, row by row.
     pub(super) fn of(spacing: f64, [columns, rows]: [usize; 2], folds: Vec<Option<Fold>>) -> Self {
         assert_eq!(folds.len(), columns * rows);
         Self {
@@ -75,7 +75,7 @@ impl ForceManifold {
         Self::of(spacing, [columns, rows], vec![None; columns * rows])
     }
 
-    /// Whether the grid has a cell.
+    /// Whether the grid contains a cell.
     pub(super) fn has(&self, [column, row]: [usize; 2]) -> bool {
         column < self.columns && row < self.rows
     }
@@ -119,13 +119,13 @@ impl ForceManifold {
             .flatten()
     }
 
-    /// The cell that contains a place.
+    /// The cell that contains a position.
     pub fn cell(&self, gripper: [f64; 2]) -> [usize; 2] {
         gripper.map(|value| (value / self.spacing).max(0.0) as usize)
     }
 
-    /// Between the four cells around a place, by H, V, α and l̄_s bilinearly; `None` if one of them
-    /// is out of reach.
+    /// Bilinear interpolation of H, V, α and l̄_s between the four cells around a position; `None`
+    /// if one of them is out of reach.
     pub fn at(&self, gripper: [f64; 2]) -> Option<ManifoldPoint> {
         let grid = gripper.map(|value| value / self.spacing - 0.5);
         if !(grid[0] >= 0.0 && grid[1] >= 0.0) {
@@ -161,12 +161,13 @@ impl ForceManifold {
     }
 }
 
-/// Whether a sheet is not pulled taut: nearby folds are like it.
+/// Whether a sheet is not pulled taut, so that nearby folds are similar.
 fn is_slack(fold: &Fold) -> bool {
     fold.forces.horizontal * fold.suspended_length.powi(2) < MOST_PULL
 }
 
-/// A row of the grid: from the fold of the atlas that is nearest in height to both sides, as far as folds reach.
+/// A row of the grid. It starts at the fold of the atlas with the nearest height and continues to
+/// both sides as far as there are folds.
 fn row_of_folds(
     atlas: &FoldAtlas,
     z: f64,

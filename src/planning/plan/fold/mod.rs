@@ -1,16 +1,17 @@
 //! Folding of a sheet by its edge, without sliding (thesis sec. 4).
 //!
-//! The sheet lies flat on a table; a gripper holds its edge without a moment, at (x, z) from where the edge lay, and lifts a
-//! part of length l_s. With lengths in L_gb = (E h²/(24 ρ g))^(1/3) and forces in EI/L_gb², so that the weight per length is 1/2,
-//! the suspended part is a planar heavy elastica:
+//! The sheet lies flat on a table. A gripper holds its edge without a moment, at (x, z) relative
+//! to the initial position of the edge, and lifts a part of length l_s. With lengths in L_gb = (E
+//! h²/(24 ρ g))^(1/3) and forces in EI/L_gb², so that the weight per length is 1/2, the suspended
+//! part is a planar heavy elastica:
 //!
 //! > θ'' = H sin θ − (V + s/2) cos θ,  θ(0) = θ'(0) = 0,  θ'(l̄_s) = 0
 //! >
 //! > x̄ = l̄_s − ∫ cos θ ds,  z̄ = ∫ sin θ ds,  α = θ(l̄_s),  λ = |H|/|V|
 //!
-//! (H, V) is the force of the suspended part on the lying one: it presses on the table with |V|,
-//! and pulls (H > 0) or pushes it. Some gripper positions have several solutions; the gentle one
-//! belongs to the family that begins with the flat sheet.
+//! (H, V) is the force of the suspended part on the lying part: it presses on the table with |V|,
+//! and pulls (H > 0) or pushes the lying part. Some gripper positions have several solutions; the
+//! gentle one belongs to the family that begins with the flat sheet.
 //!
 //! | file | what |
 //! |---|---|
@@ -67,7 +68,7 @@ use thiserror::Error;
 /// Why a fold was not found.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum FoldError {
-    /// The gripper is out of the workspace.
+    /// The gripper is outside the workspace.
     #[error(
         "no sheet can be held without a moment at x̄ = {}, z̄ = {} with a suspended length up to {} L_gb; the nearest feasible place found is \
          ({:.4}, {:.4})",
@@ -105,7 +106,7 @@ pub enum FoldError {
     /// No path leads there.
     #[error("no path over the manifold reaches x̄ = {0} within the allowed suspended lengths")]
     NoPath(f64),
-    /// No moment at the gripper is sufficient for a friction.
+    /// No moment at the gripper is sufficient for a given friction.
     #[error(
         "no moment at the gripper brings the edge to x̄ = {target:.4} with a friction demand of at \
          most {friction:.4}: so tight a fold pushes or pulls the lying part"

@@ -1,8 +1,8 @@
 //! Folds by a network trained on exact ones (thesis 4.3.4), and its force manifold (4.4.1).
 //!
-//! Its inputs are x̄ and z̄, its outputs α, l̄_s and the inclination of the force on the lying
-//! part, arctan(H/|V|), whose tangent is λ with a sign: smooth where λ has its kink, and bounded
-//! where λ is not.
+//! Its inputs are x̄ and z̄. Its outputs are α, l̄_s and the inclination arctan(H/|V|) of the
+//! force on the lying part, whose tangent is λ with a sign. The inclination is smooth where λ has
+//! its kink, and always bounded.
 
 use super::atlas::FoldAtlas;
 use super::equilibrium::Fold;
@@ -43,7 +43,7 @@ impl LearnedFold {
 /// Why a network cannot be used for folds.
 #[derive(Debug, Error)]
 pub enum NeuralFoldError {
-    /// It is not a model, or fails.
+    /// The file is not a model, or the model fails.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// It has no range of suspended lengths, or an impossible one.
@@ -72,8 +72,8 @@ impl NeuralFolds {
     pub const INPUTS: [&str; 2] = ["x", "z"];
     /// Its output columns.
     pub const OUTPUTS: [&str; 3] = ["force_inclination", "alpha", "suspended_length"];
-    /// Weights of their errors: without weights, those of α and l̄_s would be larger in their
-    /// units.
+    /// Weights of the errors of the outputs. Without weights, the errors of α and l̄_s would be
+    /// larger in their units.
     pub const WEIGHTS: [f64; 3] = [1.0, 1.5, 2.0];
     /// Quantities whose errors are reported.
     pub const COMPARED: [Compared; 3] = [
@@ -111,7 +111,7 @@ impl NeuralFolds {
         &self.model
     }
 
-    /// A fold for each place within the range of the samples, `None` for the others.
+    /// A fold for each position within the range of the samples, `None` for the others.
     ///
     /// # Errors
     /// [`ModelError::Tensors`].
@@ -125,8 +125,8 @@ impl NeuralFolds {
         Ok(outputs.map(|output| output.map(fold)).collect())
     }
 
-    /// Compares every fifth fold of a manifold of this network with the exact one, and checks that
-    /// all are finite.
+    /// Compares every fifth fold of a manifold of this network with the exact fold, and checks
+    /// that all folds are finite.
     pub fn check(atlas: &FoldAtlas, manifold: &ForceManifold) -> NetworkCheck {
         let folds: Vec<&Fold> = manifold.folds().collect();
         let not_finite = folds.iter().filter(|fold| !is_finite(fold)).count();
@@ -142,10 +142,10 @@ impl NeuralFolds {
         }
     }
 
-    /// The manifold by the network (thesis sec. 4.4.1), of a sheet whose suspended length is
-    /// between `least` and `longest`: at every cell of the grid within the training workspace of
-    /// the network. It has λ, but V is that of the nearest fold of the atlas; so the manifold is
-    /// for [`Objective::Sum`](super::Objective::Sum).
+    /// The manifold of the network (thesis sec. 4.4.1) for a sheet with suspended lengths between
+    /// `least` and `longest`, at every cell of the grid within the training workspace. It has λ of
+    /// the network, but V of the nearest fold of the atlas, so it can be used only for
+    /// [`Objective::Sum`](super::Objective::Sum).
     ///
     /// # Errors
     /// [`NeuralFoldError::OutOfRange`]; [`ModelError::Tensors`].
@@ -183,26 +183,26 @@ impl NeuralFolds {
     }
 }
 
-/// Longest requested suspended length over the longest of the samples.
+/// Largest ratio of the requested suspended length to the longest of the samples.
 const MARGIN: f64 = 1.01;
 
-/// Every so many-th fold of a manifold is compared with the exact one.
+/// Interval of the folds of a manifold that are compared with exact ones.
 const COMPARED_STEP: usize = 5;
-/// Allowed error: the inclination of the force and α, rad, and l̄_s. The networks of the guide are
-/// 0.003 off on average.
+/// Allowed errors: of the inclination of the force and of α, rad, and of l̄_s. The mean error of
+/// the networks in the guide is 0.003.
 const TOLERANCE: f64 = 0.2;
-/// Share of the compared folds that may have larger errors: next to x̄ = 0, where λ rises from 0 to
-/// 2 within 0.05 L_gb, any network is.
+/// Fraction of the compared folds that may have larger errors. Near x̄ = 0, where λ rises from 0
+/// to 2 within 0.05 L_gb, every network has them.
 const MOST_WRONG: f64 = 0.05;
 
-/// A manifold of a network beside the exact folds.
+/// Comparison of a network's manifold with exact folds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NetworkCheck {
     /// Number of compared folds.
     pub compared: usize,
-    /// Number of those with too large errors.
+    /// Number of compared folds with too large errors.
     pub wrong: usize,
-    /// Number of folds with numbers that are not finite, of all.
+    /// Number of folds with numbers that are not finite, among all folds.
     pub not_finite: usize,
 }
 
@@ -232,8 +232,8 @@ fn is_near(fold: &Fold, exact: &Fold) -> bool {
     off.iter().all(|off| off.abs() <= TOLERANCE)
 }
 
-/// Output of the network at a position, with V of the nearest exact fold, by distance relative to
-/// that from the initial edge.
+/// Output of the network at a position, with V of the nearest exact fold. Distances are relative
+/// to the distance from the initial edge.
 fn fold(gripper: [f64; 2], learned: &LearnedFold, atlas: &FoldAtlas) -> Fold {
     let distance = |fold: &Fold| {
         let [x, z] = fold.gripper;
@@ -281,7 +281,7 @@ mod tests {
         assert!(off.wrong == off.compared && !off.is_passed(), "{off:?}");
         let forces = changed(&|fold| fold.forces.horizontal -= 5.0);
         assert!(!forces.is_passed(), "{forces:?}");
-        // One number in a fold that is not compared is enough.
+        // One non-finite number is enough, even in a fold that is not compared.
         let second = exact.folds().nth(1).unwrap();
         let one = changed(&|fold| {
             if fold.gripper == second.gripper {

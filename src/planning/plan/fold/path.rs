@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 const LIFT_STEPS: usize = 100;
 /// Intervals between two folds of a path in its integral.
 const PARTS: usize = 3;
-/// Sweeps of the refinement, the smallest gain of a move, and the initial and the smallest move of
-/// a point in grid spacings.
+/// Number of sweeps of the refinement, smallest gain of a move, and initial and smallest move of a
+/// point in grid spacings.
 const SWEEPS: usize = 400;
 const LEAST_GAIN: f64 = 1e-9;
 const FIRST_MOVE: f64 = 0.5;
@@ -23,7 +23,8 @@ const LEAST_MOVE: f64 = 0.01;
 pub struct Sheet {
     /// L̄, its length in the direction of the fold.
     pub length: f64,
-    /// Least suspended length while it is bent, L_gb: shorter ones crease it (thesis sec. 4.6.5).
+    /// Least suspended length of the bent sheet, L_gb: shorter lengths crease it (thesis sec.
+    /// 4.6.5).
     pub least_suspended: f64,
 }
 
@@ -32,7 +33,7 @@ pub struct Sheet {
 pub struct FoldPath {
     /// Folds in order, from the nearly flat sheet to the crease target.
     pub folds: Vec<Fold>,
-    /// Number of them that only lift the edge, without a push along the table.
+    /// Number of folds that only lift the edge, without a push along the table.
     pub lift: usize,
     /// The minimum of the search over the grid: Σλ or the largest friction demand.
     pub grid_cost: f64,
@@ -61,10 +62,10 @@ impl Sheet {
     }
 }
 
-/// Plans a fold whose edge reaches (C̄, 0). The edge is lifted without a push; the point where the
-/// path leaves the lift, and its continuation over the grid (thesis Algorithm 4), are searched;
-/// then its points are moved until ∫ λ ds no longer decreases, for [`Objective::Sum`], and the
-/// folds along it are solved exactly.
+/// Plans a fold whose edge reaches (C̄, 0). First the edge is lifted without a push. A search
+/// finds the point where the path leaves the lift and its continuation over the grid (thesis
+/// Algorithm 4). For [`Objective::Sum`] the points are then moved until ∫ λ ds no longer
+/// decreases. Finally the folds along the path are solved exactly.
 ///
 /// # Errors
 /// The target cannot be reached.
@@ -123,8 +124,8 @@ pub fn starts(lift: &[Fold], manifold: &ForceManifold, sheet: &Sheet) -> Vec<Cel
     allowed.map(|fold| manifold.cell(fold.gripper)).collect()
 }
 
-/// The folds of a path over cells: from that of the lift at its start, whose index is first, to the
-/// goal.
+/// The folds of a path over cells. The first element is the index of the fold of the lift at the
+/// start of the path; the folds end at the goal.
 pub fn way_over(
     cells: &[Cell],
     lift: &[Fold],
@@ -143,7 +144,8 @@ pub fn way_over(
     Ok((leave, way.collect()))
 }
 
-/// Thins a lift to a spacing and appends the path after it; returns the number of folds kept of the lift, and all folds.
+/// Thins a lift to a spacing and appends the path that follows. Returns the number of kept folds
+/// of the lift, and all folds.
 pub fn after_lift(lift: &[Fold], way: &[Fold], spacing: f64) -> (usize, Vec<Fold>) {
     let mut folds = lift.to_vec();
     thin(&mut folds, spacing);
@@ -153,7 +155,7 @@ pub fn after_lift(lift: &[Fold], way: &[Fold], spacing: f64) -> (usize, Vec<Fold
 }
 
 impl FoldPath {
-    /// Largest λ while the sheet presses on the table with more than its edge.
+    /// Largest λ while more than the edge of the sheet presses on the table.
     pub fn largest_force_ratio(&self) -> f64 {
         self.folds[self.lift..]
             .iter()
@@ -206,7 +208,7 @@ fn goal_fold(atlas: &FoldAtlas, sheet: &Sheet, target: f64) -> Result<Fold, Fold
     Ok(goal)
 }
 
-/// ∫ λ |dr|, by the trapezoidal rule with folds between those of the path.
+/// ∫ λ |dr| by the trapezoidal rule, with additional folds between those of the path.
 fn integral(way: &[Fold]) -> Result<f64, FoldError> {
     let mut sum = 0.0;
     for pair in way.windows(2) {
@@ -222,9 +224,9 @@ fn integral(way: &[Fold]) -> Result<f64, FoldError> {
     Ok(sum)
 }
 
-/// The positions of a path, each inner one moved across it while the adjacent parts of the integral
-/// decrease, by ever smaller moves; λ is that of the manifold. The end and the start on the lift
-/// are fixed.
+/// Refines the positions of a path. Each inner position moves across the path as long as this
+/// decreases the adjacent parts of the integral, in ever smaller moves; λ is that of the manifold.
+/// The end and the start on the lift are fixed.
 fn refined(way: &[Fold], manifold: &ForceManifold, sheet: &Sheet) -> Vec<[f64; 2]> {
     let mut places: Vec<[f64; 2]> = way.iter().map(|fold| fold.gripper).collect();
     let mut ratios: Vec<f64> = way.iter().map(Fold::force_ratio).collect();
@@ -270,7 +272,7 @@ fn refined(way: &[Fold], manifold: &ForceManifold, sheet: &Sheet) -> Vec<[f64; 2
     places
 }
 
-/// The folds at moved positions, from the previous ones.
+/// The folds at moved positions, each found from the previous one.
 fn exactly(way: &[Fold], places: &[[f64; 2]]) -> Result<Vec<Fold>, FoldError> {
     let folds = way
         .iter()
@@ -283,7 +285,7 @@ fn distance(from: [f64; 2], to: [f64; 2]) -> f64 {
     libm::hypot(to[0] - from[0], to[1] - from[1])
 }
 
-/// Removes folds whose gripper is nearer to the last kept one than a spacing.
+/// Removes folds whose gripper is closer to the last kept one than a spacing.
 pub fn thin(folds: &mut Vec<Fold>, spacing: f64) {
     let mut last = [0.0; 2];
     folds.retain(|fold| {
@@ -322,7 +324,8 @@ mod tests {
         }
     }
 
-    /// The least friction is at most the friction of the least sum, and vice versa.
+    /// The path of least friction has at most the friction of the path of least sum, and vice
+    /// versa.
     #[test]
     fn each_plan_is_best_in_what_it_is_made_for() {
         let atlas = FoldAtlas::new();

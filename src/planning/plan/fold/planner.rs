@@ -1,4 +1,4 @@
-//! A plan by any of the methods, and replanning of its rest.
+//! Plans a fold by any of the methods, and replans the rest of a path.
 
 use super::FoldError;
 use super::atlas::FoldAtlas;
@@ -13,14 +13,15 @@ use super::pose::FoldPose;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Largest friction demand of a plan with moments, as a share of the friction of the table.
+/// Largest friction demand of a plan with moments, as a fraction of the friction of the table.
 pub const PART_OF_FRICTION: f64 = 0.85;
-/// Smallest suspended length of a slid sheet, relative to its current one, during recovery.
+/// Smallest allowed suspended length of a slid sheet during recovery, relative to its current
+/// length.
 const SHORTER: f64 = 0.95;
 /// Number of cached planners.
 const KEPT: usize = 8;
 
-/// Longest suspended length of a sheet that is considered, L_gb.
+/// Largest considered suspended length of a sheet, L_gb.
 fn longest(sheet: &Sheet) -> f64 {
     sheet.length.min(ForceManifold::LONGEST)
 }
@@ -28,14 +29,14 @@ fn longest(sheet: &Sheet) -> f64 {
 /// A method of folding.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Algorithm {
-    /// Without a moment at the gripper: least Σλ, as in the thesis, or least friction demand.
+    /// Without a moment at the gripper: with least Σλ, as in the thesis, or least friction demand.
     Optimal(Objective),
-    /// With the smallest moment for a table of friction μ.
+    /// With the smallest moment for a table with friction μ.
     Held {
         /// μ.
         friction: f64,
     },
-    /// The edge on half a circle.
+    /// The edge on a semicircle.
     Circle,
     /// Step by step.
     StepByStep,
@@ -69,11 +70,11 @@ impl FoldPlanner {
         }
     }
 
-    /// Creates a planner that uses the folds of a network, for [`Objective::Sum`]; if too many of them
-    /// differ from exact ones, it uses exact folds.
+    /// Creates a planner that uses the folds of a network, for [`Objective::Sum`]. If too many of
+    /// them differ from exact ones, it uses exact folds.
     ///
     /// # Errors
-    /// As of [`NeuralFolds::manifold`].
+    /// As [`NeuralFolds::manifold`].
     pub fn by_network(
         sheet: Sheet,
         network: &NeuralFolds,
@@ -100,7 +101,8 @@ impl FoldPlanner {
         &self.manifold
     }
 
-    /// The same with a cache: trials of one fold plan the same sheet repeatedly.
+    /// Creates a planner or returns a cached one: trials of one fold plan the same sheet
+    /// repeatedly.
     pub fn shared(sheet: Sheet, algorithm: Algorithm) -> Arc<Self> {
         static MADE: Mutex<Vec<Arc<FoldPlanner>>> = Mutex::new(Vec::new());
         let made = || MADE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -132,7 +134,7 @@ impl FoldPlanner {
     /// The path to the edge at (C̄, 0) with its folds.
     ///
     /// # Errors
-    /// The target cannot be reached, or this method has poses only.
+    /// The target cannot be reached, or this method gives only poses.
     pub fn path(&self, target: f64) -> Result<FoldPath, FoldError> {
         match self.algorithm {
             Algorithm::Circle | Algorithm::StepByStep => Err(FoldError::NoPath(target)),
@@ -146,9 +148,9 @@ impl FoldPlanner {
         }
     }
 
-    /// Replans the next part of a path for a sheet that has slid by `farther`, L_gb, since planning
-    /// (thesis Algorithm 5). The gripper is at a planned pose, behind its place on the sheet, and
-    /// continues to its planned goal. Poses are those on the sheet.
+    /// Replans the next part of a path for a sheet that has slid by `farther`, L_gb, since
+    /// planning (thesis Algorithm 5). The gripper is at a planned pose, which is now behind its
+    /// place on the sheet, and continues to its planned goal. Poses are relative to the sheet.
     ///
     /// # Errors
     /// No path leads there, or the gripper is beyond the end of the sheet.
@@ -168,9 +170,9 @@ impl FoldPlanner {
         self.onwards(held, to)
     }
 
-    /// Poses from a held one to another, as a part of a replanned path (thesis Eq. 4.15): the best
-    /// over the manifold, with the initial difference of angle from the manifold decreasing along
-    /// the path:
+    /// Poses from a held pose to another, as a part of a replanned path (thesis Eq. 4.15). The
+    /// path is the best one over the manifold. The initial difference of its angle from the
+    /// manifold decreases along the path:
     ///
     /// > α_k + Δα (1 − k/L),  Δα = α − α(x̄, z̄)
     ///
@@ -179,7 +181,7 @@ impl FoldPlanner {
     pub fn onwards(&self, held: FoldPose, to: FoldPose) -> Result<Vec<FoldPose>, FoldError> {
         let lost = FoldError::NoPath(to.gripper[0]);
         let [start, goal] = [held, to].map(|pose| self.manifold.cell(pose.gripper));
-        // Along the borders of the grid the nearest cell is used.
+        // At the borders of the grid the nearest cell is used.
         let known = self.manifold.at(held.gripper);
         let known = known.map(|point| (point.angle, point.suspended_length));
         let of_cell = || {
@@ -187,7 +189,7 @@ impl FoldPlanner {
             Some((fold.angle, fold.suspended_length))
         };
         let (free, suspended) = known.or_else(of_cell).ok_or(lost)?;
-        // A slid sheet may be bent too sharply: it must first be relaxed.
+        // A slid sheet may be bent too sharply; it must first be relaxed.
         let least = self.sheet.least_suspended.min(SHORTER * suspended);
         let sheet = Sheet {
             least_suspended: least,

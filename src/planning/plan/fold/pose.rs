@@ -5,7 +5,7 @@ use rodlab_engine::mechanics::{UnitQuaternion, Vector3, rotation};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Distance of the gripper, in L_gb, that takes as long as a turn by 1 rad.
+/// Distance of the gripper, in L_gb, that takes as long as a rotation by 1 rad.
 const TURN: f64 = 1.0;
 
 /// Position of the held edge, in L_gb from its initial position, and its angle.
@@ -32,13 +32,14 @@ impl FoldPose {
         angle: 0.0,
     };
 
-    /// Orientation of the gripper in the frame of the sheet, which lies along x: the gripper's x axis is the tangent of the sheet,
-    /// towards the gripper, its z axis the normal that points up where the sheet lies flat.
+    /// Orientation of the gripper in the frame of the sheet, which lies along x. The gripper's x
+    /// axis is the tangent of the sheet, towards the gripper; its z axis is the normal that points
+    /// up on the flat sheet.
     pub fn orientation(&self) -> UnitQuaternion {
         rotation::from_vector(self.angle * Vector3::y()) * rotation::from_vector(PI * Vector3::z())
     }
 
-    /// Distance to another pose for the time of the gripper: the larger of displacement and
+    /// Distance to another pose for the timing of the gripper: the larger of displacement and
     /// rotation, in L_gb.
     pub fn way_to(&self, other: &Self) -> f64 {
         let [dx, dz] = [0, 1].map(|k| other.gripper[k] - self.gripper[k]);

@@ -3,19 +3,20 @@
 use super::equilibrium::Fold;
 use rodlab_engine::mechanics::kirchhoff::elastica::{Elastica, Forces, Piece, Place};
 
-/// Forces that are tried, from and to, in EI/L_gb².
+/// Ranges of trial forces, in EI/L_gb².
 const HORIZONTAL: [f64; 2] = [-9.0, 5.0];
 const VERTICAL: [f64; 2] = [-5.0, 0.0];
 /// Forces in each direction.
 const GRID: usize = 90;
-/// Number of points without curvature that are followed along a sheet.
+/// Number of points without curvature that are traced along a sheet.
 const INFLECTIONS: usize = 4;
-/// Two folds are the same if their suspended lengths differ by less.
+/// Largest difference of the suspended lengths of two folds that count as the same.
 const SAME: f64 = 1e-6;
 
-/// Folds whose gripper is at (x̄, z̄), by growing suspended length: for every pair of forces the sheet is followed from the
-/// touchdown point to the first places without curvature, any of which can be its edge. Where three neighbouring pairs of forces
-/// have such places around the gripper, Newton's method finds the fold.
+/// Folds with the gripper at (x̄, z̄), sorted by suspended length. For every pair of forces the
+/// sheet is traced from the touchdown point to the first points without curvature, any of which
+/// can be its edge. If these points enclose the gripper for three neighbouring pairs of forces,
+/// Newton's method finds the fold.
 pub(super) fn folds_at(gripper: [f64; 2]) -> Vec<Fold> {
     let rows: Vec<Vec<[Option<Fold>; INFLECTIONS]>> = (0..=GRID)
         .map(|i| (0..=GRID).map(|j| edges_of(forces(i, j))).collect())
@@ -61,12 +62,12 @@ fn forces(i: usize, j: usize) -> Forces {
     }
 }
 
-/// The sheets that end at the places without curvature.
+/// The sheets that end at the points without curvature.
 fn edges_of(forces: Forces) -> [Option<Fold>; INFLECTIONS] {
     let mut edges = [None; INFLECTIONS];
     let mut count = 0;
     let mut place = Place::default();
-    // At the touchdown point itself there is no curvature, either.
+    // The touchdown point itself also has no curvature.
     let mut sign = -forces.vertical;
     while place.arc_length < Fold::LONGEST && count < INFLECTIONS {
         let piece = Piece::new(place, Elastica::heavy(forces));

@@ -13,12 +13,13 @@ pub struct FoldedSheet {
     pub gravito_bending_length: f64,
     /// Length in the direction of the fold, m.
     pub length: f64,
-    /// Least suspended length while it is bent, in L_gb (thesis sec. 4.6.5).
+    /// Least suspended length of the bent sheet, in L_gb (thesis sec. 4.6.5).
     pub least_suspended: f64,
 }
 
 impl FoldedSheet {
-    /// L_gb of a sheet of Young's modulus E (Pa), thickness h (m) and density ρ (kg/m³) in a gravity g (m/s²), m (thesis Eq. 4.4).
+    /// L_gb of a sheet with Young's modulus E (Pa), thickness h (m) and density ρ (kg/m³) in a
+    /// gravity g (m/s²), m (thesis Eq. 4.4).
     pub fn gravito_bending_length_of(
         modulus: f64,
         thickness: f64,
@@ -36,10 +37,10 @@ impl FoldedSheet {
         }
     }
 
-    /// Poses of the gripper for folds, in the plane y = 0: the edge lay at the origin, the sheet
-    /// along x on the table z = 0. The gripper's x axis is the tangent of the sheet, towards the
-    /// gripper, its z axis the normal that points up where the sheet lies flat. `s` is the arc
-    /// length of the gripper path, m.
+    /// Poses of the gripper for folds, in the plane y = 0. The edge starts at the origin; the
+    /// sheet lies along x on the table z = 0. The gripper's x axis is the tangent of the sheet,
+    /// towards the gripper; its z axis is the normal that points up on the flat sheet. `s` is the
+    /// arc length of the gripper path, m.
     pub fn poses(&self, folds: &[Fold]) -> Vec<GripperPose> {
         let mut way = 0.0;
         let mut before = Vector3::zeros();

@@ -3,22 +3,22 @@
 use super::FoldError;
 use super::equilibrium::{Fold, between};
 
-/// Step of sliding, L_gb, largest sliding, and accuracy of its end.
+/// Step of sliding, L_gb, largest sliding, L_gb, and number of bisections for its end.
 const STEP: f64 = 0.004;
 const FARTHEST: f64 = 4.0;
 const BISECTIONS: usize = 30;
 /// Number of steps from one planned fold to the next.
 const PARTS: usize = 4;
 
-/// Sliding of the sheet along x at each fold of a path, in L_gb, on a table of friction μ, without
-/// inertia, with a gripper that holds its planned angles.
+/// Sliding of the sheet along x at each fold of a path, in L_gb, on a table with friction μ,
+/// without inertia. The gripper holds its planned angles.
 ///
-/// A fold at x̄ of a sheet that has slid by Δ is one at x̄ − Δ, no longer without a moment at the
-/// gripper. Where its friction demand exceeds μ, the sheet slides, away if it is pushed and back if
-/// it is pulled, until its demand is μ.
+/// A fold at x̄ of a sheet that has slid by Δ is a fold at x̄ − Δ, but with a moment at the
+/// gripper. If its friction demand exceeds μ, the sheet slides until its demand is μ: away if it
+/// is pushed, and back if it is pulled.
 ///
 /// # Errors
-/// No friction can hold it.
+/// No friction can hold the sheet.
 pub fn sliding(folds: &[Fold], length: f64, friction: f64) -> Result<Vec<f64>, FoldError> {
     let mut slid = 0.0;
     let mut last: Option<(&Fold, Fold)> = None;
@@ -43,7 +43,7 @@ pub fn sliding(folds: &[Fold], length: f64, friction: f64) -> Result<Vec<f64>, F
                 let Some(moved) = held(next, &state) else {
                     break;
                 };
-                // Past the fold without a push it is held in between, by less than μ.
+                // Beyond the fold without a push, the sheet is held in between, by less than μ.
                 let turned = moved.forces.horizontal * here.forces.horizontal <= 0.0;
                 if turned || moved.friction_demand(length) <= friction {
                     held_at = Some(next);
@@ -71,7 +71,7 @@ pub fn sliding(folds: &[Fold], length: f64, friction: f64) -> Result<Vec<f64>, F
     Ok(all)
 }
 
-/// From one planned fold to the next, while the sheet keeps its position.
+/// The fold at the next planned gripper pose, if the sheet keeps its position.
 fn carried(from: &Fold, to: &Fold, slid: f64, state: &Fold) -> Option<Fold> {
     (1..=PARTS).try_fold(*state, |state, part| {
         let part = part as f64 / PARTS as f64;
@@ -81,7 +81,7 @@ fn carried(from: &Fold, to: &Fold, slid: f64, state: &Fold) -> Option<Fold> {
     })
 }
 
-/// The sheet that has slid, with the gripper at a place and an angle.
+/// The fold of a sheet that has slid, with the gripper at a position and an angle.
 fn held([x, z]: [f64; 2], angle: f64, slid: f64, near: &Fold) -> Option<Fold> {
     let held = Fold::clamped_at([x - slid, z], angle, near)?;
     let ratio = held.suspended_length / near.suspended_length;

@@ -19,14 +19,15 @@ impl Fold {
     }
 }
 
-/// Number of directions in which the energy of a fold decreases while the gripper stays where it is and turns freely, if `nodes` are
-/// all, or does not turn, if they are all but the last.
+/// Number of directions in which the energy of a fold decreases while the gripper stays at its
+/// position. If `nodes` includes the last node, the gripper turns freely; otherwise it does not
+/// turn.
 ///
 /// > δ²E = ∫ η'² + (H cos θ + (V + s/2) sin θ) η² ds,  η(0) = 0,  ∫ η cos θ ds = ∫ η sin θ ds = 0
 ///
-/// With piecewise linear η a tridiagonal matrix, bordered by the two conditions; its negative
-/// pivots are counted. The sheet leaves the table without curvature, so that a small change of the
-/// lifted length has no second-order effect.
+/// With piecewise linear η the second variation is a tridiagonal matrix, bordered by the two
+/// conditions; its negative pivots are counted. The sheet leaves the table without curvature, so a
+/// small change of the lifted length has no second-order effect.
 fn unstable_modes(fold: &Fold, nodes: usize) -> usize {
     let places = Elastica::heavy(fold.forces).places(fold.suspended_length, PARTS);
     let ds = fold.suspended_length / PARTS as f64;
@@ -73,8 +74,8 @@ mod tests {
     use super::*;
     use nalgebra::DMatrix;
 
-    /// Of all folds at a gripper, against the eigenvalues of the second variation in the plane of the two conditions, for a sheet
-    /// of rigid edges.
+    /// Compares all folds at a gripper with the eigenvalues of the second variation, projected
+    /// onto the two conditions, for a sheet of rigid edges.
     #[test]
     fn modes_are_those_of_the_eigenvalues() {
         const EDGES: usize = 80;
@@ -89,7 +90,7 @@ mod tests {
                 let (sine, cosine) = middle.state.angle.sin_cos();
                 let load = fold.forces.vertical + 0.5 * middle.arc_length;
                 matrix[(edge, edge)] += ds * (fold.forces.horizontal * cosine + load * sine);
-                // The first edge turns against the table over half an edge.
+                // The rotation of the first edge relative to the table acts over half an edge.
                 matrix[(edge, edge)] += if edge == 0 { 2.0 / ds } else { 1.0 / ds };
                 if edge > 0 {
                     matrix[(edge - 1, edge - 1)] += 1.0 / ds;

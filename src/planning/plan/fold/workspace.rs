@@ -1,31 +1,34 @@
-//! The workspace: gripper positions between a taut sheet and one whose edge is back on the table.
+//! The workspace: gripper positions between a taut sheet and a sheet whose edge is back on the
+//! table.
 
 use super::atlas::{angles_from, lengthened};
 use super::equilibrium::Fold;
 use rayon::prelude::*;
 use rodlab_engine::mechanics::kirchhoff::elastica::Forces;
 
-/// Largest growth of the suspended length from curve to curve.
+/// Largest ratio of the suspended lengths of successive curves.
 const GROWTH: f64 = 1.02;
-/// Iterations for the end of a curve, and its accuracy.
+/// Maximum number of iterations for the end of a curve, and its accuracy.
 const ITERATIONS: usize = 40;
 const ACCURACY: f64 = 1e-11;
-/// Number of folds added to the outline between two of a curve.
+/// Number of folds added to the outline between two folds of a curve.
 const BETWEEN: usize = 4;
 
-/// Places (x̄, z̄) of gentle folds of suspended lengths from one to another (thesis sec. 4.4.1), from sheets that are pulled with
-/// H = |V|, so that no friction below 1 holds them, to those whose edge is back on the table, or that turn over before: the longest.
+/// Positions (x̄, z̄) of gentle folds with a range of suspended lengths (thesis sec. 4.4.1). At
+/// one end of this range of folds, sheets are pulled with H = |V|, so that no friction below 1
+/// holds them. At the other end their edge is back on the table, or the longest sheets turn over
+/// before.
 #[derive(Clone, Debug)]
 pub struct Workspace {
     outline: Vec<[f64; 2]>,
 }
 
 impl Workspace {
-    /// Suspended lengths that a workspace may have, L_gb.
+    /// Allowed range of suspended lengths of a workspace, L_gb.
     pub const LENGTHS: [f64; 2] = [0.1, Fold::LONGEST];
 
-    /// The workspace of suspended lengths from one to another, L_gb; `None` if they are outside
-    /// [`LENGTHS`](Self::LENGTHS) or do not grow.
+    /// The workspace of suspended lengths between two limits, L_gb; `None` if they are outside
+    /// [`LENGTHS`](Self::LENGTHS) or not ascending.
     pub fn new([from, to]: [f64; 2]) -> Option<Self> {
         let [least, largest] = Self::LENGTHS;
         if !(least <= from && from < to && to <= largest) {
@@ -48,8 +51,8 @@ impl Workspace {
         })
     }
 
-    /// Its outline, in four parts: taut sheets from the shortest to the longest suspended length, the
-    /// longest one to its end, the ends back to the shortest one, and the shortest one.
+    /// Its outline, in four parts: taut sheets from the shortest to the longest suspended length,
+    /// the longest sheet to its end, the ends back to the shortest sheet, and the shortest sheet.
     pub fn outline(&self) -> &[[f64; 2]] {
         &self.outline
     }
@@ -73,8 +76,8 @@ impl Workspace {
         inside
     }
 
-    /// Gripper positions at a suspended length, starting at the taut sheet; `None` if it is outside
-    /// [`LENGTHS`](Self::LENGTHS).
+    /// Gripper positions for a suspended length, starting at the taut sheet; `None` if it is
+    /// outside [`LENGTHS`](Self::LENGTHS).
     pub fn places_of_length(length: f64) -> Option<Vec<[f64; 2]>> {
         let [least, largest] = Self::LENGTHS;
         let free = (least..=largest).contains(&length).then_some(length);
@@ -83,12 +86,12 @@ impl Workspace {
     }
 }
 
-/// The fold without a push, starting at the flat sheet.
+/// The fold without a push, found from the flat sheet.
 fn free_fold(length: f64) -> Option<Fold> {
     lengthened(Fold::just_lifted(length.min(1.0))?, length)
 }
 
-/// Folds of one suspended length by growing angle.
+/// Folds of one suspended length with increasing angle.
 fn curve(free: &Fold) -> Option<Vec<Fold>> {
     let mut folds = vec![];
     let mut last = *free;
@@ -120,7 +123,7 @@ fn curve(free: &Fold) -> Option<Vec<Fold>> {
     Some(folds)
 }
 
-/// The same with others between them.
+/// The curve with additional folds between those given.
 fn finer(curve: &[Fold]) -> Vec<Fold> {
     let mut folds = vec![curve[0]];
     for pair in curve.windows(2) {
@@ -132,7 +135,7 @@ fn finer(curve: &[Fold]) -> Vec<Fold> {
     folds
 }
 
-/// The fold between two of the same length at a part of the angle between theirs.
+/// The fold between two folds of the same length, at a fraction of the difference of their angles.
 fn between(one: &Fold, other: &Fold, part: f64) -> Option<Fold> {
     let guess = one.forces.towards(&other.forces, part);
     let angle = one.angle + part * (other.angle - one.angle);
@@ -153,8 +156,8 @@ fn below(fold: &Fold) -> f64 {
     -fold.gripper[1]
 }
 
-/// The fold of the same length between one inside and one outside at which a function that is negative inside vanishes (regula falsi
-/// with the weights of the Illinois algorithm).
+/// The fold at which a function changes sign, between a fold inside, where it is negative, and one
+/// outside, both of the same length (regula falsi with the weights of the Illinois algorithm).
 fn end(inside: Fold, outside: Fold, beyond: fn(&Fold) -> f64) -> Option<Fold> {
     let mut sides = [(inside, beyond(&inside)), (outside, beyond(&outside))];
     let mut kept = None;
@@ -180,7 +183,8 @@ mod tests {
     use super::super::FoldAtlas;
     use super::*;
 
-    /// Folds of the atlas are inside or outside by their own suspended length, pull and height.
+    /// Compares with the folds of the atlas, which are inside or outside according to their
+    /// suspended length, pull and height.
     #[test]
     fn it_holds_the_folds_of_its_lengths_and_no_others() {
         let workspace = Workspace::new([0.7, 5.0]).unwrap();
@@ -188,7 +192,7 @@ mod tests {
         for fold in FoldAtlas::new().folds() {
             let [x, z] = fold.gripper;
             let length = fold.suspended_length;
-            // The outline is a polygon; and so close to the flat sheet, all lengths coincide.
+            // The outline is a polygon, and close to the flat sheet all lengths coincide.
             let is_near = (length - 0.7).abs() < 0.02 || (length - 5.0).abs() < 0.02;
             if is_near || pull(fold).abs() < 0.02 || z.abs() < 0.01 || x < 1e-4 {
                 continue;

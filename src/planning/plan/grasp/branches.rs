@@ -1,4 +1,5 @@
-//! All grasps found: planar rods by shooting, continued to the requested curvature and length.
+//! All grasps that are found: planar rods by shooting, continued to the requested curvature and
+//! length.
 
 use super::continuation::{settled, walk};
 use super::mesh::first_mesh;
@@ -7,18 +8,18 @@ use super::{GraspProblem, Vector3};
 use rodlab_engine::mechanics::kirchhoff::elastica::{Elastica, Forces};
 use rodlab_engine::mechanics::kirchhoff::numerics::bisect;
 
-/// Range of forces n_z(0) that is searched.
+/// Searched range of forces n_z(0).
 const FORCES: [f64; 2] = [-12.0, 4.0];
 /// Steps between them.
 const FORCE_STEPS: usize = 6400;
-/// Suspended length up to which shooting separates solutions; longer rods start from this one.
+/// Suspended length up to which shooting separates solutions; longer rods are continued from it.
 const SHOOTING_LENGTH: f64 = 8.0;
 /// Number of intervals of the initial guess.
 const PARTS: usize = 2000;
-/// Forces nearer than this belong to one solution.
+/// Largest difference of forces that belong to one solution.
 const SAME: f64 = 1e-6;
 
-/// The solutions other than the gentle one, which has the force `gentle`.
+/// The solutions except the gentle one, which has the force `gentle`.
 pub fn others(problem: &GraspProblem, gentle: [f64; 2], march: &mut March) -> Vec<Shape> {
     let mut found: Vec<Shape> = Vec::new();
     let flat = GraspProblem {

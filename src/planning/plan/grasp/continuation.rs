@@ -5,15 +5,15 @@ use super::shape::{March, Shape};
 use super::{GraspProblem, Vector3, WEIGHT};
 use std::f64::consts::FRAC_PI_2;
 
-/// Largest rotation of a tangent in one step: with more, the solution may have jumped to another
-/// branch.
+/// Largest rotation of a tangent in one step. After a larger rotation the solution may have jumped
+/// to another branch.
 const LARGEST_TURN: f64 = 0.5;
-/// Smallest step, as a share of the path.
+/// Smallest step, as a fraction of the path.
 const SMALLEST_STEP: f64 = 1e-3;
 /// Maximum number of refinements of the mesh.
 const REFINEMENTS: usize = 8;
-/// Suspended length at which the curvature is introduced: for longer rods, the gripper has no
-/// effect on the contact node.
+/// Suspended length at which the curvature is introduced. In longer rods the gripper has no effect
+/// on the contact node.
 const SHORT: f64 = 4.0;
 
 /// The gentle branch, starting at the planar rod. `None` if Newton's method does not converge.
@@ -45,7 +45,7 @@ fn planar(problem: &GraspProblem, march: &mut March) -> Option<Shape> {
     settled(shape, march)
 }
 
-/// Newton's method, on finer meshes until the mesh is fine enough.
+/// Newton's method, with refinement until the mesh is fine enough.
 pub fn settled(mut shape: Shape, march: &mut March) -> Option<Shape> {
     shape.converge(march)?;
     for _ in 0..REFINEMENTS {
@@ -89,7 +89,7 @@ pub fn walk(shape: Shape, problem: &GraspProblem, march: &mut March) -> Option<S
     Some(shape)
 }
 
-/// One step: the solution near `shape`.
+/// One step: finds the solution near `shape`.
 fn moved(shape: &Shape, problem: GraspProblem, march: &mut March) -> Option<Shape> {
     let mesh = first_mesh(&problem);
     let guess = Shape::guess(problem, &mesh, shape.force, |s| shape.at(s));

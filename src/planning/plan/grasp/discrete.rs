@@ -1,12 +1,14 @@
-//! The optimal grasp of the discrete elastic rod: the engine's energies, in second order of the edge length.
+//! The optimal grasp of the discrete elastic rod, with the engine's energies; second-order
+//! accurate in the edge length.
 //!
-//! Nodes 0 to N, the contact node first; edges are short there and become longer towards the
-//! gripper. At the contact node the curvature of the pattern is the angle φ between a ghost edge,
-//! at half of φ behind the tangent x̂, and the first edge, at half of φ ahead of it. The moment
-//! there, the derivative of the energy ½ (2 tan(φ/2))²/l̄ over φ, is κ̄ EI: with x = tan(φ/2), x +
-//! x³ = κ̄ l̄/2. The force of the gripper has no component along x̂ and no moment. Unknown are the
-//! nodes, the angles of the edges, and the components y and z of that force: Newton's method on the
-//! band of the rod, bordered by the direction of the first edge.
+//! Nodes are numbered 0 to N, starting at the contact node; edges are short there and become
+//! longer towards the gripper. At the contact node the curvature of the pattern is the angle φ
+//! between a ghost edge, which is φ/2 behind the tangent x̂, and the first edge, which is φ/2
+//! ahead of it. The moment there, the derivative of the energy ½ (2 tan(φ/2))²/l̄ with respect to
+//! φ, is κ̄ EI: with x = tan(φ/2), x + x³ = κ̄ l̄/2. The force of the gripper has no component
+//! along x̂, and there is no moment at the gripper. The unknowns are the nodes, the angles of the
+//! edges, and the components y and z of that force. Newton's method solves the band matrix of the
+//! rod, bordered by the direction of the first edge.
 
 use super::shape::Shape;
 use super::{Grasp, GraspError, GraspProblem, TWIST_STIFFNESS, Vector3, WEIGHT};
@@ -21,21 +23,22 @@ use rodlab_engine::mechanics::{Matrix3, UnitQuaternion};
 
 /// Maximum number of Newton iterations.
 const ITERATIONS: usize = 40;
-/// Minimum number of edges: those next to the two ends are held in the stability analysis.
+/// Minimum number of edges: the stability analysis holds those next to the two ends.
 pub const FEWEST_EDGES: usize = 8;
 /// Largest displacement of a node in one iteration, relative to the length of the rod.
 const LARGEST_MOVE: f64 = 0.05;
-/// Displacement, relative to the length of the rod, at which the rounding of a stiff rod is
-/// reached.
+/// Displacement, relative to the length of the rod, at which the rounding errors of a stiff rod
+/// are reached.
 const CONVERGED: f64 = 1e-9;
-/// Largest stiffness k̄_s of the discrete rod, also for inextensible rods: it stretches by some
-/// millionths.
+/// Largest stiffness k̄_s of the discrete rod, also used for inextensible rods: it stretches by
+/// some millionths.
 const STIFFEST: f64 = 1e6;
-/// Distance from the contact node, L_gb, over which edges there double in length. Half of all edges are spread evenly,
-/// half by the logarithm of the distance: strongly bent edges are short.
+/// Distance from the contact node, L_gb, over which the edges double in length. Half of all edges
+/// are spread evenly, half by the logarithm of the distance, so that strongly bent edges are
+/// short.
 const GRADING: f64 = 0.5;
 
-/// The grasp of a rod with a number of edges near the shape of the continuous one.
+/// The grasp of a rod with a number of edges, near the shape of the continuous rod.
 ///
 /// # Errors
 /// Newton's method does not converge.
@@ -122,7 +125,8 @@ impl DiscreteRod {
         }
     }
 
-    /// One Newton iteration; returns the largest move of a node over the length of the rod.
+    /// Performs one Newton iteration; returns the largest displacement of a node over the length
+    /// of the rod.
     fn iterate(&mut self) -> Option<f64> {
         let size = self.unknowns.len();
         let last = size - STRIDE;
@@ -132,13 +136,13 @@ impl DiscreteRod {
         }
         self.factor.factor(&self.matrix).ok()?;
         self.factor.solve(&mut right);
-        // Displacement by a unit force of the gripper.
+        // Displacement per unit force of the gripper.
         let mut lifts = [vec![0.0; size], vec![0.0; size]];
         for (axis, lift) in lifts.iter_mut().enumerate() {
             lift[last + 1 + axis] = 1.0;
             self.factor.solve(lift);
         }
-        // The first edge stays in its direction: two conditions, two forces.
+        // The first edge keeps its direction, which gives two conditions for the two forces.
         let off = |moves: &[f64], direction: &Vector3| direction.dot(&position(moves, 1));
         let [one, other] = self.across;
         let now = position(&self.unknowns, 1);
@@ -172,7 +176,7 @@ impl DiscreteRod {
         Some(largest)
     }
 
-    /// Gradient of the potential; the Hessian goes to the matrix. The contact node is held.
+    /// Gradient of the potential; the Hessian is written to the matrix. The contact node is held.
     fn linearise(&mut self) -> Vec<f64> {
         let size = self.unknowns.len();
         self.geometry
@@ -196,7 +200,7 @@ impl DiscreteRod {
         let last = STRIDE * edges;
         gradient[last + 1] -= self.force[0];
         gradient[last + 2] -= self.force[1];
-        // The contact node, and the angle of the last, non-existent edge.
+        // Excludes the contact node, and the angle of the non-existent last edge.
         for held in [0, 1, 2, last + 3] {
             self.matrix.hold(held);
             gradient[held] = 0.0;
@@ -241,7 +245,7 @@ fn places(length: f64, edges: usize) -> Vec<f64> {
     let slope = |s: f64| 0.5 * (1.0 / length + 1.0 / ((GRADING + s) * whole));
     let mut places = vec![0.0];
     for node in 1..edges {
-        // Newton's method from the left of a concave function stays there.
+        // Starting at the left of the root of a concave function, Newton's method stays there.
         let mut s = places[node - 1];
         for _ in 0..8 {
             s += (node as f64 / edges as f64 - share(s)) / slope(s);
@@ -261,7 +265,7 @@ fn half_turn(moment: f64) -> f64 {
     libm::atan(x)
 }
 
-/// A straight rod of EI = 1 with a ghost edge at its start, as long as the first one.
+/// A straight rod with EI = 1 and a ghost edge at its start, as long as the first edge.
 fn elastic_rod(problem: &GraspProblem, places: &[f64]) -> ElasticRods {
     let edges = places.len() - 1;
     let length = |edge: usize| places[edge + 1] - places[edge];

@@ -4,7 +4,7 @@
 use rodlab_engine::mechanics::kirchhoff::numerics::gauss_legendre;
 use std::sync::LazyLock;
 
-/// Stages s of a step; the method is of order 10.
+/// Number of stages s of a step; the method has the order 10.
 pub const STAGES: usize = 5;
 
 /// The method's coefficients for a step of length 1.
@@ -16,7 +16,8 @@ pub struct GaussRule {
     pub weights: [f64; STAGES],
     /// a: integrals of the Lagrange polynomials from 0 to each stage.
     pub matrix: [[f64; STAGES]; STAGES],
-    /// Derivatives, at the end of the step, of the Lagrange polynomials of its start and its stages.
+    /// Derivatives, at the end of the step, of the Lagrange polynomials of its start and its
+    /// stages.
     pub end_slope: [f64; STAGES + 1],
     /// Barycentric weights of the polynomial through the start of the step and the stages.
     barycentric: [f64; STAGES + 1],
@@ -37,7 +38,7 @@ impl GaussRule {
                 .map(|other| (x - nodes[other]) / (nodes[stage] - nodes[other]))
                 .product()
         };
-        // The rule itself integrates its polynomials exactly.
+        // The rule integrates its own polynomials exactly.
         let matrix = std::array::from_fn(|row| {
             std::array::from_fn(|column| {
                 let end = nodes[row];

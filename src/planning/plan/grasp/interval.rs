@@ -1,4 +1,4 @@
-//! One step of collocation: the equations of the rod on an interval, linearised about a guess.
+//! One collocation step: the equations of the rod on an interval, linearised about a guess.
 //!
 //! t' = M × t, M' = −λ t × n with λ = 1 + n·t/k̄_s, n(s) = n(0) + s ẑ/2 (EI = L_gb = 1). Gauss collocation keeps
 //! the quadratic invariants |t| = 1 and M·t = 0 exactly.
@@ -9,9 +9,9 @@ use rodlab_engine::mechanics::Matrix3;
 
 /// Unknowns of an interval: the tangents at its stages.
 const UNKNOWNS: usize = 3 * STAGES;
-/// Right-hand sides: two homogeneous solutions and a particular one.
+/// Number of right-hand sides: two homogeneous solutions and a particular one.
 pub const COLUMNS: usize = 3;
-/// The particular solution among them.
+/// Index of the particular solution.
 pub const PARTICULAR: usize = 2;
 
 /// Tangent, moment and the unknown components y, z of the force n(0).
@@ -50,7 +50,7 @@ impl State {
     }
 }
 
-/// A part of the rod with the values at its stages.
+/// A part of the rod, with its values at the stages.
 #[derive(Clone, Copy, Debug)]
 pub struct Interval {
     /// s at its start.
@@ -78,7 +78,8 @@ impl Interval {
         self.start + self.length * RULE.nodes[stage]
     }
 
-    /// Carries three solutions of the linearised equations from the start of the interval to its end.
+    /// Propagates three solutions of the linearised equations from the start of the interval to
+    /// its end.
     pub fn carry(
         &self,
         columns: &[State; COLUMNS],

@@ -1,14 +1,14 @@
 //! Meshes for the suspended rod.
 //!
-//! Disturbances of the rod decay over 1/√|n|, and the effects of the pattern's curvature and the
-//! upward bend are within a few L_gb of the contact node. The first mesh follows this; intervals
-//! are split where the shape needs it.
+//! Disturbances of the rod decay over 1/√|n|; the effects of the pattern's curvature and the
+//! upward bend are limited to a few L_gb near the contact node. The first mesh accounts for this.
+//! Intervals are split where the shape requires it.
 
 use super::gauss::{RULE, STAGES};
 use super::shape::Shape;
 use super::{GraspProblem, WEIGHT};
 
-/// Decay lengths in an interval far from the contact node.
+/// Number of decay lengths in an interval far from the contact node.
 const DECAY_LENGTHS: f64 = 2.5;
 /// Additional intervals per L_gb at the contact node, and their decay length.
 const DENSITY_AT_CONTACT: f64 = 1.2;
@@ -17,12 +17,12 @@ const CONTACT_LENGTH: f64 = 2.5;
 const FEWEST: usize = 3;
 /// Maximum number of intervals.
 const MOST: usize = 4000;
-/// Points at which the density is added up, per L_gb.
+/// Number of points per L_gb at which the density is summed.
 const RESOLUTION: f64 = 8.0;
 
-/// Allowed residual of the equations at the ends of intervals, times the length of the interval:
-/// the polynomials are of the fifth degree, but exact to order 10 at the ends, so that the error of
-/// the shape is about the square of this.
+/// Allowed residual of the equations at the ends of intervals, times the length of the interval.
+/// The polynomials have degree five but are exact to order 10 at the ends, so the error of the
+/// shape is about the square of this value.
 const DEFECT: f64 = 1e-4;
 
 /// Intervals per length.
@@ -60,7 +60,7 @@ pub fn first_mesh(problem: &GraspProblem) -> Vec<f64> {
     mesh
 }
 
-/// A mesh refined where the shape needs it; `None` if it is fine enough, or would need too many
+/// A mesh refined where the shape requires it; `None` if it is fine enough, or would need too many
 /// intervals.
 pub fn finer_mesh(shape: &Shape) -> Option<Vec<f64>> {
     let mut mesh = vec![0.0];
@@ -77,8 +77,8 @@ pub fn finer_mesh(shape: &Shape) -> Option<Vec<f64>> {
         }
         turn -= interval.length * moment.cross(&tangent);
         change += interval.length * stretch * tangent.cross(&force);
-        // The moment is a derivative of the tangent: its residual counts over the length of the
-        // interval.
+        // The moment is a derivative of the tangent, so its residual is multiplied by the length
+        // of the interval.
         let defect = turn.norm().max(interval.length.min(1.0) * change.norm());
         let parts = libm::pow(defect / DEFECT, 1.0 / (STAGES + 1) as f64);
         let parts = parts.ceil().clamp(1.0, 4.0) as usize;

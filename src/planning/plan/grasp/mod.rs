@@ -1,5 +1,5 @@
 //! Optimal grasps: position and orientation of a gripper that holds a rod hanging onto a table,
-//! such that the lying part has no axial force (thesis secs. 5.2 and 5.3).
+//! for which the lying part has no axial force (thesis secs. 5.2 and 5.3).
 //!
 //! A suspended part of length l_s rises from the contact node, where it continues the lying part: same tangent t and
 //! same curvature κ. With lengths in L_gb and forces in EI/L_gb², so that EI = 1 and the weight per length is 1/2,
@@ -10,7 +10,8 @@
 //!
 //! n(s) and M(s) are the force and the moment of the material beyond s. Without a moment at the
 //! gripper the force at the contact node cannot vanish, as required by thesis Eq. 5.8: the moments
-//! of the suspended part about z give x_M n_y(0) = κ̄. Its component along the lying part does.
+//! of the suspended part about z give x_M n_y(0) = κ̄. Only its component along the lying part
+//! vanishes.
 //!
 //! | file | what |
 //! |---|---|
@@ -103,11 +104,11 @@ impl GraspProblem {
     pub const LENGTHS: [f64; 2] = [0.1, 100.0];
     /// Largest |κ̄|.
     pub const LARGEST_CURVATURE: f64 = 12.0;
-    /// Smallest k̄_s: softer rods would stretch by a large share of their length.
+    /// Smallest k̄_s: softer rods would stretch by a large fraction of their length.
     pub const LEAST_STIFFNESS: f64 = 100.0;
 
-    /// A rod of suspended length l̄_s on a pattern of curvature κ̄, with the stretching stiffness k̄_s; infinite: it
-    /// does not stretch.
+    /// A rod with the suspended length l̄_s on a pattern with the curvature κ̄. The stretching
+    /// stiffness k̄_s may be infinite, for a rod that does not stretch.
     ///
     /// # Errors
     /// A value is out of range.
@@ -143,7 +144,7 @@ impl GraspProblem {
         self.curvature
     }
 
-    /// k̄_s, infinite if the rod does not stretch.
+    /// k̄_s; infinite if the rod does not stretch.
     pub fn stretch_stiffness(&self) -> f64 {
         1.0 / self.stretch_compliance
     }

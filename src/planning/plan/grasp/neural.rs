@@ -1,10 +1,10 @@
 //! Optimal grasps by a network trained on exact ones (thesis 5.3.5).
 //!
-//! Its inputs are ln(1 + l̄_s), |κ̄| and 1/k̄_s. Its outputs are the quantities even in κ̄: x of
-//! the gripper and the drop from its height on an upright rod, in L_gb, and the component y of the
-//! rotation vector; and the odd ones over κ̄: y and the components x and z of the rotation vector.
-//! Grasps on straight patterns are thus exactly straight, and those on mirrored patterns are
-//! exactly mirrored.
+//! Its inputs are ln(1 + l̄_s), |κ̄| and 1/k̄_s. Its outputs are, first, the quantities that are
+//! even in κ̄: the gripper's x, its drop below the height on an upright rod, in L_gb, and the
+//! component y of the rotation vector. The other outputs are the odd quantities divided by κ̄: the
+//! gripper's y, and the components x and z of the rotation vector. Grasps on straight patterns are
+//! therefore exactly straight, and those on mirrored patterns exactly mirrored.
 
 use super::{GraspProblem, Vector3};
 use crate::learn::{Compared, Model, ModelError, read_model};
@@ -18,7 +18,7 @@ pub struct NeuralGrasps {
     model: Model,
 }
 
-/// Output of a network for a grasp: position in L_gb, rotation as of [`Grasp`](super::Grasp).
+/// Output of a network for a grasp: position in L_gb, rotation as in [`Grasp`](super::Grasp).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LearnedGrasp {
     /// Position of the gripper.
@@ -32,7 +32,8 @@ pub fn log_length(suspended_length: f64) -> f64 {
     libm::log1p(suspended_length)
 }
 
-/// Height of the upper end of a rod that hangs upright, L_gb: its tension at s is about s/2 − 0.7, as of a grasp.
+/// Height of the upper end of a rod that hangs upright, L_gb. As in a grasp, its tension at s is
+/// about s/2 − 0.7.
 pub fn hanging_height(suspended_length: f64, stretch_compliance: f64) -> f64 {
     let stretch = 0.25 * suspended_length * suspended_length - 0.7 * suspended_length;
     suspended_length + stretch_compliance * stretch
@@ -59,7 +60,8 @@ impl NeuralGrasps {
         "rotation_y",
         "rotation_z_per_curvature",
     ];
-    /// Quantities whose errors are reported: outputs over the curvature are multiplied by it.
+    /// Quantities whose errors are reported. Outputs divided by the curvature are multiplied by
+    /// it.
     pub const COMPARED: [Compared; 2] = [
         Compared {
             quantity: "position in L_gb",
@@ -71,8 +73,9 @@ impl NeuralGrasps {
         },
     ];
 
-    /// The network that comes with the program: `results/models/grasps.safetensors`, made by `rodlab dataset
-    /// scenarios/deployment_dataset.toml` and `rodlab train results/deployment_dataset`.
+    /// The network that is part of the program: `results/models/grasps.safetensors`, made by
+    /// `rodlab dataset scenarios/deployment_dataset.toml` and
+    /// `rodlab train results/deployment_dataset`.
     pub fn built_in() -> &'static Self {
         &BUILT_IN
     }
@@ -89,7 +92,7 @@ impl NeuralGrasps {
         Self::of(path, Model::from_bytes(path, bytes, Self::SAMPLES)?)
     }
 
-    /// The network of a model from a file.
+    /// The network of a model that was read from a file.
     ///
     /// # Errors
     /// It was trained on other columns.
@@ -171,7 +174,8 @@ mod tests {
             errors[0] += (found.position - exact.position).norm() / 500.0;
             errors[1] += found.rotation.angle_to(&exact.rotation).to_degrees() / 500.0;
         }
-        // Over the whole range of its samples; `reproduce tab5.3` has the errors along patterns.
+        // Over the whole range of its samples; `reproduce tab5.3` reports the errors along
+        // patterns.
         assert!(errors[0] < 0.005 && errors[1] < 0.08, "{errors:?}");
     }
 

@@ -1,10 +1,10 @@
 //! The suspended rod by collocation: its shape, and Newton's method for it.
 //!
 //! Growing solutions of the linearised equations are kept independent by orthonormalisation at
-//! every interval, and only two columns are carried: those that satisfy the conditions at the
-//! contact node (stabilised march; Ascher, Mattheij & Russell, Numerical Solution of Boundary Value
-//! Problems for Ordinary Differential Equations, sec. 4.4). A single shooting would lose all digits
-//! beyond l̄_s ≈ 12: disturbances grow by exp(∫√|n| ds).
+//! every interval. Only the two columns are propagated that satisfy the conditions at the contact
+//! node (stabilised march; Ascher, Mattheij & Russell, Numerical Solution of Boundary Value
+//! Problems for Ordinary Differential Equations, sec. 4.4). Single shooting would lose all digits
+//! beyond l̄_s ≈ 12, because disturbances grow by exp(∫√|n| ds).
 
 use super::gauss::{RULE, STAGES};
 use super::interval::{COLUMNS, Interval, PARTICULAR, Stages, State};
@@ -14,12 +14,12 @@ use super::{GraspProblem, Vector3, WEIGHT};
 const ITERATIONS: usize = 30;
 /// Largest change of a tangent in one iteration.
 const LARGEST_TURN: f64 = 0.6;
-/// Change for which the next one is below round-off.
+/// Change for which the next one is below the rounding error.
 const CONVERGED: f64 = 1e-6;
 /// Change of a force or moment that counts as divergence.
 const DIVERGED: f64 = 1e4;
 
-/// A suspended rod in balance, EI = L_gb = 1.
+/// A suspended rod in equilibrium, EI = L_gb = 1.
 #[derive(Clone, Debug)]
 pub struct Shape {
     /// Its problem.
@@ -100,7 +100,7 @@ impl Shape {
         (tangent, moment)
     }
 
-    /// Newton's method; the number of iterations, or `None` if it does not converge.
+    /// Newton's method. Returns the number of iterations, or `None` if it does not converge.
     pub fn converge(&mut self, scratch: &mut March) -> Option<usize> {
         for iteration in 1..=ITERATIONS {
             let change = self.iterate(scratch)?;
@@ -111,7 +111,7 @@ impl Shape {
         None
     }
 
-    /// One iteration; returns the largest change of a tangent, or of n(0).
+    /// Performs one iteration; returns the largest change of a tangent, or of n(0).
     fn iterate(&mut self, march: &mut March) -> Option<f64> {
         let problem = self.problem;
         march.legs.clear();
@@ -131,7 +131,8 @@ impl Shape {
             });
             columns = ends;
         }
-        // M = 0 at the gripper, across the tangent: along it M·t = 0 holds automatically.
+        // M = 0 at the gripper needs only the components across the tangent, since M·t = 0 holds
+        // automatically.
         let last = self.tangents.len() - 1;
         let [one, other] = across(&self.tangents[last]);
         let row = |direction: &Vector3| columns.map(|column| direction.dot(&column.moment));
@@ -158,7 +159,7 @@ impl Shape {
         self.take(march)
     }
 
-    /// Moves to the new values, limited to the range of the linearisation.
+    /// Moves to the new values, limited to the range in which the linearisation is valid.
     fn take(&mut self, march: &March) -> Option<f64> {
         let mut turn: f64 = 0.0;
         for (interval, leg) in self.intervals.iter().zip(&march.legs) {
@@ -198,7 +199,7 @@ impl Shape {
     }
 }
 
-/// Scratch of Newton's method.
+/// Work arrays of Newton's method.
 #[derive(Clone, Debug, Default)]
 pub struct March {
     legs: Vec<Leg>,
@@ -214,7 +215,7 @@ struct Leg {
 }
 
 impl Leg {
-    /// Sums the columns into the last one.
+    /// Combines the columns into the last one.
     fn combine(&mut self, factors: [f64; 2]) {
         let sums = self
             .stages
@@ -228,8 +229,8 @@ impl Leg {
     }
 }
 
-/// Orthonormalisation of the columns at the end of an interval: old = new · [[a, b], [0, d]], and
-/// the components of the particular solution along them are removed.
+/// Orthonormalisation of the columns at the end of an interval: old = new · [[a, b], [0, d]]. The
+/// components of the particular solution along the columns are removed.
 #[derive(Clone, Copy, Debug)]
 struct Turned {
     triangle: [f64; 3],
@@ -237,7 +238,7 @@ struct Turned {
 }
 
 impl Turned {
-    /// Factors of the columns before from those of the columns after.
+    /// Coefficients of the columns before the orthonormalisation from those after it.
     fn back(&self, factors: [f64; 2]) -> [f64; 2] {
         let [a, b, d] = self.triangle;
         let right = [factors[0] - self.shift[0], factors[1] - self.shift[1]];
@@ -265,7 +266,7 @@ fn orthonormalise(columns: &mut [State; COLUMNS]) -> Option<Turned> {
     })
 }
 
-/// Two unit vectors across a direction.
+/// Two unit vectors normal to a direction.
 pub fn across(direction: &Vector3) -> [Vector3; 2] {
     let least = direction.iamin();
     let one = direction.cross(&Vector3::ith(least, 1.0)).normalize();

@@ -1,16 +1,17 @@
 //! A planar rod whose gripper is slightly pushed out of the plane: linear theory.
 //!
-//! Of all small rotations θ(s) of the cross-sections, zero at both ends, the one that moves the
-//! gripper to its new position has the least second variation (see `stability`): with the position
-//! as a condition C θ = Δ and its multiplier λ,
+//! Among all small rotations θ(s) of the cross-sections that vanish at both ends and move the
+//! gripper to its new position, the actual one minimises the second variation (see `stability`).
+//! With the position as a condition C θ = Δ and its multiplier λ,
 //!
 //! > K θ + Cᵀ λ = 0,  C θ − m λ = Δ.
 
 use super::Vector3;
 use super::stability::{Element, Elimination, variations};
 
-/// Largest sideways displacement of the rod over that of its gripper, which keeps its direction;
-/// the absolute value also for unstable rods, and infinite at the limit of stability.
+/// Largest sideways displacement of the rod over that of its gripper, which keeps its direction.
+/// The absolute value is also returned for unstable rods; it is infinite at the limit of
+/// stability.
 pub fn largest_sideways(elements: &[Element], twist_stiffness: f64, compliance: f64) -> f64 {
     let variations = variations(elements, twist_stiffness, compliance);
     if variations.is_empty() {
@@ -20,7 +21,7 @@ pub fn largest_sideways(elements: &[Element], twist_stiffness: f64, compliance: 
     let Some(multiplier) = conditions.lu().solve(&Vector3::y()) else {
         return f64::INFINITY;
     };
-    // Rotations from the gripper back to the contact node; both ends are held.
+    // Solves for the rotations from the gripper back to the contact node; both ends are held.
     let mut rotations = vec![Vector3::zeros(); elements.len() + 1];
     for (node, leg) in legs.iter().enumerate().rev() {
         let Some(inverse) = leg.inverse else {
@@ -57,8 +58,8 @@ mod tests {
 
     #[test]
     fn a_rod_with_guided_ends_follows_its_gripper() {
-        // Clamped at both ends, one of them guided sideways: it is displaced most at that end, for
-        // any tension.
+        // A rod clamped at both ends, one of which is guided sideways, has its largest
+        // displacement at that end, for any tension.
         for force in [-6.0, 0.0, 50.0] {
             let largest = largest_sideways(&straight(force), 0.7, 1e-6);
             assert!((largest - 1.0).abs() < 1e-6, "{force}: {largest}");
@@ -67,9 +68,9 @@ mod tests {
 
     #[test]
     fn a_column_beyond_its_critical_load_is_displaced_farther_than_its_gripper() {
-        // Beyond P = 4π² it is unstable, and bulges all the more: for y'''' + P y'' = 0 with
-        // y(0) = y'(0) = y'(1) = 0, y(1) = 1 and p = √P,
-        // y = (p x − sin p x + c (cos p x − 1))/(p − sin p + c (cos p − 1)), c = (1 − cos p)/sin p.
+        // Beyond P = 4π² the rod is unstable and bulges even more. For y'''' + P y'' = 0 with y(0)
+        // = y'(0) = y'(1) = 0, y(1) = 1 and p = √P, y = (p x − sin p x + c (cos p x − 1))/(p − sin
+        // p + c (cos p − 1)), c = (1 − cos p)/sin p.
         let p: f64 = 8.5;
         assert!(p > 2.0 * PI);
         let c = (1.0 - p.cos()) / p.sin();

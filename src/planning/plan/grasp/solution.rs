@@ -8,24 +8,26 @@ use super::{GraspProblem, Vector3, WEIGHT};
 use nalgebra::Rotation3;
 use rodlab_engine::mechanics::{Matrix3, UnitQuaternion};
 
-/// Tolerance of the height above the table, in L_gb, for rounding.
+/// Tolerance of the height above the table for rounding errors, in L_gb.
 const TOUCH: f64 = 1e-9;
 
 /// Pose of the gripper that holds the rod; lengths in L_gb, forces in EI/L_gb².
 ///
-/// The contact node is the origin, its tangent x̂, and ẑ points up from the table; positive curvature turns to +ŷ.
+/// The contact node is the origin; its tangent is x̂, and ẑ points up from the table. Positive
+/// curvature turns towards +ŷ.
 #[derive(Clone, Debug)]
 pub struct Grasp {
     /// Its problem.
     pub problem: GraspProblem,
     /// q_M.
     pub position: Vector3,
-    /// The frame of the rod at the gripper against that at the contact node: the rod is not twisted.
+    /// Rotation of the frame of the rod at the gripper relative to that at the contact node; the
+    /// rod is not twisted.
     pub rotation: UnitQuaternion,
-    /// Force of the rod that lies on the suspended part, −n(0).
+    /// Force of the lying part of the rod on the suspended part, −n(0).
     pub contact_force: Vector3,
-    /// Residual at convergence: for the continuous rod the moment at the gripper and x_M n_y(0) −
-    /// κ̄, for the discrete one the force at a node.
+    /// Residual at convergence. For the continuous rod: the moment at the gripper and x_M n_y(0) −
+    /// κ̄; for the discrete one: the force at a node.
     pub residual: f64,
     /// Lowest height of the suspended part.
     pub lowest: f64,
@@ -34,7 +36,7 @@ pub struct Grasp {
 }
 
 impl Grasp {
-    /// The grasp of a rod in balance.
+    /// The grasp of a rod in equilibrium.
     pub fn of(shape: &Shape) -> Self {
         let Ends {
             position,
@@ -67,13 +69,14 @@ impl Grasp {
 }
 
 /// n_y(0) and n_z(0) of a rod that is held at a position with a rotation, without a moment at the
-/// gripper and without a force along the lying part; `None` where there is no such force.
+/// gripper and without a force along the lying part; `None` if there is no such force.
 ///
-/// The moments about the vertical through the contact node give x_M n_y(0) = κ̄, and of the suspended rod
+/// The moment balance about the vertical through the contact node gives x_M n_y(0) = κ̄, and of
+/// the suspended rod
 ///
 /// > ½|M|² + n·t + (n·t)²/2k̄_s − z/2
 ///
-/// does not change from the contact node, where it is ½κ̄², to the gripper.
+/// is constant from the contact node, where it is ½κ̄², to the gripper.
 pub fn force_of_pose(
     problem: &GraspProblem,
     position: Vector3,
@@ -82,7 +85,7 @@ pub fn force_of_pose(
     let tangent = rotation * Vector3::x();
     let compliance = problem.stretch_compliance;
     let integral = 0.5 * problem.curvature * problem.curvature + WEIGHT * position.z;
-    // q + q²/2k̄_s = integral, without a difference of nearly equal numbers.
+    // Solves q + q²/2k̄_s = integral, without a difference of nearly equal numbers.
     let pull = 2.0 * integral / (1.0 + (1.0 + 2.0 * compliance * integral).sqrt());
     let across = if problem.curvature == 0.0 {
         0.0
@@ -93,13 +96,14 @@ pub fn force_of_pose(
     (across.is_finite() && up.is_finite()).then_some([across, up])
 }
 
-/// The coefficient of friction that holds a lying rod at its contact node, where the suspended part
-/// exerts n(0) on it and the shear force of the lying part is −κ̄': the table supports the
-/// difference,
+/// The coefficient of friction that holds a lying rod at its contact node. There the suspended
+/// part exerts n(0) on the rod, and the shear force of the lying part is −κ̄'; the table supports
+/// the difference,
 ///
 /// > |n_y(0) + κ̄'|/|n_z(0)|,
 ///
-/// infinite where the suspended part does not press on the table. `curvature_slope` is κ̄' = κ' L_gb².
+/// infinite if the suspended part does not press on the table. `curvature_slope` is κ̄' = κ'
+/// L_gb².
 pub fn contact_demand([across, up]: [f64; 2], curvature_slope: f64) -> f64 {
     if up < 0.0 {
         (across + curvature_slope).abs() / -up
@@ -132,7 +136,8 @@ struct Ends {
     lowest: f64,
 }
 
-/// r' = λ t and the twist-free frame d' = M × d, by the same collocation as the shape.
+/// Integrates r' = λ t and the twist-free frame d' = M × d, with the same collocation as the
+/// shape.
 fn ends(shape: &Shape) -> Ends {
     let compliance = shape.problem.stretch_compliance;
     let mut position = Vector3::zeros();
@@ -156,7 +161,7 @@ fn ends(shape: &Shape) -> Ends {
         director = carried(director, &interval.moments, h);
     }
     let tangent = shape.tangents.last().copied().unwrap_or(Vector3::x());
-    // Unit and perpendicular up to round-off, which is removed for the quaternion.
+    // The vectors are orthonormal up to round-off, which is removed for the quaternion.
     let tangent = tangent.normalize();
     let director = (director - director.dot(&tangent) * tangent).normalize();
     let frame = Matrix3::from_columns(&[tangent, director, tangent.cross(&director)]);

@@ -7,16 +7,16 @@ use super::shape::{March, Shape};
 use super::solution::centreline;
 use super::{Grasp, GraspError, GraspProblem, Vector3};
 
-/// Largest relative change of l̄_s, and change of κ̄, for which the last grasp is the initial guess
-/// of the next one.
+/// Largest relative change of l̄_s, and largest change of κ̄, for which the last grasp is the
+/// initial guess of the next one.
 const NEAR: [f64; 2] = [0.3, 0.8];
 
 /// Method of solution for a grasp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GraspMethod {
-    /// By collocation of the continuous rod.
+    /// Collocation of the continuous rod.
     Theory,
-    /// By the discrete elastic rod.
+    /// The discrete elastic rod.
     Discrete {
         /// Number of edges, at least [`Self::FEWEST_EDGES`].
         edges: usize,
@@ -24,7 +24,7 @@ pub enum GraspMethod {
 }
 
 impl GraspMethod {
-    /// Fewest edges of a discrete rod.
+    /// Minimum number of edges of a discrete rod.
     pub const FEWEST_EDGES: usize = super::discrete::FEWEST_EDGES;
 
     fn grasp(self, shape: &Shape) -> Result<Grasp, GraspError> {
@@ -35,7 +35,7 @@ impl GraspMethod {
     }
 }
 
-/// Finds grasps; each starts from the previous one if the two are close.
+/// Computes grasps; each starts from the previous one if the two problems are close.
 #[derive(Debug, Default)]
 pub struct GraspSolver {
     march: March,
@@ -60,12 +60,13 @@ impl GraspSolver {
         method.grasp(self.shape(problem)?)
     }
 
-    /// All grasps that are found: the gentle one first, the others by growing force at the contact node.
+    /// All grasps that are found. The gentle one is first; the others are sorted by the force at
+    /// the contact node.
     ///
-    /// At κ̄ = 0 and l̄_s ≤ 8 these are all planar ones whose n_z(0) lies between −12 and 4
-    /// EI/L_gb². For longer rods and other curvatures they are continued from those: new branches
-    /// are not found. For the discrete rod they are those to which Newton's method converges from
-    /// the continuous ones.
+    /// At κ̄ = 0 and l̄_s ≤ 8 these are all planar grasps with n_z(0) between −12 and 4 EI/L_gb².
+    /// For longer rods and other curvatures they are continued from those, so new branches are not
+    /// found. For the discrete rod they are the grasps to which Newton's method converges from the
+    /// continuous ones.
     ///
     /// # Errors
     /// Newton's method does not converge for the gentle one.
@@ -89,7 +90,8 @@ impl GraspSolver {
         Ok(centreline(self.shape(problem)?, edges))
     }
 
-    /// The grasps of [`Self::solve_all`] by theory, each with its nodes at equal arc lengths, L_gb.
+    /// The grasps of [`Self::solve_all`] by theory, each with its nodes at equal arc lengths,
+    /// L_gb.
     ///
     /// # Errors
     /// Newton's method does not converge for the gentle one.
@@ -102,7 +104,7 @@ impl GraspSolver {
         self.all(problem, of, |(grasp, _)| grasp)
     }
 
-    /// A property of the gentle rod and of all others, in the order of the force at the contact
+    /// A property of the gentle rod and of all other rods, sorted by the force at the contact
     /// node.
     fn all<Answer>(
         &mut self,
@@ -113,7 +115,7 @@ impl GraspSolver {
         let gentle = self.shape(problem)?;
         let mut found = vec![answer(gentle)?];
         let force = gentle.force;
-        // A discrete rod may not have all of them.
+        // A discrete rod may not have all of these grasps.
         let others = branches::others(problem, force, &mut self.march);
         found.extend(others.iter().flat_map(answer));
         let size = |answer: &Answer| grasp(answer).contact_force.norm();
@@ -149,7 +151,8 @@ mod tests {
         GraspSolver::new().solve(&problem, Theory).unwrap()
     }
 
-    /// Rows of the reference: problem, place and rotation vector of the gripper, n_y(0), n_z(0).
+    /// Rows of the reference: problem, position and rotation vector of the gripper, n_y(0),
+    /// n_z(0).
     fn reference() -> Vec<(GraspProblem, Vector3, Vector3, [f64; 2])> {
         let rows = reference::rows("grasp/optimal_grasp.csv");
         assert!(rows.is_empty() || rows.len() > 100);
@@ -231,7 +234,8 @@ mod tests {
             let [left, right] = [1.0, -1.0].map(|side| grasp(length, side * curvature, 2000.0));
             let mirror = |v: Vector3| Vector3::new(v.x, -v.y, v.z);
             assert!((left.position - mirror(right.position)).norm() < 1e-12 * length);
-            // A rotation vector is axial: its components in the mirror plane change sign.
+            // A rotation vector is an axial vector: its components in the mirror plane change
+            // sign.
             let turned = right.rotation.scaled_axis();
             let turned = Vector3::new(-turned.x, turned.y, -turned.z);
             assert!((left.rotation.scaled_axis() - turned).norm() < 1e-12);
@@ -257,7 +261,8 @@ mod tests {
 
     #[test]
     fn a_short_rod_is_a_heavy_beam() {
-        // EI d⁴z/dx⁴ = −w, level and unbent at the contact node, no moment at the gripper: z = l x³/24 − x⁴/48.
+        // EI d⁴z/dx⁴ = −w, level and unbent at the contact node, without a moment at the gripper:
+        // z = l x³/24 − x⁴/48.
         let length: f64 = 0.2;
         let found = grasp(length, 0.0, f64::INFINITY);
         assert!((found.contact_force.z / (length / 4.0) - 1.0).abs() < 1e-5);
@@ -294,7 +299,7 @@ mod tests {
 
     #[test]
     fn the_other_planar_grasps_are_found_and_the_second_minimum_snaps() {
-        // Local minimum 2 of thesis Fig. 5.4: the rod goes back over the contact node.
+        // In local minimum 2 of thesis Fig. 5.4 the rod bends back over the contact node.
         let problem = GraspProblem::new(17.68, 0.0, f64::INFINITY).unwrap();
         let mut solver = GraspSolver::new();
         for method in [Theory, Discrete { edges: 400 }] {

@@ -1,29 +1,32 @@
-//! Stability of a suspended rod whose two ends are held: inertia of the second variation of its energy.
+//! Stability of a suspended rod with both ends held: the inertia of the second variation of its
+//! energy.
 //!
-//! With the force at the gripper as the multiplier of its position, the rod in balance is a
-//! stationary point over all rotations exp([θ]×) of its cross-sections, stretch eliminated, of
+//! With the force at the gripper as the multiplier of its position, and the stretch eliminated,
+//! the rod in equilibrium is a stationary point, over all rotations exp([θ]×) of its
+//! cross-sections, of
 //!
 //! > Π = ∫ ½ EI|t'|² + ½ GJ τ² − n·t − (n·t)²/2k_s ds.
 //!
-//! A small rotation θ(s), zero at both ends, with θ' of strain and the moment M, changes it in second order by
+//! A small rotation θ(s) that vanishes at both ends has the strain θ'. With the moment M, it
+//! changes this energy to second order by
 //!
 //! > ½ ∫ θ'·K θ' − M·(θ × θ') + λ[(n·t)|θ|² − (n·θ)(t·θ)] − (n·(θ × t))²/k_s ds,  K = EI(I − t tᵀ) + GJ t tᵀ,
 //!
-//! and the rod is stable if this is positive for all θ that keep the position of the gripper. θ is
-//! piecewise linear here; the three conditions border the matrix, and each accounts for one
+//! and the rod is stable if this is positive for all θ that keep the position of the gripper. Here
+//! θ is piecewise linear. The three conditions border the matrix, and each contributes one
 //! negative eigenvalue.
 
 use super::Vector3;
 use super::shape::Shape;
 use rodlab_engine::mechanics::Matrix3;
 
-/// GJ/EI of an incompressible rod of round cross-section: 1/(1 + ν) with ν = 1/2.
+/// GJ/EI of an incompressible round rod: 1/(1 + ν) with ν = 1/2.
 pub const TWIST_STIFFNESS: f64 = 2.0 / 3.0;
-/// Elements per interval of the mesh of the shape.
+/// Number of elements per interval of the mesh of the shape.
 const ELEMENTS_PER_INTERVAL: usize = 8;
-/// Conditions at the gripper.
+/// Number of conditions at the gripper.
 const CONDITIONS: usize = 3;
-/// Smallest 1/k̄_s: for an inextensible straight rod, the distance of the gripper is not a
+/// Smallest 1/k̄_s. In an inextensible straight rod, the distance of the gripper would be no
 /// condition on the rotations.
 const LEAST_COMPLIANCE: f64 = 1e-12;
 
@@ -59,7 +62,8 @@ pub fn unstable_modes(shape: &Shape) -> usize {
     negative_modes(&elements, TWIST_STIFFNESS, shape.problem.stretch_compliance)
 }
 
-/// Negative eigenvalues of the second variation, less those of the conditions: block LDLᵀ from end to end.
+/// Number of negative eigenvalues of the second variation minus those of the conditions: block
+/// LDLᵀ from end to end.
 pub fn negative_modes(elements: &[Element], twist_stiffness: f64, compliance: f64) -> usize {
     let compliance = compliance.max(LEAST_COMPLIANCE);
     let variations = variations(elements, twist_stiffness, compliance);
@@ -74,23 +78,23 @@ pub fn variations(elements: &[Element], twist_stiffness: f64, compliance: f64) -
     elements.iter().map(of).collect()
 }
 
-/// The nodes between the two ends, which are held, eliminated one after the other.
+/// Eliminates the nodes between the two held ends one after the other.
 pub struct Elimination {
     /// Remainder at each node.
     pub legs: Vec<Leg>,
-    /// Remainder of the conditions.
+    /// Remaining matrix of the conditions.
     pub conditions: Matrix3,
 }
 
-/// Remainder at a node after the elimination of those before it.
+/// Remaining matrix of a node after the elimination of the previous ones.
 pub struct Leg {
     /// Its block.
     pub block: Matrix3,
     /// Its inverse, if it exists.
     pub inverse: Option<Matrix3>,
-    /// Its block with the next node.
+    /// Its coupling block to the next node.
     pub across: Matrix3,
-    /// Its part in the conditions.
+    /// Its coupling to the conditions.
     pub part: Matrix3,
 }
 
@@ -102,7 +106,7 @@ impl Elimination {
         let mut before: Option<(Matrix3, Matrix3)> = None;
         for variation in variations {
             conditions += variation.multiplier;
-            // The contact node is held: no contribution before the first element.
+            // The contact node is held, so nothing is added before the first element.
             before = Some(match before {
                 None => (variation.after, variation.condition),
                 Some((block, part)) => {
@@ -143,7 +147,7 @@ pub struct Variation {
 }
 
 impl Element {
-    /// Its part of the second variation.
+    /// Contribution of the element to the second variation.
     pub fn variation(&self, twist_stiffness: f64, compliance: f64) -> Variation {
         let Self {
             length,
@@ -157,12 +161,13 @@ impl Element {
         let stretch = 1.0 + compliance * pull;
         let turning = tangent.cross(force);
         let mixed = force * tangent.transpose();
-        // θ at the middle is the mean of the ends: a quarter to each pair of ends.
+        // θ at the middle is the mean of the ends, which gives a quarter to each pair of ends.
         let mean = 0.25
             * length
             * (stretch * (pull * Matrix3::identity() - 0.5 * (mixed + mixed.transpose()))
                 - compliance * turning * turning.transpose());
-        // −½ M·(θ × θ') with θ₁ × θ₂ over the length: θ × θ' = θ₁ × θ₂ / length, for both triangles.
+        // −½ M·(θ × θ') with θ₁ × θ₂ over the length: θ × θ' = θ₁ × θ₂ / length, for both
+        // triangles.
         let twist = 0.5 * moment.cross_matrix();
         let condition = 0.5
             * length

@@ -1,4 +1,4 @@
-//! Patterns with a formula: their curvature is exact.
+//! Patterns given by a formula, with exact curvature.
 
 use super::{PlaneCurve, Point};
 use std::f64::consts::TAU;
@@ -10,14 +10,14 @@ pub struct Line {
     pub length: f64,
 }
 
-/// A circle through the origin, where its tangent is x; once around.
+/// A full circle through the origin, where its tangent is x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
-    /// Radius, m; negative: it turns to the right.
+    /// Radius, m; a negative radius turns it to the right.
     pub radius: f64,
 }
 
-/// y = A sin(2π x/λ) from its first crest, where it is level, A below.
+/// y = A sin(2π x/λ), starting at a crest, which is A above the axis and level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sine {
     /// A, m.
@@ -68,7 +68,7 @@ impl PlaneCurve for Sine {
     }
 
     fn pieces(&self) -> usize {
-        // Short enough also for steep waves.
+        // Pieces are short enough even for steep waves.
         let steepness = 1.0 + TAU * (self.amplitude / self.wavelength).abs();
         (32.0 * self.waves * steepness).ceil().max(8.0) as usize
     }

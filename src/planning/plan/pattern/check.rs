@@ -1,15 +1,17 @@
 //! Crossings of a pattern with itself, or with another pattern.
 //!
-//! Polygons of curves that touch cross each other many times by chance: a full circle ends along
-//! its own start. So each crossing of two polygons is followed both ways along the second one, as
-//! long as it is within the chord error of the first. It is a crossing of the curves if the second
-//! one leaves on the other side. Curves that meet and leave on the same side, or end there, touch.
+//! Polygons of touching curves may cross each other many times by chance: a full circle, for
+//! example, ends along its own start. Each crossing of two polygons is therefore followed in both
+//! directions along the second polygon, as long as this is within the chord error of the first. It
+//! is a crossing of the curves if the second polygon leaves the first on opposite sides. Curves
+//! that meet and leave on the same side, or that end there, only touch.
 
 use super::{PatternPoint, Point};
 
 /// Distance below which two polygons count as equal, relative to their largest chord error h² κ/8.
 const CHORD_ERRORS: f64 = 4.0;
-/// Its minimum, relative to the length of the curves: a retraced line is not matched more exactly.
+/// Minimum of this distance, relative to the length of the curves: a retraced line does not match
+/// more exactly.
 const LEAST_DISTANCE: f64 = 1e-4;
 
 /// A crossing of a pattern with itself or another one.
@@ -17,7 +19,7 @@ const LEAST_DISTANCE: f64 = 1e-4;
 pub struct Crossing {
     /// Arc length of the first pass, m.
     pub first: f64,
-    /// Arc length of the second pass, or that of the other pattern, m.
+    /// Arc length of the second pass, on the other pattern if there is one, m.
     pub second: f64,
     /// Its position, m.
     pub position: Point,
@@ -36,7 +38,7 @@ pub fn crossings(points: &[PatternPoint]) -> Vec<Crossing> {
     curves.crossings(&found)
 }
 
-/// Crossings of a pattern with another one; `second` is the arc length of the other.
+/// Crossings of a pattern with another one; `second` is the arc length on the other pattern.
 pub fn crossings_of_two(points: &[PatternPoint], others: &[PatternPoint]) -> Vec<Crossing> {
     let curves = Curves::new(points, others);
     let mut found = Vec::new();
@@ -48,7 +50,7 @@ pub fn crossings_of_two(points: &[PatternPoint], others: &[PatternPoint]) -> Vec
     curves.crossings(&found)
 }
 
-/// Two curves by their points, or one curve twice.
+/// Points of two curves, or of one curve twice.
 struct Curves<'a> {
     first: &'a [PatternPoint],
     second: &'a [PatternPoint],
@@ -56,8 +58,8 @@ struct Curves<'a> {
     distance: f64,
 }
 
-/// The coinciding part of two curves about a crossing of their polygons: pieces of the first and of
-/// the second one.
+/// The coinciding parts of two curves around a crossing of their polygons: segments of the first
+/// and of the second one.
 struct Contact {
     first: [usize; 2],
     second: [usize; 2],
@@ -66,7 +68,7 @@ struct Contact {
 
 /// The point where a curve leaves another one.
 struct Exit {
-    /// The pieces that were reached, of the first curve and of the second one.
+    /// The last segments reached, of the first curve and of the second one.
     pieces: [usize; 2],
     /// Side of the first curve, +1 left and −1 right; `None` if one of them ends.
     side: Option<f64>,
@@ -95,7 +97,7 @@ impl<'a> Curves<'a> {
         }
     }
 
-    /// The crossings of the curves among those of their polygons.
+    /// Selects the crossings of the curves among the crossings of their polygons.
     fn crossings(&self, found: &[(usize, usize, Crossing)]) -> Vec<Crossing> {
         let mut contacts: Vec<Contact> = Vec::new();
         let mut crossings = Vec::new();
@@ -130,14 +132,14 @@ impl<'a> Curves<'a> {
         }
     }
 
-    /// Follows the second curve from a crossing of the polygons until it is away from the first one.
+    /// Follows the second curve from a crossing of the polygons until it leaves the first one.
     fn exit(&self, first: usize, second: usize, ahead: bool) -> Exit {
         let last = self.first.len() - 2;
         let mut piece = first;
         let mut point = if ahead { second + 1 } else { second };
         loop {
             let position = self.second[point].position;
-            // The nearest piece of the first curve, by descent from the previous one.
+            // The nearest segment of the first curve, found by descent from the previous one.
             while piece < last && self.away(piece + 1, position) < self.away(piece, position) {
                 piece += 1;
             }
@@ -170,7 +172,7 @@ impl<'a> Curves<'a> {
         }
     }
 
-    /// Distance of a place from a piece of the first curve, m.
+    /// Distance of a position from a segment of the first curve, m.
     fn away(&self, piece: usize, place: Point) -> f64 {
         let [from, to] = [self.first[piece].position, self.first[piece + 1].position];
         let along = to - from;

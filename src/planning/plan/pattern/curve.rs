@@ -4,18 +4,18 @@ use super::{PatternError, Point};
 use rodlab_engine::mechanics::kirchhoff::numerics::gauss_legendre;
 use serde::{Deserialize, Serialize};
 
-/// Points of the Gauss rule on each piece of a curve.
+/// Number of Gauss points on each piece of a curve.
 const QUADRATURE: usize = 5;
 /// Maximum number of Newton iterations for the parameter at an arc length.
 const ITERATIONS: usize = 20;
-/// Step of the finite differences of the curvature, as a share of a piece.
+/// Step of the finite differences of the curvature, as a fraction of a piece.
 const DIFFERENCE: f64 = 0.02;
 
-/// A smooth curve by a parameter u.
+/// A smooth curve with a parameter u.
 pub trait PlaneCurve: Send + Sync {
-    /// The parameter runs from 0 to this.
+    /// End of the parameter, which starts at 0.
     fn end(&self) -> f64;
-    /// Number of pieces on each of which the curve is nearly a polynomial.
+    /// Number of pieces; on each the curve is nearly a polynomial.
     fn pieces(&self) -> usize;
     /// Position and its first two derivatives.
     fn at(&self, u: f64) -> [Point; 3];
@@ -38,7 +38,7 @@ pub struct PatternPoint {
     pub curvature_bend: f64,
 }
 
-/// Arc length at the joints of a curve's pieces.
+/// Arc length at the ends of a curve's pieces.
 #[derive(Clone, Debug)]
 pub struct ArcLength {
     sums: Vec<f64>,
@@ -89,7 +89,7 @@ impl ArcLength {
         }
         let [position, velocity, acceleration] = curve.at(u);
         let speed = velocity.norm();
-        // Differences inside the curve, one-sided at its ends.
+        // Central differences inside the curve, one-sided differences at its ends.
         let step = DIFFERENCE * width;
         let middle = u.clamp(2.0 * step, curve.end() - 2.0 * step);
         let [before, here, after] =

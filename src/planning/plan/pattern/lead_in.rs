@@ -1,13 +1,14 @@
-//! A start in front of a pattern, over which its curvature grows from zero.
+//! A lead-in before a pattern, over which the curvature grows from zero.
 
 use super::{PatternPoint, Point};
 use rodlab_engine::mechanics::kirchhoff::numerics::gauss_legendre;
 
-/// Points of the Gauss rule for places along the lead-in.
+/// Number of Gauss points for positions along the lead-in.
 const QUADRATURE: usize = 40;
 
-/// First straight; then κ is the polynomial of the fifth degree that vanishes with two derivatives
-/// at its start, and matches the pattern at its end in value and two derivatives.
+/// The lead-in begins with a straight part. Then κ is the polynomial of degree five that vanishes
+/// with two derivatives at its start, and matches the pattern at its end in value and two
+/// derivatives.
 #[derive(Clone, Debug)]
 pub struct LeadIn {
     /// Length of the straight part, m.
@@ -29,13 +30,13 @@ const LOOKS: u32 = 200;
 pub struct LeadBend {
     /// Largest curvature, 1/m.
     pub sharpest: f64,
-    /// Total rotation of the tangent, to both sides, rad.
+    /// Total rotation of the tangent, counting both senses, rad.
     pub turn: f64,
 }
 
 impl LeadBend {
-    /// The measures of the lead-in of a length, m, to a point. For a lead-out, to the reversed
-    /// point.
+    /// The measures of the lead-in with a given length, m, to a point. For a lead-out, use the
+    /// reversed point.
     pub fn of(end: &PatternPoint, bent: f64) -> Self {
         let lead = LeadIn::new(end, 0.0, bent);
         let [c3, c4, c5] = lead.coefficients;
@@ -55,7 +56,8 @@ impl LeadBend {
 
 impl LeadIn {
     pub fn new(end: &PatternPoint, straight: f64, bent: f64) -> Self {
-        // Value a, slope b and bend c at x = 1 of c₃x³ + c₄x⁴ + c₅x⁵.
+        // Coefficients of c₃x³ + c₄x⁴ + c₅x⁵ with the value a, slope b and second derivative c at
+        // x = 1.
         let a = end.curvature;
         let b = end.curvature_slope * bent;
         let c = end.curvature_bend * bent * bent;

@@ -1,4 +1,4 @@
-//! A curve behind a pattern, over which its curvature returns to zero.
+//! A lead-out after a pattern, over which the curvature returns to zero.
 
 use super::PatternPoint;
 use super::lead_in::LeadIn;
@@ -15,8 +15,8 @@ pub struct LeadOut {
 }
 
 impl LeadOut {
-    /// Behind the last point of a pattern; the curvature decreases to zero over the length `bent`,
-    /// m, or over less if it is shorter.
+    /// The lead-out after the last point of a pattern. The curvature decreases to zero over the
+    /// length `bent`, m, or over the whole length if that is shorter.
     pub fn new(last: &PatternPoint, bent: f64, length: f64) -> Self {
         Self {
             length,
@@ -35,7 +35,7 @@ impl LeadOut {
 }
 
 impl PatternPoint {
-    /// The point of the reversed curve: the curvature and its second derivative change sign, the
+    /// The point of the reversed curve. The curvature and its second derivative change sign; the
     /// first derivative does not.
     pub fn turned_round(&self) -> Self {
         Self {

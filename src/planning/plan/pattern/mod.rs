@@ -35,7 +35,7 @@ use thiserror::Error;
 /// A point of the plane, m.
 pub type Point = nalgebra::Vector2<f64>;
 
-/// Why a drawing is not a pattern.
+/// Reason why a drawing is not a pattern.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PatternError {
     /// The file is not SVG.
@@ -62,7 +62,7 @@ pub enum PatternError {
     SeveralStrokes {
         /// Their number.
         count: usize,
-        /// The longest of them, a line each.
+        /// The longest of them, one per line.
         list: String,
     },
     /// Several strokes, or none, have an id.
@@ -79,7 +79,7 @@ pub enum PatternError {
     /// There is no such stroke.
     #[error("no stroke {wanted}: the drawing has {count}")]
     NoStroke {
-        /// The requested number, from 1.
+        /// The requested number, counted from 1.
         wanted: usize,
         /// The number of strokes.
         count: usize,
@@ -100,7 +100,7 @@ pub enum PatternError {
     },
 }
 
-/// A curve by its arc length, with an optional lead-in and lead-out.
+/// A curve parametrised by arc length, with an optional lead-in and lead-out.
 pub struct Pattern {
     curve: Box<dyn PlaneCurve>,
     arc_length: ArcLength,
@@ -128,22 +128,23 @@ impl Pattern {
         })
     }
 
-    /// The pattern along drawn points, within `deviation`, m.
+    /// The pattern along drawn points, with at most the deviation `deviation`, m.
     ///
     /// # Errors
-    /// The points have no length, or have corners too sharp for this.
+    /// The points have no length, or their corners are too sharp for this deviation.
     pub fn along(points: &[Point], deviation: f64) -> Result<Self, PatternError> {
         let (curve, reached) = SmoothCurve::along(points, deviation)?;
         Self::new(Box::new(curve), reached)
     }
 
-    /// Puts a lead-in in front, over whose length (m) the curvature grows from zero to that of the first point, and
-    /// its first two derivatives with it (thesis 5.5.4.1).
+    /// Adds a lead-in before the pattern. Over its length (m) the curvature and its first two
+    /// derivatives change from zero to those of the first point (thesis 5.5.4.1).
     pub fn with_lead_in(self, length: f64) -> Self {
         self.with_straight_lead_in(0.0, length)
     }
 
-    /// Puts a lead-in in front that is straight over a length, m, before its curvature grows over the length `bent`, m.
+    /// Adds a lead-in before the pattern that is straight over a length, m, before its curvature
+    /// grows over the length `bent`, m.
     pub fn with_straight_lead_in(mut self, straight: f64, bent: f64) -> Self {
         (self.lead_in, self.lead_out) = (None, None);
         let start = self.at(0.0);
@@ -156,8 +157,8 @@ impl Pattern {
         self.lead_in.as_ref().map_or(0.0, LeadIn::length)
     }
 
-    /// Adds a lead-out of a length, m, behind the end. The curvature decreases to zero over the
-    /// length `bent`, m, as that of a lead-in grows; the rest is straight.
+    /// Adds a lead-out with a length, m, after the end. The curvature decreases to zero over the
+    /// length `bent`, m, in the same way as it grows in a lead-in; the rest is straight.
     pub fn with_lead_out(mut self, bent: f64, length: f64) -> Self {
         self.lead_out = None;
         let last = self.at(self.length());
@@ -172,14 +173,15 @@ impl Pattern {
             .map_or(0.0, |lead_out| lead_out.length)
     }
 
-    /// Ends the pattern at a length, m, the lead-in included, if it does not end before; without a lead-out.
+    /// Cuts the pattern at a length, m, which includes the lead-in, unless the pattern is shorter.
+    /// The lead-out is removed.
     pub fn shortened(mut self, length: f64) -> Self {
         self.end = Some(length);
         self.lead_out = None;
         self
     }
 
-    /// Length, lead-in and lead-out included, m.
+    /// Total length including lead-in and lead-out, m.
     pub fn length(&self) -> f64 {
         let whole = self.lead_in() + self.arc_length.total();
         self.end.map_or(whole, |end| end.min(whole)) + self.lead_out()
@@ -199,7 +201,7 @@ impl Pattern {
         }
     }
 
-    /// Points at equal distances, at most `step` apart, both ends among them; angles are continuous.
+    /// Points at equal distances of at most `step`, m, including both ends; angles are continuous.
     pub fn sampled(&self, step: f64) -> Vec<PatternPoint> {
         let length = self.length();
         let intervals = (length / step - 1e-9).ceil().max(1.0) as usize;

@@ -15,7 +15,7 @@ pub enum PatternSource {
     Drawn {
         /// The points, m.
         points: Vec<Point>,
-        /// Allowed deviation of the smooth curve from them, m.
+        /// Allowed deviation of the smooth curve from the points, m.
         deviation: f64,
     },
 }
@@ -49,17 +49,17 @@ impl PatternSource {
 /// Size and direction of a drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drawing {
-    /// Length of its longer side, m; `None` as drawn.
+    /// Length of its longer side, m; `None` keeps the drawn size.
     pub size: Option<f64>,
     /// Whether the pattern runs from its last point to the first.
     pub reverse: bool,
 }
 
 impl Drawing {
-    /// The points of a drawing in its size and direction.
+    /// The points of a drawing, with the given size and direction.
     ///
     /// # Errors
-    /// It has no extent that could be scaled.
+    /// The drawing has no extent that could be scaled.
     pub fn of(&self, mut points: Vec<Point>) -> Result<Vec<Point>, PatternError> {
         if self.reverse {
             points.reverse();
@@ -80,10 +80,10 @@ impl Drawing {
     }
 }
 
-/// The stroke of a number, from 1; without a number, the only one.
+/// The stroke with a number, counted from 1; without a number, the only stroke.
 ///
 /// # Errors
-/// There are several, or fewer than the number.
+/// There are several strokes and no number, or fewer than the number.
 pub fn chosen_stroke(
     mut strokes: Vec<Stroke>,
     wanted: Option<usize>,

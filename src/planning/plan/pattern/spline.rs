@@ -1,8 +1,8 @@
 //! A smooth curve along drawn points: a penalised spline (Eilers & Marx, Statistical Science 11, 1996).
 //!
-//! Uniform B-splines of the fifth degree, so that κ'' is continuous, along the arc length of the
-//! drawing. Of all curves within the allowed deviation, the one that minimises Σ|x(u) − q|² + λ
-//! Σ|Δ³c|² with the largest λ is used: its curvature changes least.
+//! The curve consists of uniform B-splines of degree five over the arc length of the drawing, so
+//! that κ'' is continuous. It minimises Σ|x(u) − q|² + λ Σ|Δ³c|² with the largest λ for which it
+//! stays within the allowed deviation. Of the allowed curves its curvature changes least.
 
 use super::{PatternError, PlaneCurve, Point};
 
@@ -10,7 +10,7 @@ use super::{PatternError, PlaneCurve, Point};
 const DEGREE: usize = 5;
 /// Initial and maximum number of pieces.
 const PIECES: [usize; 2] = [128, 4096];
-/// Drawn points, resampled, per piece.
+/// Number of resampled points of the drawing per piece.
 const POINTS_PER_PIECE: usize = 6;
 /// Range of trial weights λ of the penalty, as powers of ten.
 const WEIGHTS: [f64; 2] = [-8.0, 10.0];
@@ -102,7 +102,8 @@ impl PlaneCurve for SmoothCurve {
     }
 }
 
-/// Uniform B-splines of a degree at t in a piece [0, 1], those that are not zero there (de Boor's recursion).
+/// Values of the non-zero uniform B-splines of a degree at t in a piece [0, 1] (de Boor's
+/// recursion).
 fn basis(degree: usize, t: f64) -> [f64; DEGREE + 1] {
     let mut values = [0.0; DEGREE + 1];
     values[0] = 1.0;
@@ -118,12 +119,12 @@ fn basis(degree: usize, t: f64) -> [f64; DEGREE + 1] {
     values
 }
 
-/// The points, resampled, and the matrices of least squares and of the penalty.
+/// The resampled points, and the matrices of least squares and of the penalty.
 struct Fit {
     samples: Vec<Point>,
     step: f64,
     controls: usize,
-    /// Rows of the normal matrix from the diagonal to the right.
+    /// Rows of the normal matrix, each from the diagonal to the right.
     normal: Vec<[f64; DEGREE + 1]>,
     penalty: Vec<[f64; DEGREE + 1]>,
     right: Vec<Point>,
@@ -181,7 +182,8 @@ impl Fit {
         (piece, basis(DEGREE, t))
     }
 
-    /// Least squares with a penalty; the curve and its largest deviation. LDLᵀ of a band matrix.
+    /// Solves penalised least squares by LDLᵀ of a band matrix. Returns the curve and its largest
+    /// deviation.
     fn solve(&self, weight: f64) -> (SmoothCurve, f64) {
         let mut rows: Vec<[f64; DEGREE + 1]> = self.normal.clone();
         for (row, penalty) in rows.iter_mut().zip(&self.penalty) {

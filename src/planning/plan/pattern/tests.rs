@@ -1,4 +1,4 @@
-//! Patterns against formulas and against the reference.
+//! Patterns compared with formulas and with the reference.
 
 use super::*;
 use std::f64::consts::{PI, TAU};
@@ -80,13 +80,13 @@ fn a_straight_lead_in_continues_as_a_bent_one() {
         assert!((here.position - there.position).norm() < 1e-12, "{s}");
         assert!((here.curvature - there.curvature).abs() < 1e-9, "{s}");
     }
-    // Without a bend it starts at the start of the pattern.
+    // Without a bend the lead-in ends at the start of the pattern.
     let line = Pattern::new(Box::new(Line { length: 0.3 }), 0.0).unwrap();
     let start = line.with_straight_lead_in(0.1, 0.0).at(0.02).position;
     assert!((start - Point::new(-0.08, 0.0)).norm() < 1e-15);
 }
 
-/// At the start of the lead-out and everywhere on it, by differences.
+/// At the start of the lead-out and along it, by differences.
 #[test]
 fn a_lead_out_continues_smoothly_and_ends_straight() {
     let sine = Sine {
@@ -164,7 +164,7 @@ fn sharp_corners_are_rounded_within_the_deviation() {
         .sampled(0.0005)
         .iter()
         .fold(0.0, |most: f64, point| most.max(point.curvature));
-    // A fillet that misses a right corner by d has a radius of up to about 2.4 d.
+    // A fillet with the deviation d from a right corner has a radius of up to about 2.4 d.
     assert!(sharpest > 100.0 && sharpest < 2000.0, "{sharpest}");
 }
 
@@ -200,7 +200,7 @@ fn an_eight_crosses_itself_once() {
     );
 }
 
-/// A circle over a number of turns, up to the given points, with or without a lead-in.
+/// A circle with a number of turns, through the given points, with or without a lead-in.
 fn turned(radius: f64, turns: f64, lead_in: f64, step: f64) -> Vec<PatternPoint> {
     let points: Vec<Point> = (0..=400)
         .map(|index| turns * TAU * f64::from(index) / 400.0)
@@ -226,7 +226,7 @@ fn a_circle_that_closes_touches_itself_and_does_not_cross() {
             }
         }
     }
-    // Nor does one that continues along itself, a quarter of a turn too far.
+    // A curve that continues along itself by a quarter of a turn has no crossing either.
     for step in [0.001, 0.003] {
         let found = crossings(&turned(0.08, 1.25, 0.0, step));
         assert!(found.is_empty(), "{found:?}");
@@ -257,7 +257,7 @@ fn a_pattern_whose_end_meets_its_start_at_a_corner_does_not_cross_itself() {
     let points: Vec<Point> = corners.iter().map(|corner| Point::from(*corner)).collect();
     let square = Pattern::along(&points, 1e-3).unwrap();
     assert!(crossings(&square.sampled(0.002)).is_empty());
-    // An end that continues beyond it does.
+    // An end that extends beyond the line does cross it.
     let mut points = points;
     points[4] = Point::new(0.0, -0.02);
     let beyond = Pattern::along(&points, 1e-3).unwrap().with_lead_in(0.05);

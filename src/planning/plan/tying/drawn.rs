@@ -1,4 +1,4 @@
-//! The patterns of the repository, for tests.
+//! The patterns in the repository, for tests.
 
 use crate::plan::pattern::{Pattern, PatternSource, chosen_stroke, read_svg};
 

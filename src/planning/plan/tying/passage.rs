@@ -6,12 +6,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// Distance of points of the pattern for the search for crossings, m.
+/// Distance of points of the pattern in the search for crossings, m.
 const SPACING: f64 = 1e-3;
 /// Maximum number of points of a pattern; those of longer patterns are farther apart.
 const MOST_POINTS: f64 = 4_000.0;
-/// Length of the rod that is still held when the rest is laid, in gravito-bending lengths l̄: its
-/// end is then l̄⁴/48 above the rest, so that the jitter of the gripper does not reach the table.
+/// Length of the rod that is still held when the rest is laid, in gravito-bending lengths l̄. Its
+/// end is then l̄⁴/48 above the rest, so that the jitter of the gripper does not press it into the
+/// table.
 const HELD: f64 = 1.6;
 /// Smallest distance of the end before a crossing, in gravito-bending lengths.
 const BEFORE_CROSSING: f64 = 1.0;
@@ -27,7 +28,8 @@ pub enum Pass {
     Under,
 }
 
-/// A rod that is laid along a pattern. Where the pattern is longer than the rod, its rest is the path of the rod's end.
+/// A rod that is laid along a pattern. If the pattern is longer than the rod, its rest is the path
+/// of the rod's end.
 #[derive(Clone, Copy)]
 pub struct TiedRod<'a> {
     /// The rod.
@@ -46,7 +48,7 @@ impl TiedRod<'_> {
 /// A position along the pattern of a rod.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// Number of the rod, from 0, in the order in which they are laid.
+    /// Number of the rod in the order of laying, from 0.
     pub rod: usize,
     /// Arc length, m.
     pub s: f64,
@@ -65,10 +67,10 @@ pub struct Passage {
     pub pass: Pass,
 }
 
-/// Why a knot cannot be tied along a pattern.
+/// Reason why a knot cannot be tied along a pattern.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum TyingError {
-    /// The number of passes is not that of the crossings.
+    /// The number of passes differs from that of the crossings.
     #[error(
         "crossings of the pattern: {crossings}; passes given: {words}; give \"over\" or \"under\" \
          for each crossing, in the order of the second passes"
@@ -86,7 +88,7 @@ pub enum TyingError {
          then its end, then the end of the first rod"
     )]
     WordsOfTwo {
-        /// Crossings of the patterns.
+        /// Number of crossings of the patterns.
         crossings: usize,
         /// Given passes.
         words: usize,
@@ -109,7 +111,7 @@ pub enum TyingError {
         /// Length of the rod, m.
         rod_m: f64,
     },
-    /// A laid rod cannot go under.
+    /// A rod being laid cannot pass under.
     #[error(
         "crossing {number} is at {second_m:.4} m of the pattern, which the rod of {rod_m} m covers \
          when it is laid, so the rod passes over there; to pass under, the rod must end \
@@ -122,7 +124,7 @@ pub enum TyingError {
         second_m: f64,
         /// Length of the rod, m.
         rod_m: f64,
-        /// Smallest distance of the end before it, m.
+        /// Smallest allowed distance of the end before the crossing, m.
         least_m: f64,
     },
     /// The path of the end crosses itself.
@@ -144,7 +146,7 @@ pub fn laid_length(rod: &DeployedRod) -> f64 {
     rod.length - HELD * rod.gravito_bending_length
 }
 
-/// Order of passes: rods are laid one after the other, and the end of the last one is moved first.
+/// Order of passes: rods are laid one after the other, and the end of the last rod is moved first.
 fn stage(rods: &[TiedRod<'_>], place: &Place) -> (usize, f64) {
     if place.s <= rods[place.rod].rod.length {
         (place.rod, place.s)

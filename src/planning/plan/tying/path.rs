@@ -9,20 +9,20 @@ use rodlab_engine::mechanics::{UnitQuaternion, Vector3, rotation};
 
 /// Time between poses, s.
 const INTERVAL: f64 = 0.1;
-/// Height of the end over the table, in radii: clear of it for a gripper with a jitter of a third
-/// of a radius.
+/// Height of the end above the table, in radii, which keeps it clear of the table for a gripper
+/// with a jitter of a third of a radius.
 const LOW: f64 = 2.2;
-/// The same over a strand that it passes, in radii over the top of the strand.
+/// Height of the end above the top of a strand that it passes, in radii.
 const HIGH: f64 = 4.0;
-/// Distances from such a strand within which the end is high, and beyond which it is low, in
-/// gravito-bending lengths.
+/// Distance from such a strand within which the end is high, and distance beyond which it is low,
+/// in gravito-bending lengths.
 const HIGH_WITHIN: f64 = 0.7;
 const LOW_BEYOND: f64 = 1.75;
-/// Length of the transition of the end from its last pose of laying to the path, in gravito-bending
+/// Length over which the end moves from its last pose of laying to the path, in gravito-bending
 /// lengths.
 const TRANSITION: f64 = 1.0;
-/// Height at which a strand is released on another, in radii over the top of the other: it rests at
-/// one, and falls from slightly above.
+/// Height above the top of another strand at which a strand is released on it, in radii. At a
+/// height of one it would rest on it; it falls from slightly above.
 const PUT_DOWN: f64 = 2.5;
 
 /// Times (s), positions (m) and orientations of a clamp.
@@ -35,7 +35,7 @@ pub struct LiftPath {
     pub rod: usize,
     /// Times of grasp and release, s.
     pub held: [f64; 2],
-    /// Its poses; the x axis is the tangent of the strand as it was drawn.
+    /// Its poses; the x axis is the tangent of the strand as drawn.
     pub poses: GripperPoses,
 }
 
@@ -45,7 +45,7 @@ pub struct TyingTask<'a> {
     pub rods: &'a [DeployedRod],
     /// The crossings.
     pub passages: &'a [Passage],
-    /// Pose of a position along a pattern.
+    /// Pose at a position along a pattern.
     pub pattern: &'a dyn Fn(Place) -> PatternPoint,
 }
 
@@ -123,7 +123,7 @@ fn times(corners: &[(f64, f64)]) -> Vec<f64> {
     times
 }
 
-/// A value that moves from corner to corner and rests at each.
+/// A value that changes smoothly from corner to corner and rests at each.
 fn smoothly(corners: &[(f64, f64)], time: f64) -> f64 {
     let after = corners.partition_point(|corner| corner.0 <= time);
     let (Some(before), Some(next)) = (corners.get(after.wrapping_sub(1)), corners.get(after))
@@ -194,7 +194,7 @@ mod tests {
         for pair in end.windows(2) {
             let seconds = pair[1].0 - pair[0].0;
             assert!(seconds > 0.0 && seconds < 1.001 * INTERVAL);
-            // Along the path at its speed, and up and down.
+            // Along the path at its speed, with motion up and down.
             assert!((pair[1].1 - pair[0].1).norm() < 2.0 * handling.speed * seconds);
         }
         // One strand is lifted, at the second crossing, while the end passes below it.
@@ -217,7 +217,7 @@ mod tests {
         let clear = strand(under.0).z - under.1.z;
         assert!(clear > 2.0 * ROD.radius, "{clear}");
         assert!((strand(under.0).xy() - passages[1].place).norm() < 1e-3);
-        // Over the other strand, which is two radii thick, there is space for the rod.
+        // There is space for the rod over the other strand, which is two radii thick.
         assert!(over.1.z > 4.0 * ROD.radius, "{}", over.1.z);
         assert!(under.0 < over.0);
     }

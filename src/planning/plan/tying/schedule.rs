@@ -1,4 +1,4 @@
-//! Schedule of the end of a rod, and of strands that are lifted and put down.
+//! Schedule of the end of a rod, and of the lifted strands.
 
 use super::{Pass, Passage, TiedRod};
 use crate::plan::deployment::DeployedRod;
@@ -40,15 +40,15 @@ pub struct Schedule {
     pub rod: usize,
     /// Times, and arc lengths of the pattern of the end, m; linear in between.
     pub end: Vec<(f64, f64)>,
-    /// Strands that are lifted: number of the passage, times of the grasp, of the end of lifting,
-    /// of the start of lowering, and of the release.
+    /// Lifted strands: number of the passage, and times of the grasp, of the end of lifting, of
+    /// the start of lowering, and of the release.
     pub lifts: Vec<(usize, [f64; 4])>,
 }
 
 impl Schedule {
-    /// The schedule of the rod of a number, whose end moves along the rest of its pattern: it waits
-    /// before each crossing under which it must go until the strand there is lifted; a strand is
-    /// put down before the next one is lifted, or when the end has arrived.
+    /// The schedule of a rod whose end moves along the rest of its pattern. The end waits before
+    /// each crossing under which it must pass, until the strand there is lifted. A strand is put
+    /// down before the next one is lifted, or when the end has arrived.
     pub fn new(
         number: usize,
         tied: &TiedRod<'_>,
@@ -102,7 +102,7 @@ impl Schedule {
         }
     }
 
-    /// Puts down the last lifted strand, if there is one.
+    /// Puts down the lifted strand, if there is one.
     fn put_down(&mut self) {
         if self.lifts.is_empty() {
             return;

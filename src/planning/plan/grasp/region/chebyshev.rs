@@ -1,5 +1,5 @@
-//! Chebyshev collocation: functions on [0, 1] by their values at Chebyshev points (Trefethen, Spectral Methods in MATLAB,
-//! chs. 6 and 12).
+//! Chebyshev collocation: functions on [0, 1] represented by their values at Chebyshev points
+//! (Trefethen, Spectral Methods in MATLAB, chs. 6 and 12).
 
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
@@ -20,7 +20,7 @@ pub struct Chebyshev {
 }
 
 impl Chebyshev {
-    /// For polynomials of a degree: one more point.
+    /// The matrices for polynomials of a degree, with one more point than the degree.
     ///
     /// # Panics
     /// The degree is 0.
@@ -47,7 +47,8 @@ impl Chebyshev {
         for row in 0..=degree {
             derivative[(row, row)] = -derivative.row(row).sum();
         }
-        // The polynomial through all points by its Chebyshev coefficients, and the primitives of T_k over y = 2x − 1.
+        // The Chebyshev coefficients of the polynomial through all points, and the primitives of
+        // T_k over y = 2x − 1.
         let polynomial = |order: usize, x: f64| {
             libm::cos(order as f64 * libm::acos((2.0 * x - 1.0).clamp(-1.0, 1.0)))
         };

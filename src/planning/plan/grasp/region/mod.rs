@@ -1,18 +1,18 @@
 //! Allowed positions of a gripper above a straight line (thesis 5.3.2, Algorithm 6).
 //!
-//! The thesis does not state the conditions at the two ends. Its solver gets a position of the
-//! gripper only, and Eq. 5.3 requires zero bending there, so that here the contact node is clamped
-//! level on the table and the gripper holds a position, free to turn: each position has its force
-//! (F_x, F_z) on the contact node, its moment M(0) and its direction α. The constraints of Eq. 5.6,
-//! a rod above the table and F_z ≥ 0, then bound a region M of positions. Along a ray from the
-//! contact node they hold between two distances: beyond the outer one the rod is stretched and
-//! pulls upwards (region I of Fig. 5.4b), within the inner one it touches the table (region III),
-//! somewhere along it or, where M(0) < 0, at the contact node itself. Rods are followed inwards
-//! from stretched ones: folded rods at the same positions are not included.
+//! The thesis does not state the conditions at the two ends. Its solver gets only the position of
+//! the gripper, and Eq. 5.3 requires zero bending there. Here, therefore, the contact node is
+//! clamped level on the table, and the gripper holds a position and turns freely. Each position
+//! has its force (F_x, F_z) on the contact node, its moment M(0) and its direction α. The
+//! constraints of Eq. 5.6, a rod above the table and F_z ≥ 0, bound a region M of positions. Along
+//! a ray from the contact node they hold between two distances. Beyond the outer one the rod is
+//! stretched and pulls upwards (region I of Fig. 5.4b). Within the inner one it touches the table
+//! (region III), somewhere along its length or, if M(0) < 0, at the contact node itself. Rods are
+//! continued inwards from stretched ones, so folded rods at the same positions are not included.
 //!
-//! The lying part carries no moment: the rod of a straight pattern has κ̄ = M(0) = 0. Such grasps
-//! form a curve, the inner boundary as long as that is where M(0) = 0, and beyond; where its F_x
-//! vanishes are the grasps of Eq. 5.3.
+//! The lying part carries no moment: on a straight pattern the rod has κ̄ = M(0) = 0. Such grasps
+//! form a curve. It is the inner boundary as long as that has M(0) = 0, and continues beyond. The
+//! grasps of Eq. 5.3 are the points of this curve with F_x = 0.
 
 mod chebyshev;
 mod planar_rod;
@@ -24,8 +24,7 @@ use super::{GraspError, GraspProblem};
 use planar_rod::PlanarRod;
 use ray::{JUMP, Ray};
 
-/// Direction of the first ray, rad, for grasps without a contact moment, and steps of F_z between
-/// them.
+/// Direction of the first ray, rad, and steps of F_z, for the grasps without a contact moment.
 const FREE_START: f64 = 1.3;
 const FORCE_STEP: f64 = 0.05;
 
@@ -53,7 +52,7 @@ pub struct FreeGrasp {
     pub answer: SidewaysAnswer,
 }
 
-/// Constraint at the end of the grasps along a ray.
+/// Constraint that is violated at the end of the grasps along a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GraspBound {
     /// The contact node would have to be held down: F_z < 0.
@@ -69,24 +68,26 @@ pub enum GraspBound {
 pub struct GraspStretch {
     /// Direction above the table, rad.
     pub direction: f64,
-    /// The farthest grasp and the nearest one.
+    /// The farthest and the nearest grasp.
     pub ends: [PlanarGrasp; 2],
-    /// The constraint at each end.
+    /// The constraint at each of the two ends.
     pub bounds: [GraspBound; 2],
     compliance: f64,
     rods: [(f64, PlanarRod); 2],
 }
 
-/// Response of a planar grasp to a push out of the plane, both ends held.
+/// Response of a planar grasp to a push out of the plane, with both ends held.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SidewaysAnswer {
     /// Number of unstable modes without a push.
     pub unstable_modes: usize,
-    /// Largest sideways displacement of the rod over that of the gripper, for a small one: at least 1.
+    /// Ratio of the largest sideways displacement of the rod to a small one of the gripper: at
+    /// least 1.
     pub largest_over_push: f64,
 }
 
-/// The region of grasps of a straight pattern along rays (rad above the table, 0 to π), ray by ray from the outside in.
+/// The region of grasps of a straight pattern along rays (rad above the table, 0 to π), each from
+/// the outside in.
 ///
 /// # Errors
 /// The length or the stiffness is out of range.
@@ -104,8 +105,8 @@ pub fn grasp_region(
     Ok(directions.iter().flat_map(of).collect())
 }
 
-/// The grasps whose lying part carries no moment, by growing `contact_forces` F_z: from the inner
-/// boundary of the region, as far as they are found.
+/// The grasps without a moment in the lying part, in ascending order of `contact_forces` F_z, from
+/// the inner boundary of the region as far as they are found.
 ///
 /// # Errors
 /// The length or the stiffness is out of range.
@@ -121,7 +122,7 @@ pub fn free_grasps(
     else {
         return Ok(Vec::new());
     };
-    // From the start to larger forces, and to smaller ones.
+    // From the starting point to larger forces, and to smaller ones.
     let begin = -start.force()[1];
     let (mut above, mut below): (Vec<f64>, Vec<f64>) =
         contact_forces.iter().partition(|force| **force >= begin);
@@ -146,7 +147,7 @@ pub fn free_grasps(
     Ok(found)
 }
 
-/// Without a contact moment, step by step to a force of the table.
+/// Changes the force of the table step by step, without a contact moment.
 fn walked(rod: &PlanarRod, contact_force: f64) -> Option<PlanarRod> {
     let mut rod = rod.clone();
     loop {
@@ -169,8 +170,8 @@ fn walked(rod: &PlanarRod, contact_force: f64) -> Option<PlanarRod> {
     }
 }
 
-/// Nodes (x, z) at equal arc lengths of the rod whose gripper is at a distance along a ray; `None`
-/// if there is none.
+/// Nodes (x, z) at equal arc lengths of the rod with the gripper at a distance along a ray; `None`
+/// if there is no such rod.
 ///
 /// # Errors
 /// The length or the stiffness is out of range.
@@ -188,8 +189,8 @@ pub fn rod_along_ray(
 }
 
 impl GraspStretch {
-    /// A number of grasps, at least two, at equal distances from the farthest to the nearest, each
-    /// with its response to a sideways push; fewer if one is not found.
+    /// At least two grasps at equal distances from the farthest to the nearest, each with its
+    /// response to a sideways push. There are fewer if one is not found.
     pub fn grasps(&self, count: usize) -> Vec<(PlanarGrasp, SidewaysAnswer)> {
         let [(far, rod), (near, _)] = &self.rods;
         let (sine, cosine) = libm::sincos(self.direction);
@@ -246,7 +247,7 @@ mod tests {
 
     #[test]
     fn the_optimal_grasps_are_free_of_moment_and_axial_force() {
-        // Local minimum 1, the gentle grasp, and local minimum 2, the other one with the fewest
+        // Local minimum 1 is the gentle grasp, local minimum 2 the other one with the fewest
         // unstable modes.
         let found = GraspSolver::new()
             .solve_all(&problem(), GraspMethod::Theory)
@@ -269,7 +270,7 @@ mod tests {
             assert!(planar.lowest > 0.0);
             assert_eq!(answer.unstable_modes, grasp.unstable_modes);
         }
-        // The first lies on the inner boundary.
+        // The first of them lies on the inner boundary.
         let direction = libm::atan2(found[0].position.z, found[0].position.x);
         let region = grasp_region(LENGTH, STIFFNESS, &[direction]).unwrap();
         let inner = region[0].ends[1];

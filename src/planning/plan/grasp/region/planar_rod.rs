@@ -1,5 +1,5 @@
-//! A suspended rod in the plane: its contact node clamped level on the table, its other end held at
-//! a position, free to turn.
+//! A suspended rod in the plane. Its contact node is clamped level on the table; its other end is
+//! held at a position and turns freely.
 //!
 //! EI = L_gb = 1, so that the weight per length is 1/2. With the angle θ(s) of the tangent above the table and the force
 //! n(s) = (H, V + s/2) that the material beyond s exerts,
@@ -19,18 +19,18 @@ use std::sync::LazyLock;
 const DEGREE: usize = 72;
 /// Maximum number of Newton iterations.
 const ITERATIONS: usize = 60;
-/// Largest turn of a tangent in one iteration.
+/// Largest rotation of a tangent in one iteration.
 const LARGEST_TURN: f64 = 0.5;
-/// Change at which the next one is below the rounding of second derivatives, 1e-9.
+/// Change for which the next one is below the rounding errors of second derivatives, 1e-9.
 const CONVERGED: f64 = 1e-7;
 /// Tension of the initial guess of a stretched rod.
 const PULL: f64 = 6.0;
-/// Elements of the second variation between two of the Chebyshev points.
+/// Number of elements of the second variation between two Chebyshev points.
 const ELEMENTS_BETWEEN: usize = 4;
 
 static RULE: LazyLock<Chebyshev> = LazyLock::new(|| Chebyshev::new(DEGREE));
 
-/// A suspended rod in the plane, in balance.
+/// A suspended rod in the plane, in equilibrium.
 #[derive(Clone, Debug)]
 pub struct PlanarRod {
     length: f64,
@@ -43,7 +43,7 @@ pub struct PlanarRod {
 
 impl PlanarRod {
     /// A nearly straight rod from the contact node to the gripper, if there is one. The curvature
-    /// of the problem is ignored: the moment of the clamp follows.
+    /// in the problem is ignored, since the clamp provides the moment.
     pub fn stretched(problem: &GraspProblem, gripper: [f64; 2]) -> Option<Self> {
         let length = problem.suspended_length;
         let direction = libm::atan2(gripper[1], gripper[0]);
@@ -60,14 +60,13 @@ impl PlanarRod {
         start.moved(gripper)
     }
 
-    /// The rod near this one whose gripper is elsewhere; `None` if Newton's method does not find
+    /// The rod near this one for another gripper position; `None` if Newton's method does not find
     /// it.
     pub fn moved(&self, gripper: [f64; 2]) -> Option<Self> {
         self.converged(&End::Place(gripper))
     }
 
-    /// The rod near this one with another force of the table, and without a moment at the contact
-    /// node.
+    /// The rod near this one for another force of the table, without a moment at the contact node.
     pub fn without_contact_moment(&self, contact_force: f64) -> Option<Self> {
         self.converged(&End::Free {
             vertical: -contact_force,
@@ -84,7 +83,7 @@ impl PlanarRod {
         None
     }
 
-    /// Largest turn of a tangent from another rod to this one, rad.
+    /// Largest rotation of a tangent relative to another rod, rad.
     pub fn largest_turn_from(&self, other: &Self) -> f64 {
         (&self.angles - &other.angles).amax()
     }
@@ -94,7 +93,7 @@ impl PlanarRod {
         self.force
     }
 
-    /// θ'(0), the moment that the lying part must bear.
+    /// θ'(0), the moment that the lying part must carry.
     pub fn contact_moment(&self) -> f64 {
         (RULE.derivative.row(0) * &self.angles)[0] / self.length
     }
@@ -104,7 +103,7 @@ impl PlanarRod {
         self.angles[DEGREE]
     }
 
-    /// Lowest height above the table away from the contact node: at a local minimum, or at the
+    /// Lowest height above the table away from the contact node, at a local minimum or at the
     /// gripper.
     pub fn lowest(&self) -> f64 {
         let heights = self.heights();
@@ -189,7 +188,7 @@ impl PlanarRod {
         }
     }
 
-    /// One Newton iteration; returns the largest change of an angle or force.
+    /// Performs one Newton iteration; returns the largest change of an angle or force.
     fn iterate(&mut self, end: &End) -> Option<f64> {
         let count = DEGREE + 1;
         let (length, compliance) = (self.length, self.compliance);
@@ -208,7 +207,7 @@ impl PlanarRod {
                 across,
                 along,
             } = self.load(at);
-            // across' = along and along' = −across by θ.
+            // The derivatives with respect to θ are across' = along and along' = −across.
             let stretch = 1.0 + compliance * along;
             right[at] = square * stretch * across - bend[at];
             matrix[(at, at)] -= square * (stretch * along - compliance * across * across);
@@ -239,7 +238,7 @@ impl PlanarRod {
                 right[z] = vertical - self.force[1];
             }
         }
-        // θ(0) = 0 and θ'(l̄_s) = 0 instead of the equation at the two ends.
+        // At the two ends the conditions θ(0) = 0 and θ'(l̄_s) = 0 replace the equation.
         matrix.row_mut(0).fill(0.0);
         matrix[(0, 0)] = 1.0;
         right[0] = -self.angles[0];
@@ -270,7 +269,7 @@ enum End {
     Free { vertical: f64 },
 }
 
-/// The force in the rod, across it and along it, and the direction there.
+/// The components of the force in the rod, across it and along it, and its direction.
 struct Load {
     sine: f64,
     cosine: f64,

@@ -1,19 +1,19 @@
-//! A ray from the contact node: rods whose gripper is on it, and the part where they are grasps.
+//! A ray from the contact node: rods with the gripper on it, and the section where they are
+//! grasps.
 
 use super::planar_rod::PlanarRod;
 use super::{GraspBound, GraspStretch, PlanarGrasp};
 use crate::plan::grasp::GraspProblem;
 use std::f64::consts::FRAC_PI_2;
 
-/// Distance of the initial guess, and the largest distance searched, relative to the suspended
-/// length.
+/// Distance of the initial guess, and largest searched distance, relative to the suspended length.
 const STRETCHED: f64 = 0.985;
 const FARTHEST: f64 = 1.5;
-/// Steps along a ray over the suspended length.
+/// Steps along a ray, relative to the suspended length.
 const STEP: f64 = 0.01;
-/// Smallest distance searched, relative to the suspended length.
+/// Smallest searched distance, relative to the suspended length.
 const NEAREST: f64 = 0.3;
-/// Largest turn of a ray in one step, rad.
+/// Largest rotation of a ray in one step, rad.
 const LARGEST_TURN: f64 = 0.02;
 /// Rotation of a tangent that counts as a jump, rad.
 pub const JUMP: f64 = 0.5;
@@ -28,7 +28,7 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// In a direction, rad above the table.
+    /// The ray in a direction, rad above the table.
     pub fn new(problem: &GraspProblem, direction: f64) -> Self {
         Self {
             problem: *problem,
@@ -47,14 +47,14 @@ impl Ray {
         (moved.largest_turn_from(rod) < JUMP).then_some((distance, moved))
     }
 
-    /// A stretched rod, turned from upright into the direction.
+    /// A stretched rod, rotated from upright into the direction of the ray.
     pub fn stretched(&self) -> Option<(f64, PlanarRod)> {
         let distance = STRETCHED * self.problem.suspended_length;
         let rod = PlanarRod::stretched(&self.problem, [0.0, distance])?;
         self.turned(FRAC_PI_2, (distance, rod))
     }
 
-    /// A rod in another direction, turned into this one at its distance.
+    /// A rod of another direction, rotated into this one at the same distance.
     fn turned(&self, from: f64, (distance, rod): (f64, PlanarRod)) -> Option<(f64, PlanarRod)> {
         let [sine, cosine] = self.direction;
         let turn = libm::atan2(sine, cosine) - from;
@@ -67,7 +67,7 @@ impl Ray {
         Some(rod)
     }
 
-    /// Step by step to a distance.
+    /// Moves step by step to a distance.
     pub fn walk(&self, mut rod: (f64, PlanarRod), distance: f64) -> Option<(f64, PlanarRod)> {
         let step = STEP * self.problem.suspended_length;
         while rod.0 != distance {
@@ -82,8 +82,8 @@ impl Ray {
         Some(rod)
     }
 
-    /// Between two rods with different violated constraints, or none, the two next to the point
-    /// where the state of the first one ends.
+    /// Bisects between two rods of which different constraints, or none, are violated. Returns the
+    /// two rods next to the point where the state of the first one ends.
     fn bisected(
         &self,
         from: (f64, PlanarRod),
@@ -102,7 +102,8 @@ impl Ray {
         Some([from, to])
     }
 
-    /// All grasps along the ray from a rod, outwards until it pulls upwards, then inwards.
+    /// All grasps along the ray. The search starts at a rod, moves outwards until the rod pulls
+    /// upwards, then inwards.
     pub fn stretches(&self, mut rod: (f64, PlanarRod)) -> Vec<GraspStretch> {
         let length = self.problem.suspended_length;
         let step = STEP * length;
@@ -120,7 +121,7 @@ impl Ray {
             };
             let [before, after] = [violated(&rod.1), violated(&next.1)];
             if before.is_some() && before != after {
-                // A step may be longer than the whole stretch.
+                // A step may be longer than the whole section.
                 outer = self.first(rod.clone(), &next);
             }
             if after.is_some()
@@ -139,7 +140,7 @@ impl Ray {
         found
     }
 
-    /// Start of the grasps between a rod that is not a grasp and another one.
+    /// Start of the grasps, between a rod that is not a grasp and another one.
     fn first(&self, rod: (f64, PlanarRod), next: &(f64, PlanarRod)) -> Option<End> {
         let bound = violated(&rod.1)?;
         let [_, grasp] = self.bisected(rod, next.clone())?;
@@ -160,7 +161,7 @@ impl Ray {
         }
     }
 
-    /// End of the grasps between a grasp and a rod that is not one.
+    /// End of the grasps, between a grasp and a rod that is not one.
     fn last(&self, grasp: (f64, PlanarRod), next: &(f64, PlanarRod)) -> Option<End> {
         let [rod, beyond] = self.bisected(grasp, next.clone())?;
         let bound = violated(&beyond.1)?;
@@ -174,7 +175,7 @@ struct End {
     bound: GraspBound,
 }
 
-/// The first of the constraints that does not hold.
+/// The first violated constraint.
 fn violated(rod: &PlanarRod) -> Option<GraspBound> {
     if rod.force()[1] > 0.0 {
         Some(GraspBound::Pull)

@@ -4,14 +4,14 @@ use super::Stroke;
 use crate::plan::pattern::Point;
 use kurbo::BezPath;
 
-/// Maximum number of pairs of a chord of a stroke and one of a clip.
+/// Maximum number of pairs of a chord of a stroke with a chord of a clip.
 const MOST_PAIRS: usize = 50_000_000;
 
 /// A chord of the border of an area, m.
 type Border = [Point; 2];
 
-/// Cuts a stroke at the border of areas, m, and returns the pieces inside one; `None` if there are
-/// too many pairs of chords.
+/// Cuts a stroke at the borders of areas, m, and returns the pieces inside one of them; `None` if
+/// there are too many pairs of chords.
 pub fn clipped(stroke: &Stroke, areas: &[BezPath], flatness: f64) -> Option<Vec<Stroke>> {
     let areas: Vec<Vec<Border>> = areas.iter().map(|path| borders(path, flatness)).collect();
     let count: usize = areas.iter().map(Vec::len).sum();
@@ -49,7 +49,7 @@ pub fn clipped(stroke: &Stroke, areas: &[BezPath], flatness: f64) -> Option<Vec<
     Some(pieces)
 }
 
-/// The chords of a path, closed.
+/// The chords of a path, closed if necessary.
 fn borders(path: &BezPath, flatness: f64) -> Vec<Border> {
     let mut borders = Vec::new();
     let [mut at, mut start] = [Point::zeros(); 2];

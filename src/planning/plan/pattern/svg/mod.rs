@@ -24,7 +24,7 @@ use visible::{Seen, Visible};
 
 /// Largest deviation of chords from curves, relative to the size of the stroke.
 const FLATNESS: f64 = 1e-6;
-/// Gaps across which strokes are joined, relative to the size of the drawing.
+/// Largest gap across which strokes are joined, relative to the size of the drawing.
 const GAP: f64 = 1e-6;
 /// Largest size of a path, m.
 const LARGEST: f64 = 1000.0;
@@ -36,7 +36,7 @@ const MOST_NODES: u32 = 1_000_000;
 const MOST_POINTS: usize = 1_000_000;
 /// Maximum nesting of groups.
 const DEEPEST: usize = 200;
-/// Smallest share of the page that a background covers, in each direction.
+/// Smallest fraction of the page that a background covers in each direction.
 const BACKGROUND: f64 = 0.99;
 /// Maximum number of messages about single elements.
 const MOST_NOTES: usize = 10;
@@ -62,8 +62,8 @@ pub struct DrawnStroke {
     pub is_background: bool,
 }
 
-/// The strokes of a drawing in the order of the file; those that end at the start of the next are
-/// joined.
+/// The strokes of a drawing in the order of the file. Strokes that end at the start of the next
+/// one are joined.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SvgDrawing {
     /// The strokes.
@@ -168,7 +168,7 @@ impl SvgDrawing {
     }
 }
 
-/// Advice if a drawing only has elements of this name.
+/// Advice for a drawing with only elements of this name.
 fn hint(name: &str) -> Option<&'static str> {
     match name {
         "text" => Some("; text must be made into paths first (Inkscape: Path, Object to Path)"),
@@ -273,7 +273,8 @@ impl Reader<'_> {
                 .push(fault(node, "d", format!("it is larger than {LARGEST} m")));
             return Ok(());
         }
-        // A point. Where squares of the tolerance underflow, there would be endless chords.
+        // The shape is a point. If squares of the tolerance underflow, there would be endless
+        // chords.
         if size < SMALLEST {
             return Ok(());
         }
@@ -286,8 +287,8 @@ impl Reader<'_> {
             common.width >= BACKGROUND * sheet.width()
                 && common.height >= BACKGROUND * sheet.height()
         };
-        // Sub-path by sub-path, so that a drawing with too many points is rejected before all of
-        // them are computed.
+        // Converts one subpath at a time, so that a drawing with too many points is rejected
+        // before all of them are computed.
         for elements in path
             .elements()
             .chunk_by(|_, next| !matches!(next, kurbo::PathEl::MoveTo(_)))
@@ -308,7 +309,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A sub-path as chords that miss it by at most `tolerance`; without points if it has no
+    /// A subpath as chords that deviate by at most `tolerance`; empty if the subpath has no
     /// length.
     fn flattened(
         &mut self,
@@ -347,7 +348,7 @@ impl Reader<'_> {
         Ok(stroke)
     }
 
-    /// The parts of the stroke of a shape inside the clips around it.
+    /// The parts of a shape's stroke inside the clips that apply to it.
     fn clipped(&self, stroke: Stroke, seen: &Seen, flatness: f64) -> Vec<Stroke> {
         let mut pieces = vec![stroke];
         pieces.retain(|piece| piece.len() > 1);

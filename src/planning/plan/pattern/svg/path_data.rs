@@ -8,7 +8,7 @@ const ARC_ACCURACY: f64 = 1e-9;
 /// Smallest radius of an arc.
 const SMALLEST_ARC: f64 = 1e-100;
 
-/// Reads path data up to its first error, and that error.
+/// Reads path data up to its first error, and returns that error.
 pub fn bezier_path(data: &str) -> (BezPath, Option<Error>) {
     let mut pen = Pen::default();
     for segment in PathParser::from(data) {
@@ -25,7 +25,7 @@ struct Pen {
     path: BezPath,
     start: Point,
     at: Point,
-    /// Last control point of the cubic, and of the quadratic curve just drawn.
+    /// Last control point of the cubic or quadratic curve just drawn.
     cubic: Option<Point>,
     quadratic: Option<Point>,
 }
@@ -96,7 +96,7 @@ impl Pen {
                     sweep,
                 };
                 match Arc::from_svg_arc(&arc) {
-                    // For larger angles no fraction is left, and there would be endless cubics.
+                    // Larger angles have no fractional digits, and there would be endless cubics.
                     Some(arc) if arc.radii.x.max(arc.radii.y) > SMALLEST_ARC => {
                         let accuracy = ARC_ACCURACY * arc.radii.x.max(arc.radii.y);
                         arc.to_cubic_beziers(accuracy, |one, other, end| {
@@ -166,7 +166,7 @@ mod tests {
         );
         assert!(ends("L 1 1").is_empty());
         assert!(bezier_path("M 0 0 L 1").1.is_some());
-        // Data before an error is drawn.
+        // Data before an error is still drawn.
         assert_eq!(ends("M 0 0 L 1 2 X 3"), [(0., 0.), (1., 2.)]);
     }
 

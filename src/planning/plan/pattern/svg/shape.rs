@@ -1,4 +1,5 @@
-//! Outlines of the shapes of a drawing (SVG 1.1, chapters 8 and 9), in the units and coordinates of each.
+//! Outlines of the shapes of a drawing (SVG 1.1, chapters 8 and 9), each in its own units and
+//! coordinates.
 
 use super::path_data::bezier_path;
 use super::units::{Side, length};
@@ -72,7 +73,7 @@ fn measured(node: Node) -> Result<Option<BezPath>, Fault> {
             if !(width > 0.0 && height > 0.0) {
                 return Ok(None);
             }
-            // A missing radius equals the other one; both are at most half of their side.
+            // A missing radius equals the other radius; both are at most half of their side.
             let stated = |name, side| {
                 let radius = length(node, name, side)?;
                 Ok::<_, Fault>(radius.filter(|radius| *radius >= 0.0))
@@ -108,9 +109,9 @@ fn rounded([x, y]: [f64; 2], [width, height]: [f64; 2], [rx, ry]: [f64; 2]) -> B
     bezier_path(&data).0
 }
 
-/// Whether a circle or an ellipse of these radii is drawn: one without size is not.
+/// Whether a circle or ellipse with these radii is drawn; it is not if a radius is zero.
 fn has_size(node: Node, radii: &[f64]) -> Result<bool, Fault> {
-    // Squares of larger ones overflow.
+    // Squares of larger radii overflow.
     if !radii.iter().all(|radius| *radius < 1e100) {
         return Err(fault(node, "r", format!("it is larger than {LARGEST} m")));
     }

@@ -6,18 +6,18 @@ use std::convert::Infallible;
 use std::fmt::{self, Write};
 use std::str::FromStr;
 
-/// Strokes that a message lists.
+/// Maximum number of strokes listed in a message.
 const LISTED: usize = 10;
 
 /// Selection of a stroke of a drawing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum StrokeChoice {
-    /// The only one, apart from the background of the page.
+    /// The only stroke, apart from the background of the page.
     #[default]
     Only,
-    /// The one with a number, from 1.
+    /// The stroke with a number, counted from 1.
     Number(usize),
-    /// The one of an element with this `id`.
+    /// The stroke of an element with this `id`.
     Id(String),
     /// The longest one.
     Longest,
@@ -66,7 +66,7 @@ impl DrawnStroke {
 }
 
 impl SvgDrawing {
-    /// The number of the selected stroke, from 1.
+    /// The number of the selected stroke, counted from 1.
     ///
     /// # Errors
     /// There are several strokes, or none is selected.
@@ -125,11 +125,11 @@ impl SvgDrawing {
         }
     }
 
-    /// Joins strokes whose ends are at most `gap` apart, m, in any order and direction, from the
-    /// first one on. Where several ends are near, the nearest one is joined.
+    /// Joins strokes whose ends are at most `gap` apart, m, in any order and direction, starting
+    /// with the first stroke. If several ends are near, the nearest one is joined.
     ///
     /// # Errors
-    /// There are too many.
+    /// There are too many strokes.
     pub fn joined(mut self, gap: f64) -> Result<Self, PatternError> {
         if self.strokes.len() > StrokeChoice::MOST_JOINED {
             return Err(PatternError::TooManyToJoin(self.strokes.len()));
@@ -159,8 +159,8 @@ impl SvgDrawing {
         Ok(self)
     }
 
-    /// The smallest gap, m, that joins all strokes to one; `None` if they are far apart, or too
-    /// many.
+    /// The smallest gap, m, that joins all strokes to one; `None` if they are too far apart, or
+    /// too many.
     pub fn gap_that_joins(&self) -> Option<f64> {
         const MOST: usize = 200;
         if self.strokes.len() > MOST {
@@ -178,14 +178,14 @@ impl SvgDrawing {
                     .count(),
             )
         };
-        // Of 1, 2 and 5 times powers of ten, m, up to a tenth of the drawing.
+        // Candidates for the gap: 1, 2 and 5 times powers of ten, m, up to a tenth of the drawing.
         let gaps = (-5..0)
             .flat_map(|power| [1.0, 2.0, 5.0].map(|first| first * libm::exp10(f64::from(power))));
         gaps.take_while(|gap| *gap <= 0.1 * whole)
             .find(|gap| count(*gap) == Some(1))
     }
 
-    /// The longest strokes, a line each, with a count of the rest.
+    /// The longest strokes, one per line, with a count of the rest.
     pub fn list(&self) -> String {
         let mut longest: Vec<(f64, usize, &DrawnStroke)> = self
             .strokes
@@ -224,13 +224,13 @@ impl SvgDrawing {
     }
 }
 
-/// The end of another stroke nearest to an end of a chain: its index, whether it is at the last
-/// point of the chain, and whether that stroke must be reversed.
+/// The end of another stroke that is nearest to an end of a chain. Returns its index, whether the
+/// end is at the last point of the chain, and whether the stroke must be reversed.
 fn nearest(chain: &DrawnStroke, rest: &[DrawnStroke], gap: f64) -> Option<(usize, bool, bool)> {
     let [first, last] = chain.ends();
     let mut best: Option<(f64, (usize, bool, bool))> = None;
-    // The rest is in reverse order: of equally near ones the first of the drawing is used, after
-    // the chain if possible.
+    // The remaining strokes are in reverse order. Of equally near strokes the first one in the
+    // drawing is used, after the chain if possible.
     for (index, stroke) in rest.iter().enumerate().rev() {
         let [start, end] = stroke.ends();
         for (distance, place) in [
@@ -248,7 +248,7 @@ fn nearest(chain: &DrawnStroke, rest: &[DrawnStroke], gap: f64) -> Option<(usize
     best.map(|(_, place)| place)
 }
 
-/// A length in millimetres, to a tenth or to three digits.
+/// A length in millimetres, with one decimal or three significant digits.
 fn millimetres(metres: f64) -> String {
     let value = 1e3 * metres + 0.0;
     match value.abs() {

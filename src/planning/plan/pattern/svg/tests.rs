@@ -86,7 +86,7 @@ fn transforms_nest() {
         "<g transform=\"translate(50 50)\"><g transform=\"rotate(90) scale(2)\"><path d=\"M0 0 L10 0\"/></g></g>",
     );
     let stroke = &strokes.unwrap()[0];
-    // y points down in the drawing: a quarter turn from x there is down here.
+    // In the drawing y points down: a quarter turn from x points down.
     assert!((stroke[1] - Point::new(0.05, 0.03)).norm() < 1e-15);
 }
 
@@ -155,7 +155,7 @@ proptest! {
     }
 }
 
-/// Lengths of the strokes of a drawing on a page of 100 mm with as many units, mm.
+/// Lengths of the strokes of a drawing on a page of 100 mm with 100 units, mm.
 fn lengths(content: &str) -> Vec<f64> {
     let text = format!(
         "<svg xmlns='http://www.w3.org/2000/svg' xmlns:xlink='http://www.w3.org/1999/xlink' width='100mm' \

@@ -8,14 +8,14 @@ use svgtypes::{Align, AspectRatio, Length, LengthUnit, ViewBox};
 
 /// A user unit of a drawing without a size, m: 1/96 inch.
 const PIXEL: f64 = 0.0254 / 96.0;
-/// Size of a font where a length is in `em`, user units. An `ex` is half of it.
+/// Font size for lengths in `em`, user units. An `ex` is half of it.
 const FONT_SIZE: f64 = 16.0;
 /// Default sides of a viewport, user units.
 const VIEWPORT: [f64; 2] = [100.0, 100.0];
 
 /// The page of a drawing.
 pub struct Page {
-    /// From user units to metres, y upwards.
+    /// Transformation from user units to metres, with y upwards.
     pub to_metres: Affine,
     /// Width and height, user units.
     pub viewport: [f64; 2],

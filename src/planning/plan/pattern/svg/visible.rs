@@ -1,10 +1,11 @@
 //! Visible shapes of a drawing and their positions: `usvg` resolves styles, `<use>`, symbols,
 //! nested pages, conditions and clips.
 //!
-//! Its outlines are in single precision, and its arcs deviate from circles by more than is allowed
-//! for patterns. It therefore gets a copy of the drawing in which each shape is a small one of the
-//! same kind at the origin whose width encodes its index, and the outlines are computed here. Fills
-//! that depend on the box around a shape do not matter; such clips are ignored.
+//! The outlines of `usvg` have single precision, and its arcs deviate from circles by more than
+//! patterns allow. It therefore receives a copy of the drawing in which each shape is replaced by
+//! a small one of the same kind at the origin, whose width encodes its index. The outlines are
+//! computed here. Fills that depend on the box around a shape do not matter; such clips are
+//! ignored.
 
 use super::shape::SHAPES;
 use super::units::Page;
@@ -16,9 +17,10 @@ use std::fmt::Write;
 use std::str::FromStr;
 use svgtypes::Transform;
 
-/// Stack of the resolver, which recurses into groups, bytes.
+/// Stack size of the resolver, which recurses into groups, bytes.
 const STACK: usize = 64 << 20;
-/// Elements that are ignored, and that would end the program if their sizes cannot be resolved.
+/// Elements that are removed; the resolver would end the program if their sizes could not be
+/// resolved.
 const BOX: [(&str, &str); 8] = [
     ("x", "0"),
     ("y", "0"),
@@ -29,12 +31,12 @@ const BOX: [(&str, &str); 8] = [
     ("filterUnits", "userSpaceOnUse"),
     ("viewBox", "0 0 1 1"),
 ];
-/// Difference of transforms in single precision, relative to their size.
+/// Largest difference of transforms in single precision, relative to their size.
 const SINGLE: f64 = 1e-5;
 
 /// A visible shape.
 pub struct Seen {
-    /// Its number among all elements of [`shapes`].
+    /// Its index among all elements of [`shapes`].
     pub shape: usize,
     /// Transformation of its coordinates to user units of the page.
     pub place: Affine,
@@ -47,7 +49,7 @@ pub struct Seen {
 /// The area inside a clip, in user units of the page.
 #[derive(Default)]
 pub struct Clip {
-    /// Shapes of the drawing that are its area, with their places.
+    /// Shapes of the drawing that form its area, with their transformations.
     pub shapes: Vec<(usize, Affine)>,
     /// Frames of nested pages.
     pub frames: Vec<BezPath>,
@@ -74,13 +76,13 @@ impl Visible {
     /// Resolves a drawing.
     ///
     /// # Errors
-    /// It is nested too deep, or has too many elements after each `<use>` is replaced by its
-    /// content.
+    /// The document is nested too deeply, or has too many elements after each `<use>` is replaced
+    /// by its content.
     pub fn of(text: &str, shapes: &[Node], page: &Page) -> Result<Self, PatternError> {
         let copy = copy(text, shapes, page);
         let resolve = || {
             let options = usvg::Options {
-                // Pictures are not followed, and other files are never read.
+                // Embedded pictures are ignored, and other files are never read.
                 image_href_resolver: usvg::ImageHrefResolver {
                     resolve_data: Box::new(|_, _, _| None),
                     resolve_string: Box::new(|_, _| None),
@@ -165,8 +167,8 @@ impl Clip {
     }
 }
 
-/// The shape of the drawing for one of the copy; `None` for the frame of a nested page, which is
-/// the only rectangle with sharp corners.
+/// The shape of the drawing that corresponds to one of the copy; `None` for the frame of a nested
+/// page, which is the only rectangle with sharp corners.
 fn shape_of(path: &usvg::Path) -> Option<usize> {
     let is_line = |segment: &PathSegment| matches!(segment, PathSegment::LineTo(_));
     let is_curve = |segment: &PathSegment| {
@@ -204,7 +206,7 @@ fn bezier(path: &usvg::Path) -> BezPath {
     elements.collect()
 }
 
-/// The drawing with squares for shapes, on a page whose units are those of the user.
+/// The drawing with squares in place of shapes, on a page in user units.
 fn copy(text: &str, shapes: &[Node], page: &Page) -> String {
     let mut edits: Vec<(usize, usize, String)> = Vec::new();
     let mut edit = |node: &Node, attributes: &[(&str, String)]| {
@@ -283,7 +285,7 @@ fn copy(text: &str, shapes: &[Node], page: &Page) -> String {
     let mut copy = String::with_capacity(2 * text.len());
     let mut at = 0;
     for (start, end, with) in edits {
-        // Elements of an entity that is used twice have one position in the text.
+        // Elements of an entity that is used twice have the same position in the text.
         if let Some(before) = text.get(at..start).filter(|_| start >= at && end >= start) {
             copy += before;
             copy += &with;
@@ -294,8 +296,8 @@ fn copy(text: &str, shapes: &[Node], page: &Page) -> String {
     copy
 }
 
-/// The exact position of an element, if it agrees with `found`: the transforms around it, in double
-/// precision.
+/// The exact transformation of an element in double precision, from the transforms around it, if
+/// it agrees with `found`.
 ///
 /// # Errors
 /// A transform around it cannot be read.
