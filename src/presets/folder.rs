@@ -17,7 +17,8 @@ pub struct CannotUnpack {
     error: io::Error,
 }
 
-/// The folder with all files, in the cache of the user. They are compared and written once in a process.
+/// The folder with all files, in the cache of the user. The files are compared and written once
+/// per process.
 pub(super) fn unpacked() -> Result<&'static Path, CannotUnpack> {
     static UNPACKED: OnceLock<PathBuf> = OnceLock::new();
     if let Some(folder) = UNPACKED.get() {
@@ -42,8 +43,8 @@ fn cache() -> PathBuf {
         .unwrap_or_else(env::temp_dir)
 }
 
-/// Writes the files that are missing from a folder or differ there. Each is written atomically, so
-/// that several processes can unpack at the same time.
+/// Writes the files that are missing from a folder or differ from the embedded ones. Each is
+/// written atomically, so that several processes can unpack at the same time.
 fn unpack(folder: &Path) -> Result<(), CannotUnpack> {
     for (path, bytes) in FILES {
         let path = folder.join(path);

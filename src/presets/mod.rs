@@ -1,4 +1,5 @@
-//! Files embedded in the program: scenarios, rods, papers, cells, patterns, and what they refer to.
+//! Files embedded in the program: scenarios, rods, papers, cells, patterns, and the files to which
+//! they refer.
 //!
 //! A preset is used like any other file. [`Preset::file`] writes all of them to a folder of the user's cache first, so that
 //! a preset may extend another one or refer to a mesh.
@@ -47,8 +48,8 @@ impl PresetKind {
         }
     }
 
-    /// The kind of a file by its path below the folder of presets; `None` for a file that presets
-    /// refer to.
+    /// The kind of a file by its path below the folder of presets; `None` for a file that is only
+    /// referred to by presets.
     fn of(path: &str) -> Option<Self> {
         let (folder, name) = path.rsplit_once('/').unwrap_or(("", path));
         let kind = Self::ALL.into_iter().find(|kind| kind.folder() == folder)?;
@@ -92,7 +93,7 @@ pub struct Preset {
 }
 
 impl Preset {
-    /// All presets, kind by kind and sorted by name.
+    /// All presets, grouped by kind and sorted by name.
     pub fn all() -> impl Iterator<Item = Self> {
         PresetKind::ALL.into_iter().flat_map(|kind| {
             embedded::FILES.iter().filter_map(move |&(path, bytes)| {
@@ -117,8 +118,8 @@ impl Preset {
         Self::of_kind(kind).find(|preset| preset.name == name)
     }
 
-    /// The preset for a path that does not exist: `green_vps`, or a path that ends in the name of
-    /// its file, as `scenarios/rods/green_vps.toml` does.
+    /// The preset for a path that does not exist: its name, such as `green_vps`, or a path that
+    /// ends in the name of its file, such as `scenarios/rods/green_vps.toml`.
     pub fn in_place_of(kind: PresetKind, path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_str()?;
         let is_bare = path.components().count() == 1;
@@ -142,8 +143,8 @@ impl Preset {
         })
     }
 
-    /// Its file, in a folder with all presets below the user's cache. Missing or different files
-    /// are written first.
+    /// Path of its file, in a folder with all presets in the user's cache. Missing or different
+    /// files are written first.
     ///
     /// # Errors
     /// The folder cannot be written.
