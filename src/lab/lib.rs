@@ -2,7 +2,7 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | [`scenario`] | the TOML schema as Rust types, units, validation with source positions |
+//! | [`scenario`] | the TOML schema as Rust types, units, validation with positions in the files |
 //! | [`experiment`] | one folder per kind of experiment: its keys, scene, observers, figures; the list of kinds |
 //! | [`run`] | the run loop on a results directory |
 //! | [`sweep`] | many cases |

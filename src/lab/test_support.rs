@@ -1,4 +1,5 @@
-//! What tests of the laboratory share: scenarios from texts and what becomes of them, quiet runs, tables of cases.
+//! Helpers for tests of the laboratory: scenarios from texts, their resolved form and simulations,
+//! quiet runs, tables of cases.
 
 use crate::experiment::{from_text, prepare};
 use crate::run::{Mode, OutputPlan, PreparedRun, RunError, RunOptions, RunOutcome, run_until};
@@ -8,7 +9,8 @@ use rodlab_engine::mechanics::scene::Scene;
 use std::path::Path;
 use tempfile::TempDir;
 
-/// The cases of a table, one a line: a text, whose lines are separated by `; `, then ` => ` and what is expected.
+/// The cases of a table, one per line: a text, whose lines are separated by `; `, then ` => ` and
+/// the expected result.
 pub fn cases(table: &str) -> impl Iterator<Item = (String, &str)> {
     let lines = table.lines().map(str::trim).filter(|line| !line.is_empty());
     lines.map(|line| {
@@ -17,24 +19,24 @@ pub fn cases(table: &str) -> impl Iterator<Item = (String, &str)> {
     })
 }
 
-/// A scenario from its text, or what is wrong with it.
+/// A scenario from its text, or its faults.
 pub fn loaded(name: &str, text: &str) -> Result<Loaded, String> {
     from_text(name, text, Path::new(""), &[]).map_err(|error| error.to_string())
 }
 
-/// The run of a scenario, or what is wrong with it.
+/// The run of a scenario, or its faults.
 pub fn prepared(name: &str, text: &str) -> Result<PreparedRun, String> {
     let loaded = loaded(name, text)?;
     prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues).to_string())
 }
 
-/// The simulation of a scenario at its start, or what is wrong with it.
+/// The simulation of a scenario at its start, or its faults.
 pub fn simulation(name: &str, text: &str) -> Result<Simulation, String> {
     let run = prepared(name, text)?;
     Simulation::new(&run.scene, &run.integration).map_err(|error| error.to_string())
 }
 
-/// The resolved scenario is a scenario, and the same one.
+/// The resolved scenario reads back to itself.
 #[track_caller]
 pub fn assert_reads_back(name: &str, scenario: &Scenario) {
     let text = scenario.to_toml();
@@ -42,14 +44,14 @@ pub fn assert_reads_back(name: &str, scenario: &Scenario) {
     assert_eq!(again.scenario, *scenario, "{text}");
 }
 
-/// Steps until a time, s.
+/// Advances a simulation to a time, s.
 pub fn advance_to(simulation: &mut Simulation, end: f64) {
     while simulation.time() < end {
         simulation.advance(end).unwrap();
     }
 }
 
-/// A run into a directory that shows no progress.
+/// Options of a run into a directory without a progress bar.
 pub fn quiet(directory: &Path) -> RunOptions {
     RunOptions {
         progress: false,
@@ -64,7 +66,8 @@ pub fn ran(prepared: &PreparedRun) -> Result<(RunOutcome, TempDir), RunError> {
     Ok((outcome, directory))
 }
 
-/// A run of a scene that no scenario describes: without observers and controllers, with nodes as its output.
+/// A run of a scene without a scenario: without observers and controllers, with nodes as its only
+/// output.
 pub fn run_of_scene(name: &str, scene: Scene, mode: Mode, interval: f64) -> PreparedRun {
     PreparedRun {
         name: name.into(),
