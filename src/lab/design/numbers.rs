@@ -173,7 +173,7 @@ pub fn numbers(
             .map(|(key, _)| format!("`{}`", designed.keys[*key].key))
             .collect();
         designed.remarks.push(format!(
-            "{} can change, by themselves or together, without a change of the shape: the values are one choice of many",
+            "{} can change, alone or together, without changing the shape: their values are not unique",
             names.join(", ")
         ));
     }
@@ -208,7 +208,7 @@ fn rod_of(name: Option<&str>, run: &PreparedRun) -> Result<usize, DesignError> {
             found.ok_or_else(|| fault(&format!("no rod is called `{name}`")))?
         }
         None if rods.len() == 1 => 0,
-        None => return Err(fault("name the rod whose shape is wanted")),
+        None => return Err(fault("name the rod to design")),
     };
     match rods[index].closed {
         true => Err(fault("this rod is closed; allowed: open rods")),

@@ -144,8 +144,7 @@ impl LinkingGuard {
         let mut own = self.seen.own.iter().zip(&now.own);
         let changed = own.position(|(before, now)| (now - before).abs() > 1.0)?;
         Some(format!(
-            "rod `{}` passed through itself before t = {time} s: its writhe and its twist, in turns, were {:.3} in \
-             all and are {:.3}; {advice}",
+            "rod `{}` passed through itself before t = {time} s: the sum of its writhe and its twist, in turns, was {:.3} and is {:.3}; {advice}",
             self.rods[changed].name, self.seen.own[changed], now.own[changed]
         ))
     }

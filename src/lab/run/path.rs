@@ -87,11 +87,11 @@ fn remarks(ended_early: EndedEarly) -> Vec<String> {
     let mut remarks = Vec::new();
     if long > 0 {
         remarks.push(format!(
-            "{long} of the branches ended within the range, at continuation.most_points"
+            "{long} of the branches ended within the range, because they reached continuation.most_points"
         ));
     }
     if lost > 0 {
-        remarks.push(format!("{lost} of the branches that leave the first could not be followed to an end of the range"));
+        remarks.push(format!("{lost} of the branches that bifurcate from the first could not be followed to an end of the range"));
     }
     remarks
 }

@@ -20,7 +20,7 @@ pub fn as_written(mut schema: Json) -> Json {
         (
             COUNT,
             json!({
-                "description": "Number of copies of this table, 1 by default, or up to three numbers of them, such as [20, 10]. Expressions\nhave the number of the copy as i, j and k, from 0; text such as \"rod{i}\" has it in braces. The last index runs fastest.",
+                "description": "Number of copies of this table, 1 by default, or up to three numbers, such as [20, 10].\nIn expressions i, j and k are the indices of a copy, from 0; in text they are in braces, as in \"rod{i}\". The last index varies fastest.",
                 "anyOf": [whole, { "type": "array", "items": whole, "minItems": 1, "maxItems": 3 }],
             }),
         ),
@@ -28,14 +28,14 @@ pub fn as_written(mut schema: Json) -> Json {
             LET,
             described(
                 names.to_value(),
-                "Names of each copy for its expressions, as [parameters] are those of the file: let = { angle = \"i*30 deg\" }.",
+                "Names for the expressions of each copy, like [parameters] for the whole file: let = { angle = \"i*30 deg\" }.",
             ),
         ),
         (
             SCATTER,
             described(
                 scatter.to_value(),
-                "Random places of the copies, without overlap: gives expressions the centre x, y, z and the unit direction u, v, w.",
+                "Random places of the copies, without overlap. Expressions may use the centre x, y, z and the unit direction u, v, w.",
             ),
         ),
     ];

@@ -29,7 +29,7 @@ pub enum SweepError {
     #[error("cannot start the threads of the cases: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
     /// The outcome that a search needs is missing.
-    #[error("there is no column `{column}` to search by; there are {known}")]
+    #[error("there is no column `{column}` to search by; columns: {known}")]
     UnknownObjective {
         /// The requested column.
         column: String,

@@ -101,7 +101,7 @@ pub enum ModelFault {
     Version(u32),
     /// Its bytes were changed.
     #[error(
-        "is damaged: its checksum is {found}, and {noted} was written with it; copy the file again, or train the model again \
+        "is damaged: its checksum is {found}, but {noted} was recorded when it was written; copy the file again, or train the model again \
          with `rodlab train`"
     )]
     Damaged {

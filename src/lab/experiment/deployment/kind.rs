@@ -291,7 +291,7 @@ mod tests {
     fn faults_of_deployments_name_what_is_allowed() {
         let fault = |text: &str| scenario(text, "").unwrap_err();
         insta::assert_snapshot!(fault("scheme = \"optimal\""), @r#"laid.toml:2:1: `deployment`: missing key `pattern` ({ file = "drawing.svg" }, or { kind = "circle", radius = "9 cm" })"#);
-        insta::assert_snapshot!(fault("pattern = { kind = \"line\", length = 0.6 }"), @"laid.toml:3:11: `deployment.pattern`: the pattern is 0.6000 m long, and the rod 0.5 m: it must be at least 0.6018 m, so that the gripper can still hold it at the end");
+        insta::assert_snapshot!(fault("pattern = { kind = \"line\", length = 0.6 }"), @"laid.toml:3:11: `deployment.pattern`: the pattern is 0.6000 m long, and the rod 0.5 m: the rod must be at least 0.6018 m long, so that the gripper can still hold it at the end");
         insta::assert_snapshot!(fault("pattern = { kind = \"line\", length = 0.1, radius = 0.6 }"), @r#"laid.toml:3:51: `deployment.pattern.radius`: this key is for patterns of kind "circle""#);
         insta::assert_snapshot!(fault("pattern = { kind = \"circle\", radius = 0 }"), @"laid.toml:3:39: `deployment.pattern.radius`: a circle has a radius other than 0");
         insta::assert_snapshot!(fault("pattern = { file = \"nowhere.svg\" }"), @"laid.toml:3:20: `deployment.pattern.file`: nowhere.svg cannot be read: No such file or directory (os error 2)");
@@ -332,7 +332,7 @@ mod tests {
         let rod = "rod = { gravito_bending_length = 0.018, radius = 0.001, length = 0.4 }";
         insta::assert_snapshot!(second(rod), @r#"laid.toml:4:10: `deployment.second`: missing key `pattern` ({ file = "drawing.svg", stroke = 2 }, in the frame of the first)"#);
         insta::assert_snapshot!(second("pattern = { kind = \"line\", length = 0.1 }"), @r#"laid.toml:4:10: `deployment.second`: missing key `rod` (a table [deployment.second.rod] with the keys of [deployment.rod])"#);
-        insta::assert_snapshot!(second(&format!("pattern = {{ kind = \"line\", length = 0.5 }}, {rod}")), @r#"laid.toml:4:22: `deployment.second.pattern`: the pattern is 0.5000 m long, and the rod 0.4 m: it must be at least 0.5018 m, so that the gripper can still hold it at the end"#);
+        insta::assert_snapshot!(second(&format!("pattern = {{ kind = \"line\", length = 0.5 }}, {rod}")), @r#"laid.toml:4:22: `deployment.second.pattern`: the pattern is 0.5000 m long, and the rod 0.4 m: the rod must be at least 0.5018 m long, so that the gripper can still hold it at the end"#);
         insta::assert_snapshot!(second(&format!("pattern = {{ kind = \"line\", length = 0.1 }}, seed = 3, {rod}")), @r#"laid.toml:4:55: `deployment.second.seed`: unknown key (its keys are: pattern, rod, scheme, lead_in)"#);
         insta::assert_snapshot!(fault(&format!("{SECOND}\nknot = {{ crossings = [\"over\", \"over\"] }}")), @r#"laid.toml:5:22: `deployment.knot.crossings`: crossings of the rods: 1; passes given: 2; give "over" or "under" for each crossing, in the order of the second passes: first the second rod as it is laid, then its end, then the end of the first rod"#);
         insta::assert_snapshot!(fault(&format!("{SECOND}\nknot = {{ crossings = [\"over\"] }}")), @r#"laid.toml:5:22: `deployment.knot.crossings`: neither pattern is longer than its rod: the rest of a pattern is the path of the end of its rod, which passes under a strand of the other rod; without it the second rod only lies on the first, and no knot is tied"#);

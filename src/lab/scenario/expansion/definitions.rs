@@ -53,7 +53,7 @@ fn reserved(name: &str) -> Option<String> {
     }
     if INDICES.contains(&name) {
         return Some(format!(
-            "`{name}` is the number of a copy; choose another name"
+            "`{name}` is the index of a copy; choose another name"
         ));
     }
     if name == PI || functions.into_iter().any(|(function, _)| function == name) {

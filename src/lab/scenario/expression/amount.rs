@@ -96,7 +96,7 @@ impl Amount {
                 powers: [length, time, mass],
             }),
             _ => Err(format!(
-                "{} to the power of {exponent} has no dimension of whole powers",
+                "{} to the power of {exponent} would have fractional powers of units",
                 self.dimension()
             )),
         }

@@ -102,7 +102,7 @@ fn mistakes_name_their_place() {
     insta::assert_snapshot!(fault("qqq + 1"), @r#""qqq": unknown name `qqq` (the names are: radius, minimum)"#);
     insta::assert_snapshot!(fault("sine(1)"), @r#""sine": there is no function `sine` (did you mean `sin`?)"#);
     insta::assert_snapshot!(fault("sin(radius)"), @r#""sin(radius)": sin needs a pure number, found a length"#);
-    insta::assert_snapshot!(fault("sqrt(radius)"), @r#""sqrt(radius)": a length to the power of 0.5 has no dimension of whole powers"#);
+    insta::assert_snapshot!(fault("sqrt(radius)"), @r#""sqrt(radius)": a length to the power of 0.5 would have fractional powers of units"#);
     insta::assert_snapshot!(fault("frac(1, 2)"), @r#""frac(1, 2)": 2 arguments are given; the function is frac(x)"#);
     insta::assert_snapshot!(fault("random(1, radius)"), @r#""random(1, radius)": random(low, high) has a pure number and a length"#);
     insta::assert_snapshot!(fault("2 radius"), @r#""radius": `radius` is not a unit (a product needs `*`)"#);

@@ -310,8 +310,7 @@ pub fn refuse_static_motion(
             key,
             "a static run has no time, so nothing moves or changes in it",
             Some(
-                "leave the key out, and place rods and loads as they end; or follow the equilibria with \
-                 time.mode = \"continuation\", whose parameter stands for the time; or run dynamically"
+                "leave the key out, and place rods and loads in their final state; or follow the equilibria with time.mode = \"continuation\", whose parameter replaces the time; or run dynamically"
                     .into(),
             ),
         );

@@ -179,8 +179,7 @@ fn pretension(
             NaturalShape::Curve(_) | NaturalShape::Strains(_)
         )
     {
-        let message =
-            "the natural shape has lengths of its own; give `pretension` or those, not both";
+        let message = "the natural shape has its own lengths; give it or `pretension`, not both";
         section.fault("pretension", message);
     }
     let least = -MOST_SHORTENED * stretching;

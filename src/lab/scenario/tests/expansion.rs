@@ -86,7 +86,7 @@ scene.toml:12:5: `parameters.c`: a circle: `a` uses `b` uses `c` uses `a`
     insta::assert_snapshot!(fault(RADIUS, RADIUS, "a = true\npi = 3\ni = 1\ns = 2\nauto = 1"), @r##"
 scene.toml:10:5: `parameters.a`: expected a number, or text with a unit or an expression, found a boolean
 scene.toml:11:1: `parameters.pi`: `pi` has a meaning in expressions; choose another name
-scene.toml:12:1: `parameters.i`: `i` is the number of a copy; choose another name
+scene.toml:12:1: `parameters.i`: `i` is the index of a copy; choose another name
 scene.toml:13:1: `parameters.s`: `s` is a unit, as in "1 m/s" or "1 N/m"; choose another name
 scene.toml:14:1: `parameters.auto`: `auto` is a word of scenario files; choose another name
 "##);
@@ -176,7 +176,7 @@ fn faults_of_copies_name_the_table_as_written_and_the_copy() {
     insta::assert_snapshot!(fault("count = [\"n\", 2]", "count = [1, 2, 3, 4]"), @"scene.toml:18:9: `rods.1.count`: expected a number of copies, or up to three: [20, 10] has the indices i and j");
     insta::assert_snapshot!(fault("let = { x = \"i*gap\"", "let = { gap = 2, j = 1, x = \"y\", y = \"z\""), @r##"
 scene.toml:22:9: `rods.1.let.gap` (copy 0): `gap` is a parameter of the file; choose another name
-scene.toml:22:18: `rods.1.let.j` (copy 0): `j` is the number of a copy; choose another name
+scene.toml:22:18: `rods.1.let.j` (copy 0): `j` is the index of a copy; choose another name
 "##);
 }
 

@@ -79,7 +79,7 @@ impl fmt::Display for Lead {
 pub enum DeploymentError {
     /// The rod is too short.
     #[error(
-        "the pattern is {pattern_m:.4} m long{lead_in}, and the rod {rod_m} m: it must be at least {least_m:.4} m, so that \
+        "the pattern is {pattern_m:.4} m long{lead_in}, and the rod {rod_m} m: the rod must be at least {least_m:.4} m long, so that \
          the gripper can still hold it at the end"
     )]
     TooLong {

@@ -52,7 +52,7 @@ impl Crease {
     pub const DIAGONAL_STRIP: &str = "diagonal-strip";
     /// Reason why `diagonal` alone is rejected.
     pub const NO_DIAGONAL: &str = "a sheet that is folded along its diagonal is a triangle, whose stiffness and weight grow from the corner, \
-        and folds are computed for sheets of one width only; \"diagonal-strip\" takes a strip of one width in its place, as the thesis does";
+        and folds are computed only for sheets of uniform width; \"diagonal-strip\" uses a strip of uniform width instead, as the thesis does";
 }
 
 impl Serialize for Crease {

@@ -162,7 +162,7 @@ fn refuse_motion(section: &Section<'_>, course: &Course) {
         "a static run has no time, so nothing changes in it",
         Some(
             "give one value, such as values = [[0, 5]]; or follow the equilibria with time.mode = \"continuation\", \
-             whose parameter stands for the time; or run dynamically"
+             whose parameter replaces the time; or run dynamically"
                 .into(),
         ),
     );
