@@ -21,7 +21,7 @@ pub struct Jobs {
 }
 
 impl Jobs {
-    /// The jobs of a results directory; `None` where none were submitted.
+    /// The jobs of a results directory; `None` if none were submitted.
     ///
     /// # Errors
     /// [`ClusterError::Io`], [`ClusterError::Damaged`].

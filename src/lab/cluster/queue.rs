@@ -31,9 +31,9 @@ pub struct Task {
 pub enum TaskState {
     /// It is pending.
     Waiting,
-    /// It runs, or is about to end.
+    /// The task runs, or is about to end.
     Running,
-    /// It has ended, for any reason.
+    /// The task has ended, for any reason.
     Ended,
 }
 
@@ -51,7 +51,7 @@ impl fmt::Display for TaskState {
 /// minutes after their end; these are missing.
 ///
 /// # Errors
-/// [`ClusterError::Missing`] where there is no `scontrol`; [`ClusterError::Failed`] where it fails for a
+/// [`ClusterError::Missing`] if there is no `scontrol`; [`ClusterError::Failed`] if it fails for a
 /// reason other than an unknown job.
 pub fn tasks(jobs: &[u64]) -> Result<BTreeMap<usize, Task>, ClusterError> {
     let mut tasks = BTreeMap::new();

@@ -31,8 +31,8 @@ pub struct Program {
 /// again.
 ///
 /// # Errors
-/// [`ClusterError::NotOneLine`] where a name or an option would break a line of the script, [`ClusterError::NotOneWord`] where
-/// the value of an option would end early.
+/// [`ClusterError::NotOneLine`] if a name or an option would break a line of the script,
+/// [`ClusterError::NotOneWord`] if the value of an option would end early.
 pub fn script(
     program: &Program,
     request: &Request,

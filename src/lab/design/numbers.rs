@@ -28,7 +28,7 @@ pub struct DesignedKey {
     pub key: String,
     /// The value, in the SI unit.
     pub value: f64,
-    /// The SI unit; empty where it has none.
+    /// The SI unit; empty if it has none.
     pub unit: String,
     /// The value in the given scenario.
     pub start: f64,

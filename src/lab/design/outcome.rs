@@ -8,7 +8,7 @@ use super::task::{Designed, named_rod, natural_shape};
 use rodlab_engine::mechanics::Vector3;
 use serde::Serialize;
 
-/// What was found.
+/// Result of an inverse design.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum Design {

@@ -3,7 +3,7 @@
 use crate::scenario::CaseSet;
 use std::path::Path;
 
-/// What is wanted.
+/// Request of an inverse design.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
     /// The scenario, a single case.

@@ -229,8 +229,8 @@ fn degrees_of_freedom(scene: &Scene) -> usize {
 /// Fraction of the largest friction for which the creep of a contact is derived.
 const BORNE: f64 = 0.9;
 
-/// Creep of sticking contacts in a run. By the smoothed law μ tanh(7.5 v/ν), a contact bears
-/// friction only if it moves.
+/// Creep of sticking contacts in a run. By the smoothed law μ tanh(7.5 v/ν), a contact has
+/// friction only while it moves.
 fn creep(prepared: &PreparedRun) -> Option<Creep> {
     let (scene, Mode::Dynamic { end, .. }) = (&prepared.scene, prepared.mode) else {
         return None;

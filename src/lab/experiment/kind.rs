@@ -59,7 +59,7 @@ pub trait Kind: ExperimentKeys {
     /// Its own figures of a run; empty if the run wrote no data for them.
     ///
     /// # Errors
-    /// [`FigureError`] where files of the run cannot be read.
+    /// [`FigureError`] if files of the run cannot be read.
     fn figures(&self, _directory: &Path) -> Result<Figures, FigureError> {
         Ok(Vec::new())
     }

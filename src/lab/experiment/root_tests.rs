@@ -88,7 +88,7 @@ fn a_stalk_set_in_a_body_bends_as_a_cantilever_and_bears_nothing() {
 
 #[test]
 fn what_lies_farther_than_a_root_reaches_is_refused_and_touches() {
-    // It lies in the floor along its whole length.
+    // The stalk lies in the floor along its whole length.
     let flat = stalk(FLOOR, "imc").replace("end = [0, 0, 0.2]", "end = [0.2, 0, 0]");
     let error = simulation("roots", &flat).err().unwrap();
     assert!(error.contains("interpenetrate"), "{error}");
@@ -98,7 +98,7 @@ fn what_lies_farther_than_a_root_reaches_is_refused_and_touches() {
         "at = \"start\"\nmove = [[0, [0, 0, 0]], [1, [0.1, 0, 0]]]",
     );
     assert!(simulation("roots", &moving).is_err());
-    // Pushed over, it lies on the floor beyond its root, and not in it.
+    // When pushed over, the stalk lies on the floor beyond its root, not in it.
     let bent = stalk(FLOOR, "imc").replace("[\"0.1 mN\", 0, 0]", "[\"30 mN\", 0, \"-150 mN\"]");
     let mut simulation = simulation("roots", &bent).unwrap();
     advance_to(&mut simulation, 3.0);

@@ -11,7 +11,7 @@ pub(super) const PARAMETER: &str = "Path parameter";
 pub(super) struct Branches(Vec<usize>);
 
 impl Branches {
-    /// The branches of a run; `None` where no path was followed.
+    /// The branches of a run; `None` if no path was followed.
     pub fn read(directory: &Path) -> Result<Option<Self>, ResultsError> {
         if !directory.join(BRANCH).exists() {
             return Ok(None);

@@ -25,7 +25,7 @@ pub struct DrawnSpring {
     radius: f64,
 }
 
-/// Those of a scenario.
+/// The drawn springs of a scenario.
 pub fn drawn_springs(scenario: Option<&Scenario>, rods: &[RodRecord]) -> Vec<DrawnSpring> {
     let Some(scenario) = scenario else {
         return Vec::new();

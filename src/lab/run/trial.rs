@@ -26,7 +26,7 @@ const LOOK: Duration = Duration::from_millis(5);
 /// Estimated cost of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Forecast {
-    /// Processor time of the whole run, s; `None` where the trial gives no estimate.
+    /// Processor time of the whole run, s; `None` if the trial gives no estimate.
     pub processor_time: Option<f64>,
     /// Processor time of the trial, s.
     pub trial_time: f64,
@@ -36,7 +36,7 @@ pub struct Forecast {
     pub failure: Option<String>,
 }
 
-/// How a stage ended.
+/// Outcome of a stage.
 enum Stage {
     Finished,
     At(Reached),

@@ -232,7 +232,7 @@ impl Node {
         }
     }
 
-    /// Adds a key to a table that does not have it. Its position is that of the table.
+    /// Adds a key to a table that does not have it. The key has the position of the table.
     pub fn insert(&mut self, key: &str, value: Value) {
         let span = self.span.clone();
         if let Value::Table(entries) = &mut self.value {

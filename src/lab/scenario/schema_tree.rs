@@ -111,7 +111,7 @@ impl<'a> SchemaTree<'a> {
     }
 }
 
-/// Whether a schema is that of a number in SI units, or text with a unit.
+/// Whether a schema describes a quantity: a number in SI units, or text with a unit.
 pub fn is_quantity(schema: &Json) -> bool {
     schema["type"] == serde_json::json!(["number", "string"])
 }

@@ -18,7 +18,8 @@ impl Chosen {
     /// The columns with these names, and those of the probes with these names.
     ///
     /// # Errors
-    /// [`SensitivityError::Probe`], and [`SensitivityError::Unsuitable`] where the scenario has no probes.
+    /// [`SensitivityError::Probe`], and [`SensitivityError::Unsuitable`] if the scenario has no
+    /// probes.
     pub(super) fn new(run: &PreparedRun, names: &[String]) -> Result<Self, SensitivityError> {
         let probes = probes_of(run)?;
         if probes.may_stop() {

@@ -14,7 +14,7 @@ pub enum SensitivityError {
     Key {
         /// The key.
         key: String,
-        /// Why.
+        /// The reason.
         reason: String,
     },
     /// A probe or column that the scenario does not have.
@@ -22,7 +22,7 @@ pub enum SensitivityError {
     Probe {
         /// Its name.
         name: String,
-        /// Those that exist.
+        /// The existing ones.
         known: String,
     },
     /// A kind of run without derivatives.

@@ -36,7 +36,8 @@ struct State {
 /// The record of the case in a directory; `None` if it was not started.
 ///
 /// # Errors
-/// [`ResultsError::Altered`] where files of a finished case are missing or changed, see [`check_quickly`].
+/// [`ResultsError::Altered`] if files of a finished case are missing or changed, see
+/// [`check_quickly`].
 pub(super) fn record_in(directory: &Path) -> Result<Option<CaseRecord>, ResultsError> {
     let Some(mut manifest) = Manifest::read(directory)? else {
         return Ok(None);

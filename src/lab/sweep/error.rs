@@ -33,7 +33,7 @@ pub enum SweepError {
     UnknownObjective {
         /// The requested column.
         column: String,
-        /// Those that exist.
+        /// The existing columns.
         known: String,
     },
 }

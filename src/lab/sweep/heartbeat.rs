@@ -36,7 +36,7 @@ impl Drop for Heartbeat {
     fn drop(&mut self) {
         drop(self.stop.take());
         if let Some(thread) = self.thread.take() {
-            // The thread panics only after another one did, which is reported there.
+            // The thread panics only after another thread panicked, which is reported there.
             let _ = thread.join();
         }
     }

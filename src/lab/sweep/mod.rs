@@ -278,7 +278,7 @@ fn first_manifest(
 /// Updates the summary, timings and manifest of a sweep's directory, and counts its cases.
 ///
 /// # Errors
-/// [`SweepError`] where the directory holds no sweep, or cannot be read or written.
+/// [`SweepError`] if the directory holds no sweep, or cannot be read or written.
 pub fn gather(directory: &Path) -> Result<SweepOutcome, SweepError> {
     let (case_set, manifest) = case_set_in(directory)?;
     let sweep = SweepDirectory::open(directory, &manifest, &[], false)?;
@@ -301,7 +301,7 @@ pub fn gather(directory: &Path) -> Result<SweepOutcome, SweepError> {
 /// started ones. Nothing is written.
 ///
 /// # Errors
-/// [`SweepError`] where the directory holds no sweep, or cannot be read.
+/// [`SweepError`] if the directory holds no sweep, or cannot be read.
 pub fn case_records(directory: &Path) -> Result<Vec<(Case, CaseRecord)>, SweepError> {
     let (case_set, _) = case_set_in(directory)?;
     let all = all_and_found(&case_set, all_cases(&case_set), directory)?;

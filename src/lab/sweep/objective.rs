@@ -6,7 +6,8 @@ use rodlab_files::finite;
 use rodlab_files::results::{ResultsError, SERIES, SUMMARY};
 use std::path::{Path, PathBuf};
 
-/// Reads the objective of the finished case in a directory; `None` where the outcome is empty or not a number.
+/// Reads the objective of the finished case in a directory; `None` if the outcome is empty or not
+/// a number.
 ///
 /// # Errors
 /// [`SweepError::UnknownObjective`], [`SweepError::Results`].

@@ -49,7 +49,7 @@ pub struct Task<'a> {
     pub outputs: &'a [&'a str],
     /// Weights of the errors of the outputs; equal if empty.
     pub weights: &'a [f64],
-    /// How.
+    /// Settings of the training.
     pub plan: Plan,
     /// The processor.
     pub processor: Processor,
@@ -80,7 +80,7 @@ pub struct Trained {
 pub enum Status {
     /// All phases are done.
     Finished,
-    /// It was stopped; the next start resumes it.
+    /// The training was stopped; the next start resumes it.
     Stopped,
 }
 

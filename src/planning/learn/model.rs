@@ -66,7 +66,7 @@ pub struct About {
     checksum: Option<String>,
 }
 
-/// Why a model cannot be used.
+/// Reason why a model cannot be used.
 #[derive(Debug, Error)]
 pub enum ModelError {
     /// There is no GPU for training.
@@ -77,7 +77,7 @@ pub enum ModelError {
     File {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The fault.
         fault: ModelFault,
     },
     /// The library of tensors failed.
@@ -88,7 +88,7 @@ pub enum ModelError {
 /// Reason why a file is not a model, or not the required one.
 #[derive(Debug, Error)]
 pub enum ModelFault {
-    /// It is not a safetensors file, or is truncated.
+    /// The file is not a safetensors file, or is truncated.
     #[error("is not a whole safetensors file: {0}")]
     NotSafetensors(safetensors::SafeTensorError),
     /// It is of another program.
@@ -113,15 +113,15 @@ pub enum ModelFault {
     /// Its metadata are inconsistent.
     #[error("is inconsistent: {0}")]
     Contradiction(String),
-    /// It is a model of another kind.
+    /// The file is a model of another kind.
     #[error("is a model of `{found}`; a model of `{wanted}` is needed here")]
     OtherKind {
-        /// Its kind.
+        /// Kind of its samples.
         found: String,
         /// The required kind.
         wanted: String,
     },
-    /// It was trained on other columns.
+    /// The model was trained on other columns.
     #[error("predicts {found}; needed here: {wanted}")]
     Columns {
         /// Its outputs and inputs.

@@ -19,7 +19,7 @@ pub struct Samples {
     pub output_width: usize,
 }
 
-/// Why samples could not be read.
+/// Reason why samples could not be read.
 #[derive(Debug, Error)]
 pub enum SamplesError {
     /// The file could not be read.

@@ -250,8 +250,8 @@ mod tests {
     #[test]
     fn a_second_rod_is_laid_over_the_first() {
         let outcome = laid(SECOND, 16.0);
-        // Its free end slips by about a gravito-bending length when it is lowered; the first rod
-        // lies as if it were alone.
+        // The free end of the second rod slips by about a gravito-bending length when it is
+        // lowered; the first rod lies as if it were alone.
         assert!(
             outcome.largest_error_m.unwrap() < 1.5 * 0.018,
             "{outcome:?}"

@@ -14,10 +14,10 @@ const BETWEEN_SAMPLES: f64 = 0.1;
 const FOLLOWED: f64 = 10.0;
 /// Decrease of l̄_k between two checks of whether the rod slips.
 const LOOK: f64 = 4.0;
-/// Fraction of that distance that is taken up by stretching: at most this for a rod that slips, at
-/// least the second value for one that is locked. A rod also stretches at the start until friction
-/// gives way, and again after it has slackened in an inversion. Therefore a rod counts as locked
-/// only if it has slipped before and is pulled harder than ever.
+/// Fraction of that distance that is taken up by stretching: the maximum for a rod that slips, and
+/// the minimum for one that is locked. A rod also stretches at the start until friction gives way,
+/// and again after it has slackened in an inversion. Therefore a rod counts as locked only if it
+/// has slipped before and is pulled harder than ever.
 const SLIPPING: f64 = 0.5;
 const LOCKED: f64 = 0.9;
 

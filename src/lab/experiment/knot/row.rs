@@ -84,7 +84,7 @@ impl KnotRow {
 /// Reads the columns of a knot from `series.csv`, each with its row.
 ///
 /// # Errors
-/// As [`read_series`]; [`ResultsError::Damaged`] also where no knot was observed.
+/// As [`read_series`]; [`ResultsError::Damaged`] also if no knot was observed.
 pub fn read_knot_series(directory: &Path) -> Result<Vec<(SeriesRow, KnotRow)>, ResultsError> {
     let knots = read_series_as::<KnotRow>(directory)?;
     Ok(read_series(directory)?.into_iter().zip(knots).collect())

@@ -18,7 +18,7 @@ use std::path::Path;
 /// 2.30). Other knots have no theory.
 ///
 /// # Errors
-/// [`FigureError::Scenario`] or [`FigureError::Results`] where files of the run cannot be read.
+/// [`FigureError::Scenario`] or [`FigureError::Results`] if files of the run cannot be read.
 pub fn traction_figure(directory: &Path) -> Result<Option<Figure>, FigureError> {
     let series = directory.join(SERIES);
     if !series.exists() || Table::read(&series)?.column("force_normalized").is_none() {

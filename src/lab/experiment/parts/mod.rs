@@ -1,8 +1,8 @@
 //! Parts that the scenes of all experiments may have, each with an array of tables. This is the
 //! only list of them.
 //!
-//! A part is a file or folder here, with its keys, their resolution and its contributions to the
-//! scene, and an entry in the list.
+//! Each part has a file or folder here, with its keys, their resolution and its contributions to
+//! the scene, and an entry in the list.
 
 mod actuation;
 

@@ -267,7 +267,7 @@ fn a_rod_under_pretension_starts_at_rest_and_pulls_on_its_clamps() {
         let moved = (simulation.positions().iter().zip(&beam.centreline))
             .fold(0.0, |most: f64, (x, placed)| most.max((x - placed).norm()));
         assert!(moved < 1e-9, "{moved}");
-        // Its mass is that of its shorter natural length.
+        // Its mass follows from its shorter natural length.
         let masses = simulation.mass_matrix();
         let free = simulation.free_unknowns();
         let diagonal = masses.diagonal();
@@ -313,8 +313,8 @@ fn slack_rods_and_coils_have_exactly_the_length_that_is_stated() {
             .map(|x| (x[1] - x[0]).norm())
             .sum();
         assert!((length / 1.5 - 1.0).abs() < 1e-12, "{kind}: {length}");
-        // The tangents there are those of the curve: half the turning angle of a node ahead of the
-        // edges.
+        // The tangents at the ends are those of the curve, half the turning angle of a node ahead
+        // of the edges.
         for (tangent, edge) in beam.end_tangents.iter().zip([0, 49]) {
             let edge = (beam.centreline[edge + 1] - beam.centreline[edge]).normalize();
             let ahead = tangent.unwrap().angle(&edge);

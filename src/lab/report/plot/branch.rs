@@ -13,7 +13,7 @@ const STABLE: &str = "stable";
 const UNSTABLE: &str = "unstable";
 const CRITICAL: &str = "critical";
 
-/// The figure; `None` where no path was followed.
+/// The figure; `None` if no path was followed.
 pub(super) fn branch_figure(directory: &Path) -> Result<Option<Figure>, PlotError> {
     if !directory.join(BRANCH).exists() {
         return Ok(None);

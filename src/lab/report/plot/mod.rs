@@ -46,8 +46,8 @@ const NAMED_RODS: usize = 12;
 /// The results may be those of a run that is in progress or was interrupted.
 ///
 /// # Errors
-/// [`PlotError::NotResults`], or [`PlotError::Results`] or [`PlotError::Scenario`] where files cannot be read or
-/// written.
+/// [`PlotError::NotResults`], or [`PlotError::Results`] or [`PlotError::Scenario`] if files cannot
+/// be read or written.
 pub fn plot_results(directory: &Path, options: &FigureOptions) -> Result<Vec<PathBuf>, PlotError> {
     let Some(manifest) = Manifest::read_checked(directory)? else {
         return Err(PlotError::NotResults(directory.to_owned()));
@@ -124,7 +124,8 @@ pub fn write_in_formats(
 /// rods.
 ///
 /// # Errors
-/// [`ResultsError::Io`] or [`ResultsError::Damaged`] where `nodes.csv` or `branch.csv` cannot be read.
+/// [`ResultsError::Io`] or [`ResultsError::Damaged`] if `nodes.csv` or `branch.csv` cannot be
+/// read.
 pub fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figure, ResultsError> {
     let rods = &manifest.rods;
     let outputs = read_nodes(directory, rods.iter().map(|rod| rod.nodes).sum())?;

@@ -237,8 +237,8 @@ fn step(section: &Section<'_>, typed: &typed::Time, interval: f64, end: f64) -> 
     Step::Fixed(typed.step(section, PART_OF_END * end))
 }
 
-/// Rejects rigid contact where it is not defined: its forces belong to the steps of implicit
-/// Euler.
+/// Rejects rigid contact where it is not defined: its forces are defined only for steps of
+/// implicit Euler.
 pub fn refuse_rigid_statics(top: &Section<'_>, contact: &Contact, time: &Time) {
     let euler = matches!(
         time,

@@ -20,12 +20,12 @@ keys! {
         /// slide is the place where the slide begins.
         at: places("a node of each rod, such as [\"end\", \"start\"]") required,
         /// Largest force that the joint can bear, in a dynamic run. It breaks if the force is
-        /// larger at the end of a step. For balls, hinges and rigid joints the nodes must not
-        /// belong to another joint, too. Default: it never breaks.
+        /// larger at the end of a step. The nodes of balls, hinges and rigid joints that can break
+        /// must not belong to other joints. Default: it never breaks.
         break_at: number(Force, POSITIVE) optional,
     }
     also {
-        /// Largest moment that the joint can bear, including the moment of its spring. It breaks
+        /// Largest moment that the joint can bear, including the moment of its spring; otherwise
         /// like `break_at`.
         break_at_moment: number(Moment, POSITIVE) optional,
     }
@@ -40,8 +40,8 @@ keys! {
             axis: direction() required,
             /// Moment per angle of a spring about the axis. Default: no spring.
             stiffness: number(TurningStiffness, POSITIVE) optional,
-            /// Angle of the second rod relative to the first, measured from where they are placed,
-            /// at which this spring exerts no moment. Default: 0.
+            /// Angle of the second rod relative to the first at which this spring exerts no
+            /// moment, measured from the placed orientation. Default: 0.
             rest_angle: number(Angle, FINITE) optional,
         },
         /// The first node slides without friction along the rod of the second node, between stops
@@ -58,8 +58,8 @@ keys! {
             /// Moment per angle of rotation of the second rod's material frame relative to the
             /// first rod's, about any axis, up to half a turn. Default: none.
             turning_stiffness: number(TurningStiffness, POSITIVE) optional,
-            /// Rotation of the second frame relative to the first, measured from where they are
-            /// placed, at which the moment is zero. It is a rotation vector: its direction is the
+            /// Rotation of the second frame relative to the first at which the moment is zero,
+            /// measured from the placed orientation. It is a rotation vector: its direction is the
             /// axis, which turns with the first rod, its length the angle. Default: [0, 0, 0].
             rest_rotation: vector(Angle) optional,
         },

@@ -11,7 +11,7 @@ keys! {
         point: vector(Length) default([0.0; 3]),
         /// Direction out of the surface into the free side.
         normal: direction() default([0.0, 0.0, 1.0]),
-        /// Friction coefficient between plane and rods. Default: that of `contact.friction`.
+        /// Friction coefficient between plane and rods. Default: `contact.friction`.
         friction: number(Dimensionless, NON_NEGATIVE) optional,
         /// Whether the plane is a no-slip wall of the flow, at which the fluid of the model "rss"
         /// is at rest. At most one plane can be a wall. With false the flow passes through the

@@ -59,42 +59,48 @@ keys! {
         Tension {
             /// Name of the rod. Default: the only rod there is.
             rod: text() optional,
-            /// "start", "end", or the number of an edge. Default: where the value is largest in size along the rod.
+            /// "start", "end", or the number of an edge. Default: the place of the largest
+            /// absolute value along the rod.
             at: place() optional,
         },
         /// Magnitude of the bending moment at a node: column _n_m. Empty at free ends.
         BendingMoment {
             /// Name of the rod. Default: the only rod there is.
             rod: text() optional,
-            /// "start", "end", or the number of a node. Default: where the value is largest in size along the rod.
+            /// "start", "end", or the number of a node. Default: the place of the largest absolute
+            /// value along the rod.
             at: place() optional,
         },
         /// Twisting moment at a node: column _n_m. Empty at free ends.
         TwistingMoment {
             /// Name of the rod. Default: the only rod there is.
             rod: text() optional,
-            /// "start", "end", or the number of a node. Default: where the value is largest in size along the rod.
+            /// "start", "end", or the number of a node. Default: the place of the largest absolute
+            /// value along the rod.
             at: place() optional,
         },
         /// Curvature of the centreline at a node: column _per_m. Empty at free ends.
         Curvature {
             /// Name of the rod. Default: the only rod there is.
             rod: text() optional,
-            /// "start", "end", or the number of a node. Default: where the value is largest in size along the rod.
+            /// "start", "end", or the number of a node. Default: the place of the largest absolute
+            /// value along the rod.
             at: place() optional,
         },
         /// Torsion of the centreline at an edge: column _per_m. Empty at the first and last edge and where it is straight.
         Torsion {
             /// Name of the rod. Default: the only rod there is.
             rod: text() optional,
-            /// "start", "end", or the number of an edge. Default: where the value is largest in size along the rod.
+            /// "start", "end", or the number of an edge. Default: the place of the largest
+            /// absolute value along the rod.
             at: place() optional,
         },
         /// Twist of the material frame per length at a node: column _rad_per_m. Empty at free ends.
         Twist {
             /// Name of the rod. Default: the only rod there is.
             rod: text() optional,
-            /// "start", "end", or the number of a node. Default: where the value is largest in size along the rod.
+            /// "start", "end", or the number of a node. Default: the place of the largest absolute
+            /// value along the rod.
             at: place() optional,
         },
         /// Contact force on a rod from another rod, a plane, an obstacle, or all of them: columns

@@ -48,8 +48,8 @@ macro_rules! moving {
                 /// Replaces `move`, `turn`, `axis` and `pivot`.
                 follow: raw(String) raw,
                 /// The poses themselves, [[time, [x, y, z], [qw, qx, qy, qz]], ...]. Between two
-                /// poses the position moves straight, and the orientation turns the shorter way at
-                /// constant speed.
+                /// poses the position moves along a straight line, and the orientation takes the
+                /// shorter rotation at constant speed.
                 poses: raw(Vec<Pose>) raw,
             }
         }

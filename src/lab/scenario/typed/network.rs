@@ -30,8 +30,8 @@ pub struct Network {
 #[serde(rename_all = "kebab-case")]
 #[schemars(tag = "kind", deny_unknown_fields, rename = "network_shape")]
 pub enum NetworkShape {
-    /// Two families of straight rods across a parallelogram: first those along `sides[0]`, then those along `sides[1]`,
-    /// each in the order of the other side.
+    /// Two families of straight rods across a parallelogram: first the rods along `sides[0]`, then
+    /// the rods along `sides[1]`, each family in order along the other side.
     Grid {
         /// A corner. Default: [0, 0, 0].
         corner: Option<Vector<Length>>,

@@ -15,7 +15,7 @@ moving! {
         name: raw(String) raw,
         /// Shape of the obstacle, and its place at time zero.
         shape: raw(ObstacleShape) raw,
-        /// Friction coefficient between obstacle and rods. Default: that of [contact].
+        /// Friction coefficient between obstacle and rods. Default: the friction of [contact].
         friction: number(Dimensionless, NON_NEGATIVE) optional,
     }
 }

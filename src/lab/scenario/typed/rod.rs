@@ -48,7 +48,7 @@ keys! {
         /// Radius of the surface that touches other rods and the fluid, and of a circular cross-section.
         /// Default for a rectangle: half its smaller side.
         radius: number(Length, POSITIVE) required,
-        /// Number of edges of the rod. Default for points: that of their polyline.
+        /// Number of edges of the rod. Default for points: as many as their polyline has.
         edges: raw(i64) raw,
         /// Whether the last node is joined to the first. Default: true for a ring, else false.
         closed: raw(bool) raw,
@@ -98,7 +98,7 @@ keys! {
         material: tables(Material) raw,
         /// Shape of the cross-section: "circle" (the default) or a table with a `kind`.
         cross_section: raw(CrossSection) raw,
-        /// Stiffnesses that replace those derived from material and cross-section.
+        /// Stiffnesses that replace the values derived from material and cross-section.
         #[serde(default)]
         stiffness: tables(StiffnessKeys) raw,
         /// How the inertia of edges is assigned to nodes. "lumped": half to each node, with errors

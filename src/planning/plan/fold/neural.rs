@@ -40,16 +40,16 @@ impl LearnedFold {
     }
 }
 
-/// Why a network cannot be used for folds.
+/// Reason why a network cannot be used for folds.
 #[derive(Debug, Error)]
 pub enum NeuralFoldError {
     /// The file is not a model, or the model fails.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// It has no range of suspended lengths, or an impossible one.
+    /// The model has no range of suspended lengths, or an impossible one.
     #[error("{0} has no range of suspended lengths: train it again")]
     Lengths(PathBuf),
-    /// It was not trained for such sheets.
+    /// The model was not trained for such sheets.
     #[error(
         "the network was trained for suspended lengths from {:.3} to {:.3} L_gb; needed here: from \
          {least:.3} to {longest:.3}",

@@ -31,7 +31,7 @@ fn longest(sheet: &Sheet) -> f64 {
 pub enum Algorithm {
     /// Without a moment at the gripper: with least Σλ, as in the thesis, or least friction demand.
     Optimal(Objective),
-    /// With the smallest moment for a table with friction μ.
+    /// The smallest moment for a table with friction μ.
     Held {
         /// μ.
         friction: f64,

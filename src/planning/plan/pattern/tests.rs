@@ -226,7 +226,7 @@ fn a_circle_that_closes_touches_itself_and_does_not_cross() {
             }
         }
     }
-    // A curve that continues along itself by a quarter of a turn has no crossing either.
+    // A curve that retraces its start for a quarter of a turn has no crossing either.
     for step in [0.001, 0.003] {
         let found = crossings(&turned(0.08, 1.25, 0.0, step));
         assert!(found.is_empty(), "{found:?}");

@@ -57,8 +57,7 @@ keys! {
         /// laid. Without this table the gripper follows the path planned before the run.
         correction: raw(Correction) raw,
         /// Posts on the table beside the pattern that hold the rod in its bends. A rod is placed
-        /// if it passes every post on the same side as its pattern does, below the top of the
-        /// post.
+        /// if it passes every post on the same side as its pattern, below the top of the post.
         pegs: raw(Vec<Peg>) raw,
         /// Clips along the pattern: pairs of pegs with the rod between them.
         clips: raw(Clips) raw,

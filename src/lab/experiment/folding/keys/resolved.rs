@@ -137,9 +137,9 @@ impl Paper {
 
     /// Distance that the edge moves, m.
     ///
-    /// The reason why the edge cannot move so far: only a square sheet is folded along its
-    /// diagonal, and the edge cannot move beyond the opposite one.
-    /// A sheet that is not square has no diagonal to be folded along; a sheet has an end.
+    /// The sheet is folded along its diagonal and is not square, or the target is beyond the
+    /// opposite edge. A sheet that is not square has no diagonal to be folded along; a sheet has
+    /// an end.
     pub fn target(&self, crease: Crease) -> Result<f64, String> {
         let length = self.sheet(crease).length;
         match crease {

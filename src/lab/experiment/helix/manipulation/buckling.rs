@@ -78,7 +78,7 @@ impl Buckling {
         }
     }
 
-    /// Its kind in a word.
+    /// Its kind as a word.
     pub fn kind(&self) -> &'static str {
         match (self.deviates, self.snaps) {
             (None, _) => "none",

@@ -99,7 +99,7 @@ impl Comparison {
     /// Writes `comparison.csv`.
     ///
     /// # Errors
-    /// [`ResultsError::Io`] where it cannot be written.
+    /// [`ResultsError::Io`] if it cannot be written.
     pub fn write(&self, directory: &Path) -> Result<(), ResultsError> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         for band in &self.0 {

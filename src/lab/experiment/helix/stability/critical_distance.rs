@@ -49,7 +49,7 @@ const PRECISION: f64 = 1e-8;
 /// coarse.
 ///
 /// # Errors
-/// [`SimulationError::NoConvergence`] where no equilibrium is found next to the helix.
+/// [`SimulationError::NoConvergence`] if no equilibrium is found next to the helix.
 pub fn discrete_critical_distance(
     helix: &Helix,
     edges: usize,
@@ -88,7 +88,8 @@ impl DiscreteRod {
     /// the time of the fast search.
     ///
     /// # Errors
-    /// [`SimulationError::NoConvergence`] where no equilibrium is found, and an error, too, where `goes_on` returns false.
+    /// [`SimulationError::NoConvergence`] if no equilibrium is found; also an error if `goes_on`
+    /// returns false.
     pub fn critical_distance(
         &self,
         helix: &Helix,

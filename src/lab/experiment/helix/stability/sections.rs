@@ -26,7 +26,7 @@ const HALVINGS: usize = 10;
 /// Writes the existing sections as SVG.
 ///
 /// # Errors
-/// [`ResultsError::Io`] where a figure cannot be written.
+/// [`ResultsError::Io`] if a figure cannot be written.
 pub fn draw_sections(rows: &[BoundaryRow], directory: &Path) -> Result<(), ResultsError> {
     for (name, figure) in sections_of(rows) {
         let svg = figure.svg(&Paper::default());

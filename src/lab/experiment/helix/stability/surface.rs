@@ -41,7 +41,7 @@ fn find(rows: &[BoundaryRow]) -> Option<Found> {
 /// Writes the surface for ParaView and as an interactive page, if there is a surface.
 ///
 /// # Errors
-/// [`ResultsError::Io`] where a file cannot be written.
+/// [`ResultsError::Io`] if a file cannot be written.
 pub fn write_surfaces(rows: &[BoundaryRow], directory: &Path) -> Result<(), ResultsError> {
     let Some(Found { surface, distances }) = find(rows) else {
         return Ok(());

@@ -82,8 +82,8 @@ impl Ray {
         Some(rod)
     }
 
-    /// Bisects between two rods of which different constraints, or none, are violated. Returns the
-    /// two rods next to the point where the state of the first one ends.
+    /// Bisects between two rods that violate different constraints, or of which one violates none.
+    /// Returns the two rods next to the point where the state of the first one ends.
     fn bisected(
         &self,
         from: (f64, PlanarRod),

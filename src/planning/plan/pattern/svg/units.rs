@@ -24,8 +24,8 @@ pub struct Page {
 }
 
 impl Page {
-    /// The page of a root element. The origin is its lower left corner, or that of the first unit
-    /// without a view box.
+    /// The page of a root element. The origin is its lower left corner. Without a view box it is
+    /// the lower left corner of the first unit.
     ///
     /// # Errors
     /// A length or the view box cannot be read.
