@@ -14,9 +14,9 @@
 //! crossings remain, three of the upper strands and three of the lower strands, each group
 //! alternating over and under: two trefoils in a row on one closed curve. A mirror along the axis
 //! of the knot maps the upper crossings onto the lower ones and keeps over and under. One trefoil
-//! is therefore the mirror image of the other: 3₁ # m(3₁), with determinant 3·3 and signature 2 −
-//! 2. In a granny knot B enters above and returns below. Both trefoils are then the same, and the
-//! signature is ±4. Without a knot the determinant is 1.
+//! is therefore the mirror image of the other: 3₁ # m(3₁), with determinant 3·3 and signature
+//! 2 − 2. In a granny knot B enters above and returns below. Both trefoils are then the same, and
+//! the signature is ±4. Without a knot the determinant is 1.
 
 use rodlab_engine::mechanics::{Vector3, scene::piecewise_linear};
 use rodlab_planning::knot::KnotInvariants;

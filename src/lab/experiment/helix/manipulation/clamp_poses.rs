@@ -6,11 +6,12 @@ use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
 
 /// The clamps of a rod that starts at the origin in the direction of x.
 ///
-/// With Λ = √(κ² + τ²) and the axis a = (τ, κ, 0)/Λ the end of a helix of length 1 lies at (τ²/Λ²
-/// + κ² sin Λ/Λ³, κτ (1 − sin Λ/Λ)/Λ², κ (cos Λ − 1)/Λ²). This is Eq. 6.2 without its misprints,
-/// with the axes in another order. The Frenet frame at the end is that of the start, rotated by Λ
-/// about a. The hand holds the untwisted frame, which is the Frenet frame rotated back by τ about
-/// the tangent (Eq. 6.3). The chuck applies the twist ω/c, with the opposite sense.
+/// With Λ = √(κ² + τ²) and the axis a = (τ, κ, 0)/Λ the end of a helix of length 1 lies at
+/// (τ²/Λ² + κ² sin Λ/Λ³, κτ (1 − sin Λ/Λ)/Λ², κ (cos Λ − 1)/Λ²). This is Eq. 6.2 without its
+/// misprints, with the axes in another order. The Frenet frame at the end is that of the start,
+/// rotated by Λ about a. The hand holds the untwisted frame, which is the Frenet frame rotated
+/// back by τ about the tangent (Eq. 6.3). The chuck applies the twist ω/c, with the opposite
+/// sense.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClampPoses {
     /// Angle of the chuck about x, rad.
