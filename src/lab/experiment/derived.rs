@@ -344,8 +344,8 @@ struct Swing {
 }
 
 impl Swing {
-    /// The effect on q̈ + ω² q = 0 with steps h of the phase ωh = `turned` (rad). A step
-    /// multiplies q by a complex number, which should have the argument ωh and the modulus 1.
+    /// The effect of a scheme on q̈ + ω² q = 0, with the phase ωh = `turned` (rad) per step h. A
+    /// step multiplies q by a complex number, which should have the argument ωh and the modulus 1.
     fn of(scheme: Scheme, turned: f64) -> Self {
         let (modulus, argument) = match scheme {
             // 1/(1 − iωh)

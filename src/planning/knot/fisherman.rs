@@ -30,7 +30,7 @@ const POINTS: usize = 1000;
 ///
 /// With Fox's colourings a and b of the two strands between the knots, the windings give the ends
 /// of the second rod the colours a + 5d and a − 5d, and those of the first rod a − 6d and a + 6d,
-/// with d = b − a. If they are joined, this requires 11 d = 0.
+/// with d = b − a. Joined ends have the same colour, which requires 11 d = 0.
 pub const FISHERMAN_DETERMINANT: u64 = 11;
 
 /// The nodes of both rods of a fisherman's knot, m, equally spaced: the first rod comes from the left and ends on the

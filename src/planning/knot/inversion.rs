@@ -59,7 +59,7 @@ const NEARLY: f64 = 0.95;
 pub struct InversionWatch {
     /// l̄_k when the loop was last upright.
     upright: Option<f64>,
-    /// l̄_k and F̄ while l̄_k last decreased by [`REMEMBERED`].
+    /// History of l̄_k and F̄ over the last decrease of l̄_k by [`REMEMBERED`].
     recent: VecDeque<(f64, f64)>,
     /// Largest and smallest l̄_k at which a fall of the traction may begin: near the fall of the
     /// loop.

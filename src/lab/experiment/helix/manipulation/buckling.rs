@@ -25,8 +25,9 @@ pub fn helix_error(nodes: &[Vector3], helix: &Helix, enlargement: f64) -> f64 {
 /// error of 1e-3 with 60 edges. Beyond the loss of stability e grows to more than 1, so that
 /// another threshold gives nearly the same distance.
 const DEVIATION: f64 = 0.1;
-/// Kinetic energy, over that of the whole rod at the speed of its end, above which the rod moves
-/// by itself. It is then three times as fast; when it follows its end, the ratio is below 0.5.
+/// Ratio of the kinetic energy to that of the whole rod moving with the speed of its end, above
+/// which the rod moves by itself. It is then three times as fast; a rod that follows its end has a
+/// ratio below 0.5.
 const OWN_MOTION: f64 = 10.0;
 
 /// Observation of a manipulated rod at an output time.
@@ -36,7 +37,7 @@ pub struct Observation {
     pub distance: f64,
     /// Error e of its shape.
     pub error: f64,
-    /// Kinetic energy over that of the whole rod at the speed of its end.
+    /// Kinetic energy, divided by that of the whole rod moving with the speed of its end.
     pub kinetic_energy: f64,
 }
 

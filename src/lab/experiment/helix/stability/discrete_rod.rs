@@ -1,5 +1,5 @@
-//! The clamped rod: on a helix from the start, or straight, with ends to be moved to those of
-//! helices.
+//! The clamped rod, either on a helix or straight. The end of a straight rod is moved to that of a
+//! helix.
 
 use super::keys::HelixStability;
 use nalgebra::Rotation3;
