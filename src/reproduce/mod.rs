@@ -139,8 +139,8 @@ pub enum ReproduceError {
     },
 }
 
-/// Reproduces an artefact and returns the written files; `report` is called for each run that
-/// ended.
+/// Reproduces an artefact, after those in its folder, and returns the written files; `report` is
+/// called for each run that ended.
 ///
 /// # Errors
 /// See [`ReproduceError`].
