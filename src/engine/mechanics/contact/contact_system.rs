@@ -12,6 +12,7 @@ use super::parameters::ContactParameters;
 use super::placed_obstacles::PlacedObstacles;
 use super::slots::Slots;
 use super::surface::{ContactPlane, ContactSurface};
+use super::surface_turns::{SurfaceTurns, TurnedContact};
 use super::tractions::Tractions;
 use crate::mechanics::Vector3;
 use crate::mechanics::rotation::Pose;
@@ -63,6 +64,10 @@ pub struct ContactSystem {
     pub(super) plane_tractions: Vec<Vector3>,
     pub(super) plane_jacobians: Vec<PlaneJacobian>,
     pub(super) plane_linear_corrections: Vec<[f64; 3]>,
+    /// How the surfaces of rods turn, where friction acts at them.
+    pub(super) surface_turns: Option<SurfaceTurns>,
+    /// The contacts that turn edges, of pairs first.
+    pub(super) turned: Vec<TurnedContact>,
     /// Contacts of the complementarity model.
     pub(super) constraints: Vec<ContactConstraint>,
     pub(super) energy: f64,
@@ -86,6 +91,8 @@ impl ContactSystem {
         Self {
             node_count: surface.node_count(),
             obstacles: PlacedObstacles::new(&surface),
+            surface_turns: SurfaceTurns::of(&surface, &parameters),
+            turned: Vec::new(),
             parameters,
             surface,
             planes,
@@ -223,6 +230,7 @@ impl ContactSystem {
         });
         self.jacobians.clear();
         self.linear_corrections.clear();
+        super::surface_turns::renumber(&mut self.turned, old, new);
     }
 
     /// Rebuilds the candidates for these positions in any case; without positions there are none.
@@ -257,6 +265,9 @@ impl ContactSystem {
             // Each step begins with what a checkpoint holds.
             self.constraints.clear();
             return;
+        }
+        if let Some(turns) = &mut self.surface_turns {
+            turns.begin();
         }
         self.iterate.begin(mobilities);
         self.multipliers.begin(self.slots());

@@ -19,6 +19,36 @@ pub(super) struct Linearised<J> {
     pub traction_gradient: [[f64; 12]; 3],
 }
 
+/// How a contact moves with the coordinates of its four nodes, to first order.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ContactMotion {
+    /// Weights of the nodes in the motion at the contact.
+    pub weights: [f64; 4],
+    /// Derivatives of these, 1/m.
+    pub weight_rates: [[f64; 12]; 4],
+    /// Normal, from the second body to the first.
+    pub normal: Vector3,
+    /// Derivative of the normal, 1/m.
+    pub normal_jacobian: [[f64; 12]; 3],
+    /// Derivative of the gap.
+    pub gap_gradient: [f64; 12],
+}
+
+impl ContactMotion {
+    /// The contact of a node with a plane at rest.
+    pub(crate) fn over_plane(normal: &Vector3) -> Self {
+        let mut gap_gradient = [0.0; 12];
+        gap_gradient[..3].copy_from_slice(normal.as_slice());
+        Self {
+            weights: [1.0, 0.0, 0.0, 0.0],
+            weight_rates: [[0.0; 12]; 4],
+            normal: *normal,
+            normal_jacobian: [[0.0; 12]; 3],
+            gap_gradient,
+        }
+    }
+}
+
 /// Side of a pair of two edges.
 pub(super) const EDGE: i8 = 0;
 /// Side of a pair of a node and the axis of a tube around it; the node is listed twice among the four.

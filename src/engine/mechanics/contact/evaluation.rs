@@ -4,8 +4,8 @@ use super::candidates::approach;
 use super::closest_points::edge_distance;
 use super::contact_system::ContactSystem;
 use super::contacts::{
-    ActiveContact, CandidatePair, ContactPair, EDGE, EdgeJacobian, Linearised, PlaneContact,
-    Proximity,
+    ActiveContact, CandidatePair, ContactMotion, ContactPair, EDGE, EdgeJacobian, Linearised,
+    PlaneContact, Proximity,
 };
 use super::edge_contact::{Sliding, contact_force, edge_jacobian};
 use super::foot::Points;
@@ -17,7 +17,10 @@ use super::normal_response::NormalResponse;
 use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
 use super::rim::rim_jacobian;
 use super::surface::ContactNode;
-use super::tractions::LinearTraction;
+use super::surface_turns::TurnedBodies;
+use super::tractions::{Displaced, LinearTraction, correction};
+use super::turned_contacts::{Turned, with_turning};
+use super::turning::Turning;
 use crate::mechanics::Vector3;
 
 /// Least gap at which a barrier is evaluated while forces are carried along, in units of δ: its force is then some 10⁴
@@ -55,6 +58,8 @@ struct TouchingPair {
     law: NormalLaw,
     response: NormalResponse,
     sliding: Option<Sliding>,
+    /// How the surfaces turn, where friction acts at them.
+    turning: Option<Turning>,
     /// Relative velocity of the contact points along the surfaces, m/s; zero without friction.
     slip: Vector3,
     /// Friction per normal force.
@@ -66,7 +71,9 @@ struct TouchingPair {
 }
 
 /// Initial values of the linearised laws of a contact.
-struct Touch {
+struct Touch<'a> {
+    /// How the surfaces turn, where friction acts at them, and the positions of all nodes, m.
+    turning: Option<(&'a Turning, &'a [Vector3])>,
     gap: f64,
     law: NormalLaw,
     response: NormalResponse,
@@ -115,6 +122,9 @@ impl ContactSystem {
         self.evaluate_planes(motion, with_jacobians);
         if with_jacobians && self.multipliers.in_use() {
             self.iterate.linearised_at(positions);
+            if let Some(turns) = &mut self.surface_turns {
+                turns.linearised();
+            }
         }
     }
 
@@ -128,6 +138,7 @@ impl ContactSystem {
         self.plane_jacobians.clear();
         self.plane_linear_corrections.clear();
         self.without_force.clear();
+        self.turned.clear();
         self.energy = 0.0;
         self.contact_count = 0;
     }
@@ -189,8 +200,16 @@ impl ContactSystem {
                 velocities: self.velocities(&pair, &nodes, &motion),
                 time_step: motion.time_step,
             });
+            let turning = sliding.and_then(|_| {
+                let positions = [motion.positions, motion.previous];
+                self.turning_of_pair(&pair, &nearest, positions, motion.time_step)
+            });
             let slip = sliding.map_or_else(Vector3::zeros, |sliding| {
-                slip(&normal, &sliding.relative_velocity(&weights))
+                let of_centrelines = sliding.relative_velocity(&weights);
+                slip(
+                    &normal,
+                    &with_turning(of_centrelines, turning.as_ref(), &normal),
+                )
             });
             let traction = friction.map_or_else(Vector3::zeros, |law| law.traction_of_slip(&slip));
             let sign = pair.sign();
@@ -207,8 +226,13 @@ impl ContactSystem {
                 first_body: pair.first_body(),
             });
             self.tractions.push(traction);
+            if let Some(turning) = &turning {
+                let friction = traction * (sign * response.force * normal.norm());
+                let bodies = TurnedBodies::Pair(candidate);
+                self.push_turned(bodies, turning, &normal, &friction);
+            }
             if with_jacobians {
-                self.linearize_pair(&TouchingPair {
+                let touching = TouchingPair {
                     candidate,
                     nodes,
                     nearest,
@@ -216,11 +240,13 @@ impl ContactSystem {
                     law,
                     response,
                     sliding,
+                    turning,
                     slip,
                     traction,
                     force,
                     sign,
-                });
+                };
+                self.linearize_pair(&touching, motion.positions);
             }
             self.energy += sign * response.energy;
             self.contact_count += usize::from(gap < tolerance && sign > 0.0);
@@ -239,13 +265,14 @@ impl ContactSystem {
     }
 
     /// Adds the Jacobian of a pair, and the difference between the force of its laws and that of the linearised ones.
-    fn linearize_pair(&mut self, pair: &TouchingPair) {
+    fn linearize_pair(&mut self, pair: &TouchingPair, positions: &[Vector3]) {
         let slot = pair.candidate;
         let sliding = pair.sliding.as_ref();
         let (weights, normal) = (pair.nearest.weights(), pair.nearest.normal());
         let (pressure, friction) = self.linear_laws(
             slot,
             &Touch {
+                turning: pair.turning.as_ref().map(|turning| (turning, positions)),
                 gap: pair.gap,
                 law: pair.law,
                 response: pair.response,
@@ -262,6 +289,25 @@ impl ContactSystem {
         let carries = self.multipliers.in_use();
         let is_known = self.multipliers.is_known(slot, pressure.tangent.force);
         let turns = !carries || self.iterate.moved_slightly || is_known;
+        if let (Some(turning), Some(sliding)) = (&pair.turning, sliding) {
+            let turned = Turned {
+                turning,
+                sliding,
+                motion: &pair.nearest.motion(&pair.nodes, turns),
+                turns,
+                sign: pair.sign,
+                force: (pair.response.force, pair.traction),
+            };
+            if carries {
+                let second = self.candidates.pairs()[slot].edges[1];
+                let rods = 2 - usize::from(self.surface.obstacle_of(second).is_some());
+                self.compare_with_last(slot, rods, &pressure, &friction);
+            }
+            self.linearize_turned(slot, &turned, &pressure, &friction);
+            self.jacobians.push([[0.0; 12]; 12]);
+            self.linear_corrections.push([0.0; 12]);
+            return;
+        }
         let second = self.candidates.pairs()[slot].edges[1];
         let is_at_obstacle = self.surface.obstacle_of(second).is_some();
         let mut linearised = match &pair.nearest {
@@ -330,10 +376,20 @@ impl ContactSystem {
         let force = pressure.tangent.force;
         let friction = match touch.friction {
             Some((law, time_step)) if force > 0.0 => {
-                let resistance = moved.inertia * time_step / force;
                 let (normal, slip) = (&touch.normal, &touch.slip);
+                let turned = touch
+                    .turning
+                    .map(|(turning, now)| self.turned_since(turning, now));
+                let (inertia, displaced) = match &turned {
+                    Some((mobility, row)) => {
+                        let both = 1.0 / moved.inertia + mobility;
+                        (1.0 / both, Displaced::All(row))
+                    }
+                    None => (moved.inertia, Displaced::Nodes(&moved)),
+                };
+                let resistance = inertia * time_step / force;
                 self.carried_tractions
-                    .linear_law(slot, &law, normal, slip, &moved, resistance)
+                    .linear_law(slot, &law, normal, slip, displaced, resistance)
             }
             _ => at_present,
         };
@@ -365,6 +421,12 @@ impl ContactSystem {
         } else {
             gap
         }
+    }
+
+    /// Counts the energy of a plane contact.
+    fn add_plane_response(&mut self, response: &NormalResponse, counts: bool) {
+        self.energy += response.energy;
+        self.contact_count += usize::from(counts);
     }
 
     fn evaluate_planes(&mut self, motion: Motion, with_jacobians: bool) {
@@ -401,8 +463,16 @@ impl ContactSystem {
                     velocity: motion.velocity(node),
                     time_step: motion.time_step,
                 });
+                let turning = sliding.and_then(|_| {
+                    let positions = [motion.positions, motion.previous];
+                    self.turning_over_plane(node, radius, positions, motion.time_step)
+                });
                 let slip = sliding.map_or_else(Vector3::zeros, |sliding| {
-                    slip(&plane.normal, &sliding.velocity)
+                    let normal = &plane.normal;
+                    slip(
+                        normal,
+                        &with_turning(sliding.velocity, turning.as_ref(), normal),
+                    )
                 });
                 let traction =
                     friction.map_or_else(Vector3::zeros, |law| law.traction_of_slip(&slip));
@@ -416,9 +486,15 @@ impl ContactSystem {
                     force,
                 });
                 self.plane_tractions.push(traction);
+                if let Some(turning) = &turning {
+                    let bodies = TurnedBodies::Plane { plane: index, node };
+                    let friction = traction * response.force;
+                    self.push_turned(bodies, turning, &plane.normal, &friction);
+                }
                 if with_jacobians {
                     let position = motion.positions[node];
                     let touch = Touch {
+                        turning: (turning.as_ref()).map(|turning| (turning, motion.positions)),
                         gap,
                         law,
                         response,
@@ -430,6 +506,24 @@ impl ContactSystem {
                     let (pressure, friction) = self.linear_laws(slot, &touch, |system| {
                         system.iterate.moved(&[node], &[1.0], &[position])
                     });
+                    if let (Some(turning), Some(sliding)) = (&turning, &sliding) {
+                        let turned = Turned {
+                            turning,
+                            sliding: &sliding.of_first_node(),
+                            motion: &ContactMotion::over_plane(&plane.normal),
+                            turns: true,
+                            sign: 1.0,
+                            force: (response.force, traction),
+                        };
+                        if self.multipliers.in_use() {
+                            self.compare_with_last(slot, 1, &pressure, &friction);
+                        }
+                        self.linearize_turned(slot, &turned, &pressure, &friction);
+                        self.plane_jacobians.push([[0.0; 3]; 3]);
+                        self.plane_linear_corrections.push([0.0; 3]);
+                        self.add_plane_response(&response, gap < tolerance);
+                        continue;
+                    }
                     let linearised = plane_jacobian(
                         &plane.normal,
                         &pressure.tangent,
@@ -450,8 +544,7 @@ impl ContactSystem {
                         |force, traction| plane_force(&plane.normal, force, traction),
                     ));
                 }
-                self.energy += response.energy;
-                self.contact_count += usize::from(gap < tolerance);
+                self.add_plane_response(&response, gap < tolerance);
             }
         }
     }
@@ -476,18 +569,4 @@ fn of_first_node(of_node: Linearised<[[f64; 3]; 3]>) -> Linearised<EdgeJacobian>
         gap_gradient: of_node.gap_gradient,
         traction_gradient: of_node.traction_gradient,
     }
-}
-
-/// Correction from `force` to that of the linearised laws; `with` returns the force of a normal force and a traction.
-fn correction<const N: usize>(
-    pressure: &LinearLaw,
-    friction: &LinearTraction,
-    force: [f64; N],
-    with: impl Fn(f64, &Vector3) -> [f64; N],
-) -> [f64; N] {
-    // The product of force and direction, linearised where the Jacobian is: N d₀ + N₀ (d − d₀).
-    let normal_force = pressure.tangent.force;
-    let pressed = with(pressure.force, &friction.value);
-    let [slid, base] = [&friction.present, &friction.value].map(|t| with(normal_force, t));
-    std::array::from_fn(|k| pressed[k] + (slid[k] - base[k]) - force[k])
 }

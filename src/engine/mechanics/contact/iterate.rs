@@ -78,6 +78,11 @@ impl Iterate {
         self.positions.extend_from_slice(positions);
     }
 
+    /// Displacement of a node, now at `position`, since then; `None` before the first linearisation.
+    pub(crate) fn moved_by(&self, node: usize, position: &Vector3) -> Option<Vector3> {
+        Some(position - self.positions.get(node)?)
+    }
+
     /// Displacements of the nodes of a contact, now at `positions`, since then, and their weighted resistance.
     pub(crate) fn moved<const N: usize>(
         &self,

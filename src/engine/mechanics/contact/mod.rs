@@ -23,6 +23,8 @@
 //! | `constraints` | contacts as constraints, whose forces are found by complementarity (thesis 3.3) |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
+//! | `turning`, `levers` | the same with friction at surfaces that turn with the edges of rods |
+//! | `surface_turns`, `turned_contacts` | angles of edges in a step, and the contacts that turn them |
 //! | `multipliers`, `tractions`, `slots`, `iterate` | normal forces and friction that Newton's method carries along |
 //! | `stored_energy` | contact energy at other configurations than the last evaluation |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
@@ -51,6 +53,7 @@ mod foot;
 mod friction;
 mod inside;
 mod iterate;
+mod levers;
 mod memory;
 mod multipliers;
 mod nearest_points;
@@ -76,12 +79,15 @@ mod step_bound;
 mod stiffness;
 mod stored_energy;
 mod surface;
+mod surface_turns;
 #[cfg(test)]
 mod test_support;
 #[cfg(test)]
 mod tests;
 mod touching;
 mod tractions;
+mod turned_contacts;
+mod turning;
 
 pub(crate) use closest_points::edge_distance;
 pub use contact_system::ContactSystem;
@@ -89,10 +95,14 @@ pub use contacts::{
     ActiveContact, CandidatePair, ConstraintPlace, ContactConstraint, ContactPair, EdgeJacobian,
     ForceCorrections, PlaneContact, PlaneJacobian, Proximity,
 };
+pub(crate) use levers::{Levers, NONE};
 pub(crate) use memory::ContactMemory;
-pub use parameters::{ContactModel, ContactParameters};
+pub use parameters::{ContactModel, ContactParameters, FrictionAt};
 pub(crate) use root::{Root, RootBody};
 pub(crate) use stored_energy::Stored;
 pub use surface::{ContactEdge, ContactPlane, ContactSurface};
+pub(crate) use surface_turns::{TurnedBodies, TurnedContact};
 pub use touching::touching_points;
 pub(super) use tractions::cut;
+pub(crate) use turned_contacts::TurningEdges;
+pub(crate) use turning::Row;

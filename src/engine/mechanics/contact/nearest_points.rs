@@ -2,7 +2,8 @@
 
 use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
-use super::contacts::{CandidatePair, EDGE, TUBE};
+use super::contacts::{CandidatePair, ContactMotion, EDGE, TUBE};
+use super::distance::{DistanceDerivatives, WEIGHT_RATES};
 use super::foot::{Foot, Points};
 use super::rim::RimPoint;
 use super::surface::ContactSurface;
@@ -63,6 +64,45 @@ impl NearestPoints {
             Self::Edges(closest) => closest.normal(),
             Self::Face(foot) => foot.normal,
             Self::Rim(point) => point.normal(),
+        }
+    }
+
+    /// How the contact moves with nodes at these places; normal and contact points stay unless it `turns`.
+    pub(crate) fn motion(&self, nodes: &[Vector3; 4], turns: bool) -> ContactMotion {
+        let mut motion = ContactMotion {
+            weights: self.weights(),
+            ..ContactMotion::over_plane(&self.normal())
+        };
+        match self {
+            Self::Edges(closest) => {
+                let distance = DistanceDerivatives::of(nodes, closest);
+                motion.gap_gradient = distance.gradient();
+                if turns {
+                    motion.normal_jacobian = distance.normal_jacobian;
+                    motion.weight_rates = std::array::from_fn(|corner| {
+                        distance.ratio_gradients[corner / 2].map(|rate| WEIGHT_RATES[corner] * rate)
+                    });
+                }
+            }
+            Self::Face(_) => {}
+            Self::Rim(point) => {
+                motion.gap_gradient = point.gradient();
+                if turns {
+                    let derivatives = point.derivatives();
+                    motion.normal_jacobian = derivatives.normal;
+                    motion.weight_rates =
+                        (point.all_rates()).map(|rate| derivatives.ratio.map(|along| rate * along));
+                }
+            }
+        }
+        motion
+    }
+
+    /// Where on a piece of a rod a rim touches, from 0 to 1, where that may be anywhere on it.
+    pub(crate) fn along_piece(&self) -> Option<f64> {
+        match self {
+            Self::Rim(point) => Some(point.all_rates()[2]),
+            _ => None,
         }
     }
 }

@@ -26,6 +26,16 @@ pub enum ContactModel {
     Complementarity,
 }
 
+/// Where friction acts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FrictionAt {
+    /// On the centrelines, as in the thesis: no contact turns a rod about its axis.
+    #[default]
+    Centreline,
+    /// On the surfaces, which turn with the rods: see `turning`.
+    Surface,
+}
+
 /// Parameters of a contact model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactParameters {
@@ -36,6 +46,8 @@ pub struct ContactParameters {
     pub distance_tolerance: f64,
     /// Friction coefficient μ.
     pub friction: f64,
+    /// Where friction acts.
+    pub friction_at: FrictionAt,
     /// Slip tolerance ν, m/s: slower sliding counts as sticking (Eq. 2.10).
     pub slip_tolerance: f64,
     /// Factor s of the adaptive contact stiffness. The implicit contact model has k = s max‖F‖ (Eq. 2.19),
@@ -120,6 +132,7 @@ impl Default for ContactParameters {
             model: ContactModel::ImplicitContact,
             distance_tolerance: 1e-5,
             friction: 0.0,
+            friction_at: FrictionAt::Centreline,
             slip_tolerance: 1e-4,
             stiffness_factor: 1e5,
             maximum_penetration: 0.05,

@@ -11,7 +11,7 @@ use super::foot::{Foot, Points};
 use super::rim::{RimPoint, RodPiece, pieces_of};
 use super::surface::{ContactFace, ContactNode, ContactSurface};
 use crate::mechanics::Vector3;
-use crate::mechanics::rotation::Pose;
+use crate::mechanics::rotation::{Pose, to_vector};
 
 /// The obstacles at the end of the step that is made, and at its start.
 #[derive(Clone, Default)]
@@ -88,6 +88,15 @@ impl PlacedObstacles {
             *now = pose.of(vertex);
         }
         self.moved = true;
+    }
+
+    /// Rotation vector of an obstacle in the step, rad.
+    pub(crate) fn turn(&self, index: usize) -> Vector3 {
+        let placed = &self.placed[index];
+        if placed.pose.rotation == placed.pose_at_start.rotation {
+            return Vector3::zeros();
+        }
+        to_vector(&(placed.pose.rotation * placed.pose_at_start.rotation.inverse()))
     }
 
     /// Whether a point is within the box around an obstacle.

@@ -6,6 +6,7 @@
 //! F = N (n + t(n, v)), ∂F = (dN/dΔ) (n + t) nᵀ + N (∂t/∂v)/Δt, v = (x − xⁿ)/Δt.
 
 use super::contacts::{Linearised, PlaneJacobian};
+use super::edge_contact::Sliding;
 use super::friction::FrictionLaw;
 use super::normal_response::NormalResponse;
 use crate::mechanics::Vector3;
@@ -19,6 +20,18 @@ pub(super) struct NodeSliding {
     pub velocity: Vector3,
     /// Size Δt of the step, s.
     pub time_step: f64,
+}
+
+impl NodeSliding {
+    /// The same as that of four nodes, of which the others are at rest.
+    pub(crate) fn of_first_node(&self) -> Sliding {
+        let rest = Vector3::zeros();
+        Sliding {
+            law: self.law,
+            velocities: [self.velocity, rest, rest, rest],
+            time_step: self.time_step,
+        }
+    }
 }
 
 /// Force on the node of a normal force and a friction `traction` per normal force, N.

@@ -296,7 +296,7 @@ impl RimPoint {
     }
 
     /// ∇Δ = w ⊗ n by the coordinates of the rod.
-    fn gradient(&self) -> [f64; 12] {
+    pub(crate) fn gradient(&self) -> [f64; 12] {
         let normal = self.normal();
         std::array::from_fn(|column| {
             let node = column / 3;

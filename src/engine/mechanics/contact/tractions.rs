@@ -23,8 +23,9 @@
 use super::candidates::carried_over;
 use super::contacts::CandidatePair;
 use super::friction::{FrictionLaw, tangential};
-use super::multipliers::Moved;
+use super::multipliers::{LinearLaw, Moved};
 use super::slots::{SlotValues, Slots};
+use super::turning::{Rates, Row};
 use crate::mechanics::Vector3;
 
 /// c of the first iterations in units of ρ h/λ, chosen by trial in a pile: less takes more iterations, more fails in some
@@ -60,6 +61,15 @@ impl LinearTraction {
     }
 }
 
+/// Displacements since the last linearisation.
+#[derive(Clone, Copy)]
+pub(super) enum Displaced<'a> {
+    /// Of the nodes of a contact.
+    Nodes(&'a Moved),
+    /// Of all its unknowns, with friction at its surfaces.
+    All(&'a Row),
+}
+
 /// The traction of a slot as a linear function of displacements.
 #[derive(Clone, Copy, Debug)]
 struct Tangent {
@@ -91,6 +101,8 @@ pub(super) struct Tractions {
     committed: Vec<Option<Vector3>>,
     /// Linear laws of the last linearisation.
     tangents: SlotValues<Tangent>,
+    /// Derivatives of those by the unknowns of contacts with friction at their surfaces, in place of those by displacements.
+    turning: SlotValues<Rates>,
 }
 
 impl Tractions {
@@ -98,6 +110,7 @@ impl Tractions {
     pub(crate) fn begin(&mut self, slots: Slots) {
         self.committed.resize(slots.count(), None);
         self.tangents.clear(slots.count());
+        self.turning.clear(slots.count());
         for (slot, known) in self.committed.iter().enumerate() {
             if let Some(traction) = known {
                 self.tangents.set(slot, Tangent::constant(*traction));
@@ -143,6 +156,7 @@ impl Tractions {
     pub(crate) fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
         self.committed = carried_over(old, &self.committed, new);
         self.tangents.carry_over(old, new);
+        self.turning.carry_over(old, new);
     }
 
     /// The law of a slot at the slip `slip` (m/s) on surfaces with the unit normal `normal`; `resistance` is ρ h/λ, s/m.
@@ -152,13 +166,19 @@ impl Tractions {
         law: &FrictionLaw,
         normal: &Vector3,
         slip: &Vector3,
-        moved: &Moved,
+        moved: Displaced,
         resistance: f64,
     ) -> LinearTraction {
         let mut wanted = Vector3::zeros();
         let (mut before, mut reversals) = (Vector3::zeros(), 0);
         if let Some(tangent) = self.tangents.get(slot) {
-            let change = Vector3::from(tangent.rates.map(|rates| moved.along(&rates)));
+            let change = match (moved, self.turning.get(slot)) {
+                (Displaced::Nodes(moved), _) => {
+                    Vector3::from(tangent.rates.map(|rates| moved.along(&rates)))
+                }
+                (Displaced::All(_), None) => Vector3::zeros(),
+                (Displaced::All(moved), Some(rates)) => rates * moved,
+            };
             wanted = cut(
                 tangential(normal, &(tangent.value + change)),
                 law.coefficient,
@@ -187,6 +207,12 @@ impl Tractions {
         };
         self.tangents.set(slot, tangent);
     }
+
+    /// The same by the unknowns of a contact with friction at its surfaces.
+    pub(crate) fn keep_turning(&mut self, slot: usize, law: &LinearTraction, rates: &Rates) {
+        self.keep(slot, law, &[[0.0; 12]; 3]);
+        self.turning.set(slot, *rates);
+    }
 }
 
 /// The vector, shortened to `length` where it is longer.
@@ -197,6 +223,20 @@ pub(crate) fn cut(vector: Vector3, length: f64) -> Vector3 {
     } else {
         vector
     }
+}
+
+/// Correction from `force` to that of the linearised laws; `with` returns the force of a normal force and a traction.
+pub(super) fn correction<const N: usize>(
+    pressure: &LinearLaw,
+    friction: &LinearTraction,
+    force: [f64; N],
+    with: impl Fn(f64, &Vector3) -> [f64; N],
+) -> [f64; N] {
+    // The product of force and direction, linearised where the Jacobian is: N d₀ + N₀ (d − d₀).
+    let normal_force = pressure.tangent.force;
+    let pressed = with(pressure.force, &friction.value);
+    let [slid, base] = [&friction.present, &friction.value].map(|t| with(normal_force, t));
+    std::array::from_fn(|k| pressed[k] + (slid[k] - base[k]) - force[k])
 }
 
 #[cfg(test)]
@@ -241,7 +281,8 @@ mod tests {
         moved: &Moved,
         resistance: f64,
     ) -> LinearTraction {
-        let linear = tractions.linear_law(0, &LAW, normal, slip, moved, resistance);
+        let linear =
+            tractions.linear_law(0, &LAW, normal, slip, Displaced::Nodes(moved), resistance);
         let slope = LAW.slope(&linear.slip) / STEP;
         let rates = std::array::from_fn(|row| {
             std::array::from_fn(|column| {

@@ -251,6 +251,7 @@ mod tests {
             drag_velocity: vec![Vector3::zeros(); nodes],
             resistance: vec![Matrix3::identity(); nodes],
             positions: Vec::new(),
+            angles: Vec::new(),
         };
         let mut coupling = DragCoupling::default();
         coupling.begin(&stage, |_| false);

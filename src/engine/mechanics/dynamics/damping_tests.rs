@@ -69,6 +69,7 @@ fn stage(system: &System, start: &[f64], step: f64) -> Stage {
         drag_velocity: Vec::new(),
         resistance: Vec::new(),
         positions,
+        angles: crate::mechanics::system::angles_of(start),
     }
 }
 

@@ -13,7 +13,7 @@ use super::parameters::Scheme;
 use super::report::Exchange;
 use crate::mechanics::Vector3;
 use crate::mechanics::rod::{STRIDE, topology::position};
-use crate::mechanics::system::System;
+use crate::mechanics::system::{System, moments};
 
 /// A step that is about to be accepted.
 pub(super) struct AcceptedStep<'a> {
@@ -71,6 +71,9 @@ impl AcceptedStep<'_> {
         for touch in contact.plane_contacts() {
             let normal = &contact.planes()[touch.plane].normal;
             sum += loss(Vector3::from(touch.force), normal, touch.node);
+        }
+        for (unknown, moment) in moments(contact) {
+            sum -= moment * (self.after[unknown] - self.before[unknown]);
         }
         sum
     }

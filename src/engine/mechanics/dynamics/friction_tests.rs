@@ -7,7 +7,7 @@ use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::Scene;
-use crate::mechanics::system::{Imbalance, Stage};
+use crate::mechanics::system::{Imbalance, Stage, angles_of};
 use crate::mechanics::test_support::{clamp, drag, fixed, ground, run_with, weight};
 
 const MODEL: ContactModel = ContactModel::ImplicitContact;
@@ -101,6 +101,7 @@ fn the_tolerance_of_friction_is_never_below_rounding() {
             drag_velocity: Vec::new(),
             resistance: Vec::new(),
             positions: positions.clone(),
+            angles: angles_of(&lying),
         };
         system.set_tolerances(fixed(step).force_tolerance, &lying, Some(&stage));
         let mut residual_at = |unknowns: &[f64]| {

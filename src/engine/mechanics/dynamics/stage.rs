@@ -77,6 +77,7 @@ impl Workspace {
                 drag_velocity: vec![Vector3::zeros(); wet],
                 resistance: vec![Matrix3::zeros(); wet],
                 positions: vec![Vector3::zeros(); nodes],
+                angles: vec![0.0; nodes],
             },
             trial: Prediction {
                 unknowns: unknowns.clone(),

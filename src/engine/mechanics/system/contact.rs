@@ -9,6 +9,7 @@ use super::obstacles::MovingObstacle;
 use super::stage::{Stage, copy_positions};
 use super::term::{Configuration, Kind, Term};
 use super::touching::contact_of;
+use super::turned_elements::moments;
 use crate::mechanics::contact::{ContactModel, ContactSystem};
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
@@ -91,6 +92,14 @@ pub(crate) fn forces(contact: &ContactSystem) -> impl Iterator<Item = (usize, [f
         .chain(planes.map(|touch| (touch.node, touch.force)))
 }
 
+/// Takes over by how much the angles of all edges differ from those at the start of a stage, where that matters.
+fn set_angles(contact: &mut ContactSystem, at: &Configuration) {
+    if let Some(stage) = at.stage {
+        let now = at.unknowns.iter().skip(3).step_by(STRIDE);
+        contact.set_angles(now.zip(&stage.angles).map(|(now, start)| now - start));
+    }
+}
+
 impl Term for Contact {
     fn new(scene: &Scene, assembly: &mut Assembly) -> Result<Self, SceneError> {
         let (model, roots) = match contact_of(scene, assembly)? {
@@ -148,11 +157,15 @@ impl Term for Contact {
                 residual[STRIDE * node + axis] -= force[axis];
             }
         }
+        for (unknown, moment) in self.model.iter().flat_map(moments) {
+            residual[unknown] -= moment;
+        }
     }
 
     fn evaluate(&mut self, at: &Configuration, residual: &mut [f64]) {
         if let Some(contact) = &mut self.model {
             copy_positions(at.unknowns, &mut self.positions);
+            set_angles(contact, at);
             let (previous, step) = start_of(at.stage, &self.positions);
             contact.evaluate_forces(&self.positions, previous, step);
         }
@@ -162,6 +175,7 @@ impl Term for Contact {
     fn linearize(&mut self, at: &Configuration, residual: &mut [f64], entries: &mut Entries) {
         if let Some(contact) = &mut self.model {
             copy_positions(at.unknowns, &mut self.positions);
+            set_angles(contact, at);
             let (previous, step) = start_of(at.stage, &self.positions);
             contact.evaluate(&self.positions, previous, step);
         }
@@ -180,6 +194,9 @@ impl Term for Contact {
             for axis in 0..3 {
                 sizes[STRIDE * node + axis] += force[axis].abs();
             }
+        }
+        for (unknown, moment) in self.model.iter().flat_map(moments) {
+            sizes[unknown] += moment.abs();
         }
     }
 
@@ -262,6 +279,14 @@ impl System {
             }
         }));
         contact.begin_iterations(mobilities);
+        contact.set_angle_mobilities((0..self.assembly.rods.nodes).map(|edge| {
+            let angle = STRIDE * edge + 3;
+            if held[angle] || masses[angle] == 0.0 {
+                0.0
+            } else {
+                square / masses[angle]
+            }
+        }));
     }
 
     /// Records whether the last correction was small against the radii.

@@ -1,5 +1,6 @@
 //! The Jacobian of the residual: shifts, factors, Newton directions.
 
+use super::turned_elements::over_unknowns;
 use super::{Border, System, joints};
 use crate::linalg::{Inertia, SingularMatrix};
 use crate::mechanics::rod::STRIDE;
@@ -146,6 +147,11 @@ impl System {
         for (touch, correction) in contact.plane_contacts().iter().zip(corrections.planes) {
             for axis in 0..3 {
                 self.corrected_residual[STRIDE * touch.node + axis] -= correction[axis];
+            }
+        }
+        for one in contact.turned() {
+            for (unknown, correction) in over_unknowns(one, &one.correction) {
+                self.corrected_residual[unknown] -= correction;
             }
         }
         self.assembly.joints.gather(&mut self.corrected_residual);

@@ -62,6 +62,7 @@ fn unit_stage(assembly: &Assembly) -> Stage {
         drag_velocity: Vec::new(),
         resistance: Vec::new(),
         positions: Vec::new(),
+        angles: Vec::new(),
     }
 }
 

@@ -50,6 +50,7 @@ impl System {
             drag_velocity: Vec::new(),
             resistance: Vec::new(),
             positions,
+            angles: super::angles_of(unknowns),
         };
         let drag = std::mem::take(&mut self.terms.drag.coefficients);
         self.linearize(unknowns, Some(&stage));

@@ -1,5 +1,6 @@
 //! An implicit stage of a time step.
 
+use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::{Matrix3, Vector3};
 
@@ -22,6 +23,27 @@ pub struct Stage {
     pub resistance: Vec<Matrix3>,
     /// Positions at the start, m per node.
     pub positions: Vec<Vector3>,
+    /// Angles at the start, rad for each node at which an edge begins.
+    pub angles: Vec<f64>,
+}
+
+impl Stage {
+    /// Takes the positions and angles of unknowns as those at the start.
+    pub(crate) fn start_at(&mut self, unknowns: &[f64]) {
+        copy_positions(unknowns, &mut self.positions);
+        for (own, angle) in self
+            .angles
+            .iter_mut()
+            .zip(unknowns.iter().skip(3).step_by(STRIDE))
+        {
+            *own = *angle;
+        }
+    }
+}
+
+/// The angles of all edges, rad for each node at which one may begin.
+pub(crate) fn angles_of(unknowns: &[f64]) -> Vec<f64> {
+    unknowns.iter().skip(3).step_by(STRIDE).copied().collect()
 }
 
 /// Copies the positions out of the unknowns.

@@ -93,6 +93,7 @@ fn stage_at(system: &System, start: Vec<f64>) -> Stage {
     let mut positions = vec![Vector3::zeros(); nodes];
     copy_positions(&start, &mut positions);
     Stage {
+        angles: angles_of(&start),
         step: 0.05,
         acceleration_step: 0.06,
         velocity: start.iter().map(|q| (3.0 * q).sin()).collect(),

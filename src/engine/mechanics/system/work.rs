@@ -7,6 +7,7 @@
 //! edge is accelerated as it turns. A step in which that adds energy is repeated.
 
 use super::term::Kind;
+use super::turned_elements::moments;
 use super::{Stage, System, copy_positions};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::ContactSystem;
@@ -27,7 +28,7 @@ impl System {
     /// negligible; of contact forces that hold where the step ends. Rigid contacts hold no energy.
     pub(crate) fn work_of_contact(&self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
         let contact = self.contact()?;
-        let (work, forces) = self.work_and_forces(contact, unknowns);
+        let (work, forces) = self.work_and_forces(contact, stage, unknowns);
         let way = NEGLIGIBLE_WAY * contact.parameters().distance_tolerance * forces;
         let kinetic = self.kinetic_energy_at_start(stage);
         let is_small = |made: f64, energy: f64| made <= NEGLIGIBLE * energy + way;
@@ -48,7 +49,12 @@ impl System {
     }
 
     /// f·(x₁ − x₀) and |f|, summed over the contacts.
-    fn work_and_forces(&self, contact: &ContactSystem, unknowns: &[f64]) -> (f64, f64) {
+    fn work_and_forces(
+        &self,
+        contact: &ContactSystem,
+        stage: &Stage,
+        unknowns: &[f64],
+    ) -> (f64, f64) {
         let moved = |node: usize| position(unknowns, node) - self.terms.contact.step_start[node];
         let (mut work, mut forces) = (0.0, 0.0);
         for pair in contact.contacts() {
@@ -66,6 +72,11 @@ impl System {
             forces += touched.normal_force.abs();
             work += Vector3::from(touched.force).dot(&moved(touched.node));
         }
+        for (unknown, moment) in moments(contact) {
+            work += moment * (unknowns[unknown] - stage.start[unknown]);
+        }
+        let of_obstacles = contact.turned().iter().map(|one| one.steady_power);
+        work += stage.step * of_obstacles.sum::<f64>();
         (work, forces)
     }
 
@@ -230,6 +241,7 @@ mod tests {
             acceleration_step: STEP,
             velocity: velocity.collect(),
             positions: vec![Vector3::zeros(); places.len()],
+            angles: vec![0.0; places.len()],
             drag: Vec::new(),
             drag_velocity: Vec::new(),
             resistance: Vec::new(),

@@ -42,7 +42,7 @@ use super::{Prediction, SolvedStep, TimeScheme};
 use crate::mechanics::dynamics::history::LENGTH;
 use crate::mechanics::dynamics::state::State;
 use crate::mechanics::dynamics::step_control::ErrorLaw;
-use crate::mechanics::system::{Stage, copy_positions};
+use crate::mechanics::system::Stage;
 use crate::mechanics::{Matrix3, Vector3};
 
 /// Largest growth of automatic steps from one to the next. It is smaller than for the other
@@ -317,7 +317,9 @@ impl TimeScheme for BackwardDifferences {
             prediction.velocity[k] = difference.predicted(velocities);
             prediction.unknowns[k] = stage.start[k] + stage.step * prediction.velocity[k];
         }
-        copy_positions(&stage.start, &mut stage.positions);
+        let start = std::mem::take(&mut stage.start);
+        stage.start_at(&start);
+        stage.start = start;
     }
 
     /// The local error is H/4 times the predictor error of the velocity, at free unknowns.

@@ -22,6 +22,7 @@ fn velocity_after(scheme: Scheme, inertia: f64, resistance: f64) -> f64 {
         drag_velocity: Vec::new(),
         resistance: Vec::new(),
         positions: vec![Vector3::zeros()],
+        angles: vec![0.0],
     };
     let mut prediction = Prediction {
         unknowns: vec![0.0; STRIDE],

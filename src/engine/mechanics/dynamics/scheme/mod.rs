@@ -153,7 +153,7 @@ fn begin_at_the_start(
     stage.acceleration_step = size;
     stage.start.copy_from_slice(&state.unknowns);
     stage.velocity.copy_from_slice(&state.velocity);
-    crate::mechanics::system::copy_positions(&state.unknowns, &mut stage.positions);
+    stage.start_at(&state.unknowns);
     let (last, growth) = state.history.last(fraction * size);
     for (k, predicted) in prediction.unknowns.iter_mut().enumerate() {
         let change = state.velocity[k] - last.velocity[k];

@@ -191,11 +191,11 @@ impl Simulation {
             velocity: stage.velocity.clone(),
         };
         let turning = self.system.assembly.steady_turning();
-        let positions = stage.positions.clone();
+        let (positions, angles) = (stage.positions.clone(), stage.angles.clone());
         let rules = self.rules();
         rules.begin(step, &other.state, turning, &mut stage, &mut prediction);
-        // Contact rubs against where the nodes of this simulation were.
-        stage.positions = positions;
+        // Contact rubs against where the nodes and edges of this simulation were.
+        (stage.positions, stage.angles) = (positions, angles);
         stage
     }
 

@@ -177,6 +177,7 @@ pub(super) fn stage_at(system: &System) -> Stage {
     let mut positions = vec![Vector3::zeros(); system.assembly.rods.nodes];
     copy_positions(&start, &mut positions);
     Stage {
+        angles: start.iter().skip(3).step_by(4).copied().collect(),
         step: 0.05,
         acceleration_step: 0.06,
         velocity: start.iter().map(|q| (3.0 * q).sin()).collect(),

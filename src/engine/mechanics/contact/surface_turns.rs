@@ -1,0 +1,166 @@
+//! How the surfaces of rods turn in a step, and the contacts at which friction turns them.
+
+use super::contacts::CandidatePair;
+use super::levers::{EdgesAtNodes, Levers};
+use super::parameters::{ContactParameters, FrictionAt};
+use super::surface::ContactSurface;
+use super::turning::{ANGLES, Row, Square, Turn, Turning};
+use crate::mechanics::Vector3;
+
+/// The angles of all edges in the present step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SurfaceTurns {
+    pub edges: EdgesAtNodes,
+    /// Change of the angle of each edge since the stage began, numbered by the nodes at which they start, rad.
+    now: Vec<f64>,
+    /// The same at the last linearisation; empty before the first of a step.
+    linearised: Vec<f64>,
+    /// Turn of each edge under a unit moment within a step by inertia alone, rad/(N m): zero where it is held or has no inertia.
+    mobilities: Vec<f64>,
+}
+
+/// The bodies of such a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TurnedBodies {
+    /// Number of the candidate pair.
+    Pair(usize),
+    /// A plane and a node.
+    Plane { plane: usize, node: usize },
+}
+
+/// A contact at which friction acts at the surfaces.
+#[derive(Clone, Debug)]
+pub(crate) struct TurnedContact {
+    pub bodies: TurnedBodies,
+    pub levers: Levers,
+    /// Moments on the angles of edges (N m) and couples of forces on nodes (N), beside the forces of the contact.
+    pub moments: Row,
+    /// Power of the friction by the turn of an obstacle about its centreline, W.
+    pub steady_power: f64,
+    /// Derivative of the force on all its unknowns; `None` where it was not asked for.
+    pub jacobian: Option<Square>,
+    /// Correction of the force to that of the linearised laws.
+    pub correction: Row,
+}
+
+impl SurfaceTurns {
+    /// Those of rods of which friction acts at the surfaces.
+    pub(crate) fn of(surface: &ContactSurface, parameters: &ContactParameters) -> Option<Self> {
+        (parameters.friction_at == FrictionAt::Surface).then(|| Self {
+            edges: EdgesAtNodes::of(surface),
+            ..Self::default()
+        })
+    }
+
+    /// Starts the iterations of a step.
+    pub(crate) fn begin(&mut self) {
+        self.linearised.clear();
+    }
+
+    /// Takes over how easily edges turn.
+    pub(crate) fn set_mobilities(&mut self, mobilities: impl Iterator<Item = f64>) {
+        self.mobilities.clear();
+        self.mobilities.extend(mobilities);
+    }
+
+    /// Takes over the angles by which edges have turned since the stage began, rad.
+    pub(crate) fn set_angles(&mut self, angles: impl Iterator<Item = f64>) {
+        self.now.clear();
+        self.now.extend(angles);
+    }
+
+    /// The present angles are those of a linearisation.
+    pub(crate) fn linearised(&mut self) {
+        self.linearised.clone_from(&self.now);
+    }
+
+    /// How a contact with these levers turns, with an obstacle that adds `steady`, m rad/s.
+    pub(crate) fn turning(
+        &self,
+        levers: Levers,
+        [positions, previous]: [&[Vector3]; 2],
+        steady: Vector3,
+        time_step: f64,
+    ) -> Turning {
+        let turns = levers.edges.map(|lever| match lever {
+            None => Turn::default(),
+            Some(lever) => {
+                let [from, to] = lever.ends.map(|end| levers.nodes[end]);
+                Turn {
+                    span: [positions, previous].map(|all| all[to] - all[from]),
+                    angle: self.now.get(lever.edge).copied().unwrap_or(0.0),
+                }
+            }
+        });
+        Turning {
+            levers,
+            turns,
+            steady,
+            time_step,
+        }
+    }
+
+    /// How far the unknowns of a contact have moved since the last linearisation, at which nodes had moved less by `moved`, m.
+    pub(crate) fn displacement(
+        &self,
+        levers: &Levers,
+        moved: impl Fn(usize) -> Option<Vector3>,
+    ) -> Row {
+        let mut row = Row::zeros();
+        for (place, node) in levers.all_nodes() {
+            if let Some(moved) = moved(node) {
+                row.fixed_rows_mut::<3>(3 * place).copy_from(&moved);
+            }
+        }
+        for (k, lever) in levers.edges.iter().enumerate() {
+            let edge = lever.map(|lever| lever.edge);
+            let both =
+                edge.and_then(|edge| Some((self.now.get(edge)?, self.linearised.get(edge)?)));
+            if let Some((now, before)) = both {
+                row[ANGLES + k] = now - before;
+            }
+        }
+        row
+    }
+
+    /// How far the surfaces slide under a unit friction within the step because edges turn, by inertia alone, m/N.
+    pub(crate) fn mobility(&self, levers: &Levers) -> f64 {
+        let of_edge = |edge: usize| self.mobilities.get(edge).copied().unwrap_or(0.0);
+        let levers = levers.edges.iter().flatten();
+        levers
+            .map(|lever| lever.arm * lever.arm * of_edge(lever.edge))
+            .sum()
+    }
+}
+
+impl TurnedContact {
+    /// The numbers of the nodes that it moves, with their places among its unknowns.
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.levers.all_nodes()
+    }
+
+    /// The same of the edges whose angles it turns.
+    pub(crate) fn edges(&self) -> impl Iterator<Item = (usize, usize)> {
+        let edges = self.levers.edges.into_iter().enumerate();
+        edges.filter_map(|(k, lever)| Some((ANGLES + k, lever?.edge)))
+    }
+}
+
+/// Renumbers the contacts of the candidates of an old list by a new one; their Jacobians are discarded.
+pub(super) fn renumber(
+    turned: &mut Vec<TurnedContact>,
+    old: &[CandidatePair],
+    new: &[CandidatePair],
+) {
+    turned.retain_mut(|one| {
+        one.jacobian = None;
+        let TurnedBodies::Pair(candidate) = &mut one.bodies else {
+            return true;
+        };
+        let found = new.binary_search(&old[*candidate]);
+        found.is_ok_and(|found| {
+            *candidate = found;
+            true
+        })
+    });
+}

@@ -1,0 +1,188 @@
+//! Contacts at which friction acts at the surfaces: how these turn, and the Jacobians that go with it.
+
+use super::contact_system::ContactSystem;
+use super::contacts::{CandidatePair, ContactMotion};
+use super::edge_contact::Sliding;
+use super::levers::{EdgesAtNodes, Levers};
+use super::multipliers::LinearLaw;
+use super::nearest_points::NearestPoints;
+use super::surface::ContactSurface;
+use super::surface_turns::{TurnedBodies, TurnedContact};
+use super::tractions::{LinearTraction, correction};
+use super::turning::{Row, Turning};
+use crate::mechanics::Vector3;
+
+/// A contact that turns edges, before it is linearised.
+pub(super) struct Turned<'a> {
+    pub turning: &'a Turning,
+    pub sliding: &'a Sliding,
+    pub motion: &'a ContactMotion,
+    /// Whether normal, contact points and moments turn with the unknowns.
+    pub turns: bool,
+    /// −1 where it counts against others.
+    pub sign: f64,
+    /// Normal force (N), and friction per normal force.
+    pub force: (f64, Vector3),
+}
+
+/// The edges of rods at whose surfaces friction acts.
+pub(crate) struct TurningEdges<'a> {
+    edges: &'a EdgesAtNodes,
+    surface: &'a ContactSurface,
+}
+
+impl TurningEdges<'_> {
+    /// What a pair moves and turns.
+    pub(crate) fn of_pair(&self, pair: &CandidatePair) -> Levers {
+        self.edges.of_pair(self.surface, pair)
+    }
+
+    /// What each edge or ball moves and turns at an obstacle.
+    pub(crate) fn at_obstacles(&self) -> impl Iterator<Item = Levers> {
+        let edges = 0..self.surface.rod_edges().len();
+        edges.map(|edge| self.edges.at_obstacle(self.surface, edge))
+    }
+
+    /// What nodes that move and turn over planes do, with their numbers.
+    pub(crate) fn over_planes(&self) -> impl Iterator<Item = (usize, Levers)> {
+        let nodes = self.surface.nodes().iter();
+        nodes.map(|one| (one.node, self.edges.of_node(one.node, one.radius)))
+    }
+}
+
+impl ContactSystem {
+    /// How the surfaces turn at a pair, where friction acts at them; positions are those now and where the stage starts.
+    pub(super) fn turning_of_pair(
+        &self,
+        pair: &CandidatePair,
+        nearest: &NearestPoints,
+        positions: [&[Vector3]; 2],
+        time_step: f64,
+    ) -> Option<Turning> {
+        let turns = self.surface_turns.as_ref()?;
+        let [first, second] = pair.edges;
+        let mut levers = turns.edges.of_pair(&self.surface, pair);
+        if pair.is_of_piece() {
+            let radius = self.surface.edges()[first].radius;
+            levers.share_at(pair.side, nearest.along_piece(), radius);
+        }
+        let steady = self.surface.obstacle_of(second).map(|obstacle| {
+            // The point at the rim of a tube counts as its centre.
+            self.obstacles.turn(obstacle) * (self.surface.core(pair) / time_step)
+        });
+        let steady = steady.unwrap_or_else(Vector3::zeros);
+        Some(turns.turning(levers, positions, steady, time_step))
+    }
+
+    /// The same of a node over a plane, whose sphere has a radius, m.
+    pub(super) fn turning_over_plane(
+        &self,
+        node: usize,
+        radius: f64,
+        positions: [&[Vector3]; 2],
+        time_step: f64,
+    ) -> Option<Turning> {
+        let turns = self.surface_turns.as_ref()?;
+        let levers = turns.edges.of_node(node, radius);
+        Some(turns.turning(levers, positions, Vector3::zeros(), time_step))
+    }
+
+    /// How far a unit friction slides the surfaces because edges turn, m/N, and how far the unknowns of the contact have moved since the
+    /// last linearisation.
+    pub(super) fn turned_since(&self, turning: &Turning, now: &[Vector3]) -> (f64, Row) {
+        let Some(turns) = &self.surface_turns else {
+            return (0.0, Row::zeros());
+        };
+        let moved = |node: usize| self.iterate.moved_by(node, &now[node]);
+        (
+            turns.mobility(&turning.levers),
+            turns.displacement(&turning.levers, moved),
+        )
+    }
+
+    /// Adds the moments of a contact that turns edges.
+    pub(super) fn push_turned(
+        &mut self,
+        bodies: TurnedBodies,
+        turning: &Turning,
+        normal: &Vector3,
+        friction: &Vector3,
+    ) {
+        self.turned.push(TurnedContact {
+            bodies,
+            levers: turning.levers,
+            moments: turning.moments(normal, friction),
+            steady_power: turning.steady_power(normal, friction),
+            jacobian: None,
+            correction: Row::zeros(),
+        });
+    }
+
+    /// Linearises the contact that was added last, in a slot, by its linear laws.
+    pub(super) fn linearize_turned(
+        &mut self,
+        slot: usize,
+        contact: &Turned,
+        pressure: &LinearLaw,
+        friction: &LinearTraction,
+    ) {
+        let (turning, motion, sign) = (contact.turning, contact.motion, contact.sign);
+        let sliding = (contact.sliding, friction.slip);
+        let found = turning.jacobian(motion, &pressure.tangent, sliding, contact.turns);
+        if self.multipliers.in_use() {
+            self.multipliers.keep(slot, pressure, &motion.gap_gradient);
+            self.carried_tractions
+                .keep_turning(slot, friction, &found.traction);
+        }
+        let with = |force: f64, traction: &Vector3| -> [f64; 14] {
+            let row = turning.force(&motion.weights, &motion.normal, sign * force, traction);
+            row.into()
+        };
+        let (force, traction) = contact.force;
+        let corrected = correction(pressure, friction, with(force, &traction), with);
+        if let Some(last) = self.turned.last_mut() {
+            last.jacobian = Some(found.jacobian * sign);
+            last.correction = corrected.into();
+        }
+    }
+
+    /// The contacts of the last evaluation that turn edges, of pairs first, in the order of the others.
+    pub(crate) fn turned(&self) -> &[TurnedContact] {
+        &self.turned
+    }
+
+    /// The edges of rods at whose surfaces friction acts; `None` where it acts on centrelines.
+    pub(crate) fn turning_edges(&self) -> Option<TurningEdges<'_>> {
+        let turns = self.surface_turns.as_ref()?;
+        Some(TurningEdges {
+            edges: &turns.edges,
+            surface: &self.surface,
+        })
+    }
+
+    /// Takes over the angles by which edges have turned since the stage began, rad, where friction acts at the surfaces.
+    pub(crate) fn set_angles(&mut self, angles: impl Iterator<Item = f64>) {
+        if let Some(turns) = &mut self.surface_turns {
+            turns.set_angles(angles);
+        }
+    }
+
+    /// Takes over how far a unit moment turns each edge within the step by inertia alone, rad/(N m): zero where it is held, or has none.
+    pub(crate) fn set_angle_mobilities(&mut self, mobilities: impl Iterator<Item = f64>) {
+        if let Some(turns) = &mut self.surface_turns {
+            turns.set_mobilities(mobilities);
+        }
+    }
+}
+
+/// The relative velocity of surfaces from that of their centrelines, m/s.
+pub(super) fn with_turning(
+    velocity: Vector3,
+    turning: Option<&Turning>,
+    normal: &Vector3,
+) -> Vector3 {
+    match turning {
+        Some(turning) => velocity + turning.velocity(normal),
+        None => velocity,
+    }
+}

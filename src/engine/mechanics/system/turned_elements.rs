@@ -1,0 +1,92 @@
+//! Elements of the contacts whose friction acts at the surfaces: it couples angles of edges with positions.
+//!
+//! Such a contact has up to 14 unknowns, the positions of four nodes and the angles of two edges. With all four it has three
+//! elements: of the positions, and of those of either body with both angles. A contact of one rod with a plane or an obstacle moves
+//! three nodes at most, and has one.
+
+use crate::linalg::{Element, ElementMatrix, UNUSED};
+use crate::mechanics::contact::{ContactSystem, Levers, NONE, Row, TurnedContact};
+use crate::mechanics::rod::STRIDE;
+
+/// Unknowns of a contact in each of its elements.
+type Places = [usize; 12];
+
+/// No unknown.
+const NO: usize = UNUSED;
+/// The elements of a contact of two rods.
+const OF_TWO: [Places; 3] = [
+    [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11],
+    [0, 1, 2, 3, 4, 5, 12, 13, NO, NO, NO, NO],
+    [6, 7, 8, 9, 10, 11, 12, 13, NO, NO, NO, NO],
+];
+/// That of a contact of one.
+const OF_ONE: Places = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, NO];
+/// Where the angles begin.
+const ANGLES: usize = 12;
+
+/// The elements of a contact.
+pub(super) fn elements_of(levers: &Levers) -> Vec<Element> {
+    let unknown = |place: usize| match place {
+        NO => UNUSED,
+        ANGLES.. => {
+            let lever = levers.edges[place - ANGLES];
+            lever.map_or(UNUSED, |lever| STRIDE * lever.edge + 3)
+        }
+        _ => match levers.nodes[place / 3] {
+            NONE => UNUSED,
+            node => STRIDE * node + place % 3,
+        },
+    };
+    let places = places_of(levers).iter();
+    places.map(|places| places.map(unknown)).collect()
+}
+
+/// What a contact adds to the matrices of its elements, which each entry of its Jacobian is in once.
+pub(super) fn matrices_of(contact: &TurnedContact) -> Vec<ElementMatrix> {
+    let Some(jacobian) = &contact.jacobian else {
+        return Vec::new();
+    };
+    let all = places_of(&contact.levers);
+    let entry = |number: usize, row: usize, column: usize| {
+        let (row, column) = (all[number][row], all[number][column]);
+        let both = |are: fn(&usize) -> bool| are(&row) && are(&column);
+        let is_elsewhere = (number > 0 && both(|place| *place < ANGLES))
+            || (number > 1 && both(|place| *place >= ANGLES));
+        if row == NO || column == NO || is_elsewhere {
+            0.0
+        } else {
+            -jacobian[(row, column)]
+        }
+    };
+    let matrices = (0..all.len()).map(|number| {
+        std::array::from_fn(|row| std::array::from_fn(|column| entry(number, row, column)))
+    });
+    matrices.collect()
+}
+
+fn places_of(levers: &Levers) -> &'static [Places] {
+    if levers.nodes[3] == NONE {
+        std::slice::from_ref(&OF_ONE)
+    } else {
+        &OF_TWO
+    }
+}
+
+/// Moments of friction at the surfaces in the last evaluation, by the unknowns on which they act: on the angles of edges (N m), and
+/// their couples of forces on nodes (N).
+pub(crate) fn moments(contact: &ContactSystem) -> impl Iterator<Item = (usize, f64)> {
+    let turned = contact.turned().iter();
+    turned.flat_map(|one| over_unknowns(one, &one.moments))
+}
+
+/// Entries of a vector over the unknowns of a contact, by their numbers among all.
+pub(crate) fn over_unknowns(
+    contact: &TurnedContact,
+    entries: &Row,
+) -> impl Iterator<Item = (usize, f64)> {
+    let nodes = contact
+        .nodes()
+        .flat_map(|(place, node)| (0..3).map(move |axis| (3 * place + axis, STRIDE * node + axis)));
+    let edges = (contact.edges()).map(|(place, edge)| (place, STRIDE * edge + 3));
+    (nodes.chain(edges)).map(|(place, unknown)| (unknown, entries[place]))
+}
