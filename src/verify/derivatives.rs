@@ -90,6 +90,7 @@ impl Sample {
             drag_velocity: Vec::new(),
             resistance: Vec::new(),
             positions: (0..start.len() / 4).map(position).collect(),
+            angles: start.iter().skip(3).step_by(4).copied().collect(),
             start,
         }
     }

@@ -1,9 +1,9 @@
-//! Coulomb friction: a rod on an incline and a rope around a post.
+//! Coulomb friction: a rod on an incline, a rope around a post, and rods that roll.
 
 use super::contact::contact_parameters;
 use super::rods::{clamp, force_on, line, run_until, steady, steps_of, unit_rod};
 use super::theory::friction::{Capstan, sliding_acceleration};
-use super::{Check, Expectation, GroupError};
+use super::{Check, Expectation, GroupError, rolling};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::contact::{ContactModel, ContactParameters};
 use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Simulation};
@@ -18,20 +18,20 @@ const CAPSTAN: Expectation = Expectation::new(
     "T₂ = T₁ exp(μφ), corrected for EI",
     "Euler; balance of the elastica",
 );
-const GRAVITY: f64 = 9.81;
+pub(super) const GRAVITY: f64 = 9.81;
 
 /// The contact models with their names in scenario files, and the allowed creep speed of sticking
 /// contacts, as a fraction of the slip tolerance.
 ///
 /// With the smoothed law, sticking contacts creep below the slip tolerance; rigid contacts stick
 /// within the tolerance of Newton's method.
-const MODELS: [(ContactModel, &str, f64); 3] = [
+pub(super) const MODELS: [(ContactModel, &str, f64); 3] = [
     (ContactModel::ImplicitContact, "imc", 1.0),
     (ContactModel::IncrementalPotential, "ipc", 1.0),
     (ContactModel::Complementarity, "complementarity", 1e-6),
 ];
 
-/// Sliding and sticking on an incline, and the capstan, with every contact model.
+/// Sliding and sticking on an incline, and the capstan, by every contact model; rolling by those that turn rods.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let (steep_angle, shallow_angle) = (30f64.to_radians(), 20f64.to_radians());
     let slip_tolerance = ContactParameters::default().slip_tolerance;
@@ -53,6 +53,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
             capstan(model, name)?,
         ]);
     }
+    checks.extend(rolling::checks()?);
     Ok(checks)
 }
 

@@ -29,6 +29,7 @@ mod obstacles;
 mod overdamped;
 mod page;
 mod rods;
+mod rolling;
 mod scale_invariance;
 mod scenario;
 mod sensitivities;

@@ -83,7 +83,7 @@ pub use resolved::{Probe, ProbeKind, StopWhen, Summary};
 pub use sweep::{
     Case, CaseSet, InputFile, Parameter, Portable, Search, SweptDerivatives, earlier_id,
 };
-pub use typed::{Quantity, SearchMethod, Vector};
+pub use typed::{FrictionAt, Quantity, SearchMethod, Vector};
 pub use typed_file::TypedFile;
 pub use units::{angle, metres, parse_any as number_with_unit, seconds};
 

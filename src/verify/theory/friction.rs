@@ -7,6 +7,22 @@ pub fn sliding_acceleration(gravity: f64, incline: f64, friction: f64) -> f64 {
     gravity * (libm::sin(incline) - friction * libm::cos(incline))
 }
 
+/// Acceleration g sin α/(1 + I/(m h²)) of a solid cylinder that rolls down an incline of angle α.
+pub fn rolling_acceleration(gravity: f64, incline: f64) -> f64 {
+    2.0 / 3.0 * gravity * libm::sin(incline)
+}
+
+/// Angular acceleration μ m g h cos α/I of a solid cylinder of a radius h that slips on it, rad/s².
+pub fn spinning_acceleration(gravity: f64, incline: f64, friction: f64, radius: f64) -> f64 {
+    2.0 * friction * gravity * libm::cos(incline) / radius
+}
+
+/// Final speed of a solid cylinder that is laid at rest on a moving belt, over the speed of the belt.
+///
+/// Friction moves and turns it by the same impulse, m v = I ω/h, until v + ω h is the speed of the
+/// belt.
+pub const PART_OF_BELT: f64 = 1.0 / 3.0;
+
 /// A rope of bending stiffness EI that slides around a post and turns by the total angle φ.
 ///
 /// On the post the curvature is 1/ρ (ρ: radius of the rope's centreline) and the tension grows

@@ -103,6 +103,8 @@ mod parallel_tests;
 #[cfg(test)]
 mod path_tests;
 #[cfg(test)]
+mod rolling_tests;
+#[cfg(test)]
 mod slide_tests;
 #[cfg(test)]
 mod spring_tests;

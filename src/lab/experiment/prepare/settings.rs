@@ -1,7 +1,7 @@
 //! Settings of the engine for contact, fluid and time.
 
-use crate::scenario::{Contact, Fluid, Scenario, Scheme, Step, Time};
-use rodlab_engine::mechanics::contact::{ContactModel, ContactParameters};
+use crate::scenario::{Contact, Fluid, FrictionAt, Scenario, Scheme, Step, Time};
+use rodlab_engine::mechanics::contact::{self, ContactModel, ContactParameters};
 use rodlab_engine::mechanics::dynamics::{self, IntegrationParameters, StepSize};
 use rodlab_engine::mechanics::fluid::FluidModel;
 
@@ -10,6 +10,7 @@ pub(super) fn contact_parameters(contact: &Contact) -> Option<ContactParameters>
         Contact::None => None,
         Contact::Imc {
             friction,
+            friction_at,
             distance_tolerance,
             slip_tolerance,
             stiffness_factor,
@@ -18,12 +19,14 @@ pub(super) fn contact_parameters(contact: &Contact) -> Option<ContactParameters>
             model: ContactModel::ImplicitContact,
             distance_tolerance,
             friction,
+            friction_at: place_of(friction_at),
             slip_tolerance,
             stiffness_factor,
             maximum_penetration,
         }),
         Contact::Ipc {
             friction,
+            friction_at,
             distance_tolerance,
             slip_tolerance,
             stiffness_factor,
@@ -31,6 +34,7 @@ pub(super) fn contact_parameters(contact: &Contact) -> Option<ContactParameters>
             model: ContactModel::IncrementalPotential,
             distance_tolerance,
             friction,
+            friction_at: place_of(friction_at),
             slip_tolerance,
             stiffness_factor,
             maximum_penetration: 0.0,
@@ -46,6 +50,13 @@ pub(super) fn contact_parameters(contact: &Contact) -> Option<ContactParameters>
             maximum_penetration,
             ..ContactParameters::default()
         }),
+    }
+}
+
+fn place_of(friction: FrictionAt) -> contact::FrictionAt {
+    match friction {
+        FrictionAt::Centreline => contact::FrictionAt::Centreline,
+        FrictionAt::Surface => contact::FrictionAt::Surface,
     }
 }
 

@@ -33,6 +33,7 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
         return Contact::None;
     }
     let friction = typed.friction(&section);
+    let friction_at = typed.friction_at(&section);
     let distance_tolerance = typed.distance_tolerance(&section, 0.01 * smallest_radius);
     if distance_tolerance > smallest_radius {
         section.out_of_range(
@@ -51,6 +52,7 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
         }
         return Contact::Ipc {
             friction,
+            friction_at,
             distance_tolerance,
             slip_tolerance,
             stiffness_factor: typed.stiffness_factor(&section, 1.0),
@@ -65,6 +67,12 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
             ],
             "the model \"complementarity\" is rigid and sticks; leave the key out",
         );
+        if friction_at == typed::FrictionAt::Surface {
+            section.fault(
+                "friction_at",
+                "the model \"complementarity\" allows \"centreline\" only; \"surface\" needs the model \"imc\" or \"ipc\"",
+            );
+        }
         return Contact::Complementarity {
             friction,
             distance_tolerance,
@@ -73,6 +81,7 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
     }
     Contact::Imc {
         friction,
+        friction_at,
         distance_tolerance,
         slip_tolerance,
         stiffness_factor: typed.stiffness_factor(&section, STIFFNESS_PER_RADIUS * smallest_radius),

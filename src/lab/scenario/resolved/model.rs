@@ -1,5 +1,6 @@
 //! Resolved contact and fluid models.
 
+use crate::scenario::typed::FrictionAt;
 use serde::Serialize;
 
 /// Contact between rods and with planes.
@@ -12,6 +13,9 @@ pub enum Contact {
     Imc {
         /// Friction coefficient μ.
         friction: f64,
+        /// Where friction acts.
+        #[serde(skip_serializing_if = "FrictionAt::is_centreline")]
+        friction_at: FrictionAt,
         /// Distance tolerance δ, m.
         distance_tolerance: f64,
         /// Slip tolerance ν, m/s.
@@ -25,6 +29,9 @@ pub enum Contact {
     Ipc {
         /// Friction coefficient μ.
         friction: f64,
+        /// Where friction acts.
+        #[serde(skip_serializing_if = "FrictionAt::is_centreline")]
+        friction_at: FrictionAt,
         /// Distance tolerance δ, m.
         distance_tolerance: f64,
         /// Slip tolerance ν, m/s.

@@ -27,6 +27,11 @@ keys! {
         model: word(ContactModel) default(ContactModel::Imc),
         /// Coulomb friction coefficient.
         friction: number(Dimensionless, NON_NEGATIVE) default(0.0),
+        /// "centreline" (the default: friction acts on the centrelines, as in the thesis, and rods
+        /// do not roll), or "surface" (friction acts where surfaces touch, opposes the velocity of
+        /// the surfaces, and turns the rods: they roll, and drive each other like gears; with
+        /// "imc" and "ipc").
+        friction_at: word(FrictionAt) default(FrictionAt::Centreline),
         /// Distance δ beyond the surfaces at which force begins, at most the smallest radius.
         /// Smaller is more exact and stiffer. With "complementarity" it is only the distance
         /// within which contacts are searched. Default: a hundredth of the smallest radius.
@@ -45,6 +50,25 @@ keys! {
         /// Penetration that ends the run, as a fraction of the sum of the two radii, between 0 and 1; not with
         /// "ipc".
         maximum_penetration: number(Dimensionless, FRACTION) default(0.05),
+    }
+}
+
+/// Where friction acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum FrictionAt {
+    /// On the centrelines.
+    #[default]
+    Centreline,
+    /// On the surfaces.
+    Surface,
+}
+
+impl FrictionAt {
+    /// Whether it is the default, which resolved scenarios omit.
+    pub(in crate::scenario) fn is_centreline(&self) -> bool {
+        *self == Self::Centreline
     }
 }
 
