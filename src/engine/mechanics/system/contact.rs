@@ -10,7 +10,7 @@ use super::stage::{Stage, copy_positions};
 use super::term::{Configuration, Kind, Term};
 use super::touching::contact_of;
 use super::turned_elements::moments;
-use crate::mechanics::contact::{ContactModel, ContactSystem};
+use crate::mechanics::contact::{ContactModel, ContactSystem, FrictionAt};
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
 use crate::mechanics::scene::Scene;
@@ -20,6 +20,10 @@ use crate::mechanics::{SceneError, Vector3};
 /// free motion that contact could prevent.
 const ONLY_EULER: SceneError = SceneError::Unsuitable(
     "contact by complementarity needs time steps with time.scheme = \"implicit-euler\"",
+);
+
+const ON_CENTRELINES: SceneError = SceneError::Unsuitable(
+    "contact by complementarity has friction on the centrelines: friction at the surfaces needs the model `imc` or `ipc`",
 );
 
 const NO_ENERGY: SceneError =
@@ -225,7 +229,10 @@ impl Term for Contact {
     }
 
     fn refuses(&self, demand: Demand) -> Option<SceneError> {
+        let turns = (self.model.as_ref())
+            .is_some_and(|contact| contact.parameters().friction_at == FrictionAt::Surface);
         match demand {
+            Demand::RigidContact if turns => Some(ON_CENTRELINES),
             Demand::ImplicitMidpoint | Demand::BackwardDifferences if self.is_rigid() => {
                 Some(ONLY_EULER)
             }

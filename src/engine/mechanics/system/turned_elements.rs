@@ -90,3 +90,7 @@ pub(crate) fn over_unknowns(
     let edges = (contact.edges()).map(|(place, edge)| (place, STRIDE * edge + 3));
     (nodes.chain(edges)).map(|(place, unknown)| (unknown, entries[place]))
 }
+
+#[cfg(test)]
+#[path = "turned_elements_tests.rs"]
+mod tests;

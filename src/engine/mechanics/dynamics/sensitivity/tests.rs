@@ -2,7 +2,7 @@
 
 use super::{Sensitivity, SensitivityError, Variation, sharp};
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::{ContactModel, ContactParameters};
+use crate::mechanics::contact::{ContactModel, ContactParameters, FrictionAt};
 use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation};
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::{Clamp, Inertia, Motion, Relaxation, RodDescription, Scene};
@@ -408,7 +408,10 @@ fn friction_on_the_ground() {
     ];
     for model in SOFT_MODELS {
         let course = Course::moves(Scheme::ImplicitEuler, 2e-3, 30);
-        check_all(&course, &pulled(model), &changes, &AT_SWITCHES);
+        let mut scene = pulled(model);
+        check_all(&course, &scene, &changes, &AT_SWITCHES);
+        scene.contact.as_mut().unwrap().friction_at = FrictionAt::Surface;
+        check_all(&course, &scene, &changes, &AT_SWITCHES);
     }
 }
 
