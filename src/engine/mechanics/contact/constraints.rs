@@ -14,6 +14,7 @@ use super::contacts::{
     ActiveContact, Bodies, CandidatePair, ContactConstraint, EdgeJacobian, PlaneContact,
 };
 use super::distance::{DistanceDerivatives, WEIGHT_RATES};
+use super::levers::Levers;
 use super::nearest_points::{NearestPoints, separation};
 use super::normal_law::NormalLaw;
 use crate::mechanics::Vector3;
@@ -71,6 +72,10 @@ impl ContactSystem {
                     normal,
                     [gap, threshold, friction],
                 ));
+                if let Some(turns) = &self.surface_turns {
+                    let levers = turns.edges.of_pair(&self.surface, pair);
+                    turn(&mut self.constraints, &levers, positions);
+                }
             }
         }
         for (index, plane) in self.planes.iter().enumerate() {
@@ -89,6 +94,10 @@ impl ContactSystem {
                         plane.normal,
                         [gap, radius, plane.friction],
                     ));
+                    if let Some(turns) = &self.surface_turns {
+                        let levers = turns.edges.of_node(node, radius);
+                        turn(&mut self.constraints, &levers, positions);
+                    }
                 }
             }
         }
@@ -297,6 +306,18 @@ impl ContactSystem {
             }
         }
         self.contact_count = self.contacts.len() + self.plane_contacts.len();
+    }
+}
+
+/// Lists the edges that the last constraint turns.
+fn turn(constraints: &mut [ContactConstraint], levers: &Levers, positions: &[Vector3]) {
+    if let Some(last) = constraints.last_mut() {
+        last.turns = levers.edges.map(|lever| {
+            let lever = lever?;
+            let [from, to] = lever.ends.map(|end| positions[levers.nodes[end]]);
+            let tangent = (to - from).normalize();
+            Some((lever.edge, last.normal.cross(&tangent) * lever.arm))
+        });
     }
 }
 

@@ -201,6 +201,8 @@ pub struct ContactConstraint {
     pub(super) threshold: f64,
     /// Force on the first body, N.
     pub force: Vector3,
+    /// The edges that it turns where friction acts at the surfaces: with how far these slide on each other per turn, m/rad.
+    pub turns: [Option<(usize, Vector3)>; 2],
     /// Whether it has carried a force since the step began.
     pub(super) touched: bool,
 }
@@ -239,6 +241,7 @@ impl ContactConstraint {
             friction,
             threshold,
             force: Vector3::zeros(),
+            turns: [None; 2],
             touched: false,
         }
     }
@@ -248,6 +251,12 @@ impl ContactConstraint {
         (0..4)
             .map(|m| of_node(self.nodes[m]) * self.weights[m])
             .sum()
+    }
+
+    /// What the turns of edges add to that at the surfaces, m.
+    pub(crate) fn turned_motion(&self, of_edge: impl Fn(usize) -> f64) -> Vector3 {
+        let turns = self.turns.iter().flatten();
+        turns.map(|(edge, slide)| slide * of_edge(*edge)).sum()
     }
 }
 

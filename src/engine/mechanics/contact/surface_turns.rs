@@ -69,6 +69,11 @@ impl SurfaceTurns {
         self.now.extend(angles);
     }
 
+    /// Angle by which an edge has turned since the stage began, rad.
+    pub(crate) fn turn_of(&self, edge: usize) -> f64 {
+        self.now.get(edge).copied().unwrap_or(0.0)
+    }
+
     /// The present angles are those of a linearisation.
     pub(crate) fn linearised(&mut self) {
         self.linearised.clone_from(&self.now);
@@ -88,7 +93,7 @@ impl SurfaceTurns {
                 let [from, to] = lever.ends.map(|end| levers.nodes[end]);
                 Turn {
                     span: [positions, previous].map(|all| all[to] - all[from]),
-                    angle: self.now.get(lever.edge).copied().unwrap_or(0.0),
+                    angle: self.turn_of(lever.edge),
                 }
             }
         });

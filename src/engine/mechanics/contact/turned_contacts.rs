@@ -160,6 +160,12 @@ impl ContactSystem {
         })
     }
 
+    /// Angle by which an edge has turned since the stage began, rad; zero where friction acts on the centrelines.
+    pub(crate) fn turn_of(&self, edge: usize) -> f64 {
+        let turns = self.surface_turns.as_ref();
+        turns.map_or(0.0, |turns| turns.turn_of(edge))
+    }
+
     /// Takes over the angles by which edges have turned since the stage began, rad, where friction acts at the surfaces.
     pub(crate) fn set_angles(&mut self, angles: impl Iterator<Item = f64>) {
         if let Some(turns) = &mut self.surface_turns {

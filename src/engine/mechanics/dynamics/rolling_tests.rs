@@ -102,6 +102,10 @@ fn with_friction_on_the_centreline_nothing_rolls() {
 fn a_rod_that_slides_rolls_in_the_end_at_two_thirds_of_its_speed() {
     for model in SOFT_MODELS {
         let mut scene = on_incline(model, 0.3, 0.0);
+        if model == ContactModel::IncrementalPotential {
+            // The gap at which it rests: where it is pushed up first, steps lose more energy.
+            scene.rods[0] = rod_at(0.0, RADIUS + 4.3e-5);
+        }
         let speed = 0.3;
         scene.rods[0].velocity = Vector3::y() * speed;
         let mut simulation = Simulation::new(&scene, &fixed(5e-5)).unwrap();

@@ -24,6 +24,7 @@ use super::contact_response::{Response, Responses};
 use super::{Stage, System, copy_positions};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactConstraint, ContactSystem};
+use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::{motion_of, position};
 
 /// Times that the step is linearised after the first.
@@ -152,7 +153,13 @@ impl System {
         }
         let mut touches: Vec<Touch> = constraints
             .iter()
-            .map(|constraint| Touch::new(constraint, |node| self.slid(contact, node, stage)))
+            .map(|constraint| {
+                let slid = constraint.relative_motion(|node| self.slid(contact, node, stage));
+                Touch::new(
+                    constraint,
+                    slid + constraint.turned_motion(|edge| contact.turn_of(edge)),
+                )
+            })
             .collect();
         for (touch, constraint) in touches.iter_mut().zip(constraints) {
             if touch.force != Vector3::zeros() {
@@ -200,8 +207,9 @@ impl System {
 }
 
 impl Touch {
-    fn new(constraint: &ContactConstraint, slid: impl Fn(usize) -> Vector3) -> Self {
-        let (slid, normal) = (constraint.relative_motion(slid), constraint.normal);
+    /// A contact whose points have `slid` by so much since the step began, m.
+    fn new(constraint: &ContactConstraint, slid: Vector3) -> Self {
+        let normal = constraint.normal;
         Self {
             start: slid + normal * (constraint.gap - normal.dot(&slid)),
             rest: 0.0,
@@ -218,7 +226,9 @@ impl Touch {
         correction: &[f64],
     ) -> Vector3 {
         let normal = constraint.normal;
-        let apart = self.start + constraint.relative_motion(|node| motion_of(correction, node));
+        let apart = self.start
+            + constraint.relative_motion(|node| motion_of(correction, node))
+            + constraint.turned_motion(|edge| correction[STRIDE * edge + 3]);
         let closing = self.rest - normal.dot(&apart);
         if self.response.is_none() && closing > 0.0 {
             self.response = Some(responses.of_contact(constraint));

@@ -30,8 +30,9 @@ pub(super) struct Response {
 pub(super) struct Responses<'a> {
     factor: &'a BandedFactor,
     assembly: &'a Assembly,
-    /// Start of the rows of each node.
+    /// Start of the rows of each node, and of the angle of each edge, of whose rows the first entries count.
     of_node: Vec<Option<usize>>,
+    of_angle: Vec<Option<usize>>,
     /// Motion of an unknown by unit forces on a node along the three axes, m/N.
     rows: Vec<[f64; 4]>,
     /// The same by unit forces at a contact.
@@ -73,6 +74,7 @@ impl<'a> Responses<'a> {
             factor,
             assembly,
             of_node: vec![None; assembly.held.len() / STRIDE],
+            of_angle: vec![None; assembly.held.len() / STRIDE],
             rows: Vec::new(),
             of_contacts: Vec::new(),
         }
@@ -113,6 +115,23 @@ impl<'a> Responses<'a> {
         begin
     }
 
+    /// Start of the rows of the angle of an edge.
+    fn of_angle(&mut self, edge: usize) -> usize {
+        if let Some(begin) = self.of_angle[edge] {
+            return begin;
+        }
+        let begin = self.rows.len();
+        let (first, count) = self.rod_of(edge);
+        self.rows.resize(begin + count, [0.0; 4]);
+        let unknown = STRIDE * edge + 3;
+        if !self.assembly.held[unknown] {
+            self.rows[begin + unknown - first][0] = 1.0;
+        }
+        self.factor.solve_part(first, &mut self.rows[begin..]);
+        self.of_angle[edge] = Some(begin);
+        begin
+    }
+
     pub(crate) fn of_contact(&mut self, constraint: &ContactConstraint) -> Response {
         let ContactConstraint {
             nodes,
@@ -141,6 +160,18 @@ impl<'a> Responses<'a> {
                 rows: [begin, begin + count],
             });
         }
+        // A contact of one rod turns the edges on both sides of its place.
+        for (k, turn) in constraint.turns.iter().enumerate() {
+            if let (Some((edge, slide)), Some(part)) = (turn, parts[k].or(parts[0])) {
+                let begin = self.of_angle(*edge);
+                let rows = &mut self.of_contacts[part.rows[0]..part.rows[1]];
+                for (row, by_moment) in rows.iter_mut().zip(&self.rows[begin..]) {
+                    for axis in 0..3 {
+                        row[axis] += slide[axis] * by_moment[0];
+                    }
+                }
+            }
+        }
         let mut response = Response {
             parts,
             by_pressure: Vector3::zeros(),
@@ -148,7 +179,9 @@ impl<'a> Responses<'a> {
             yielding: [0.0; 3],
         };
         let moved = |force: &Vector3| {
-            constraint.relative_motion(|node| self.motion_of(node, &response.parts, force))
+            let of_node = |node| self.motion_of(node, &response.parts, force);
+            let of_edge = |edge| self.turn_of(edge, &response.parts, force);
+            constraint.relative_motion(of_node) + constraint.turned_motion(of_edge)
         };
         let [first, second] = response.along;
         let by = [moved(&first), moved(&second)];
@@ -160,19 +193,26 @@ impl<'a> Responses<'a> {
 
     /// Motion of a node under a force at a contact, m; zero for vertices of obstacles.
     fn motion_of(&self, node: usize, parts: &[Option<Part>; 2], force: &Vector3) -> Vector3 {
-        let mut motion = Vector3::zeros();
-        for part in parts.iter().flatten() {
+        Vector3::from_fn(|axis, _| self.moved(STRIDE * node + axis, parts, force))
+    }
+
+    /// Turn of an edge under a force at a contact, rad.
+    fn turn_of(&self, edge: usize, parts: &[Option<Part>; 2], force: &Vector3) -> f64 {
+        self.moved(STRIDE * edge + 3, parts, force)
+    }
+
+    /// Change of an unknown under a force at a contact.
+    fn moved(&self, unknown: usize, parts: &[Option<Part>; 2], force: &Vector3) -> f64 {
+        let of_part = |part: &Part| {
             let rows = &self.of_contacts[part.rows[0]..part.rows[1]];
-            let Some(row) = (STRIDE * node).checked_sub(part.first) else {
-                continue;
-            };
-            for axis in 0..3 {
-                if let Some([x, y, z, _]) = rows.get(row + axis) {
-                    motion[axis] += x * force.x + y * force.y + z * force.z;
-                }
-            }
-        }
-        motion
+            let [x, y, z, _] = rows.get(unknown.checked_sub(part.first)?)?;
+            Some(x * force.x + y * force.y + z * force.z)
+        };
+        parts
+            .iter()
+            .flatten()
+            .filter_map(of_part)
+            .fold(0.0, |sum, part| sum + part)
     }
 
     /// Adds the motion under a force at a contact.

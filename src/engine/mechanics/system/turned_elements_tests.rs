@@ -146,7 +146,7 @@ fn spheres_on_rods() {
         };
         // With a rod and a ball at rest.
         let mut scene = above(radius, RADIUS);
-        let beside = Vector3::new(-0.01, 0.03 + 0.02 + radius + GAP, HEIGHT);
+        let beside = Vector3::new(-0.01, 0.05 + radius + 3e-5 + GAP, HEIGHT);
         scene.rods[1] = over(-0.011, HEIGHT + radius + RADIUS + GAP);
         scene.obstacles = vec![turning("ball", RigidBody::sphere(beside, 0.05))];
         compare(&scene, [2, 0]);
