@@ -4,8 +4,7 @@ use super::candidates::approach;
 use super::closest_points::edge_distance;
 use super::contact_system::ContactSystem;
 use super::contacts::{
-    ActiveContact, CandidatePair, ContactMotion, ContactPair, EDGE, EdgeJacobian, Linearised,
-    PlaneContact, Proximity,
+    ActiveContact, CandidatePair, ContactPair, EDGE, EdgeJacobian, Linearised, Proximity,
 };
 use super::edge_contact::{Sliding, contact_force, edge_jacobian};
 use super::foot::Points;
@@ -14,9 +13,8 @@ use super::multipliers::{LinearLaw, Moved};
 use super::nearest_points::NearestPoints;
 use super::normal_law::NormalLaw;
 use super::normal_response::NormalResponse;
-use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
+use super::plane_contact::{NodeSliding, plane_jacobian};
 use super::rim::rim_jacobian;
-use super::surface::ContactNode;
 use super::surface_turns::TurnedBodies;
 use super::tractions::{Displaced, LinearTraction, correction};
 use super::turned_contacts::{Turned, with_turning};
@@ -29,19 +27,19 @@ const COUNTED_PART: f64 = 1e-4;
 
 /// The positions at which contact is evaluated.
 #[derive(Clone, Copy)]
-struct Motion<'a> {
-    positions: &'a [Vector3],
-    previous: &'a [Vector3],
-    time_step: f64,
+pub(super) struct Motion<'a> {
+    pub positions: &'a [Vector3],
+    pub previous: &'a [Vector3],
+    pub time_step: f64,
 }
 
 impl Motion<'_> {
-    fn velocity(&self, node: usize) -> Vector3 {
+    pub(crate) fn velocity(&self, node: usize) -> Vector3 {
         (self.positions[node] - self.previous[node]) / self.time_step
     }
 
     /// The law where there is friction and time for it.
-    fn friction(&self, coefficient: f64, slip_tolerance: f64) -> Option<FrictionLaw> {
+    pub(crate) fn friction(&self, coefficient: f64, slip_tolerance: f64) -> Option<FrictionLaw> {
         (coefficient > 0.0 && self.time_step.is_finite()).then_some(FrictionLaw {
             coefficient,
             slip_tolerance,
@@ -71,17 +69,17 @@ struct TouchingPair {
 }
 
 /// Initial values of the linearised laws of a contact.
-struct Touch<'a> {
+pub(super) struct Touch<'a> {
     /// How the surfaces turn, where friction acts at them, and the positions of all nodes, m.
-    turning: Option<(&'a Turning, &'a [Vector3])>,
-    gap: f64,
-    law: NormalLaw,
-    response: NormalResponse,
+    pub turning: Option<(&'a Turning, &'a [Vector3])>,
+    pub gap: f64,
+    pub law: NormalLaw,
+    pub response: NormalResponse,
     /// Friction law, and the size of the step, s.
-    friction: Option<(FrictionLaw, f64)>,
-    normal: Vector3,
-    slip: Vector3,
-    traction: Vector3,
+    pub friction: Option<(FrictionLaw, f64)>,
+    pub normal: Vector3,
+    pub slip: Vector3,
+    pub traction: Vector3,
 }
 
 impl ContactSystem {
@@ -355,7 +353,7 @@ impl ContactSystem {
     }
 
     /// The laws of a slot, linearised where its multipliers are; `moved` are the displacements of its nodes.
-    fn linear_laws(
+    pub(super) fn linear_laws(
         &self,
         slot: usize,
         touch: &Touch,
@@ -397,7 +395,7 @@ impl ContactSystem {
     }
 
     /// Counts by how much the force of a slot, on so many rods, has changed since the last step.
-    fn compare_with_last(
+    pub(super) fn compare_with_last(
         &mut self,
         slot: usize,
         rods: usize,
@@ -420,132 +418,6 @@ impl ContactSystem {
             gap.max(COUNTED_PART * self.parameters.distance_tolerance)
         } else {
             gap
-        }
-    }
-
-    /// Counts the energy of a plane contact.
-    fn add_plane_response(&mut self, response: &NormalResponse, counts: bool) {
-        self.energy += response.energy;
-        self.contact_count += usize::from(counts);
-    }
-
-    fn evaluate_planes(&mut self, motion: Motion, with_jacobians: bool) {
-        let (tolerance, reach) = (self.parameters.distance_tolerance, self.parameters.reach());
-        let slots = self.slots();
-        for index in 0..self.planes.len() {
-            let plane = self.planes[index];
-            let friction = motion.friction(plane.friction, self.parameters.slip_tolerance);
-            for k in 0..self.surface.nodes().len() {
-                let ContactNode { node, radius, .. } = self.surface.nodes()[k];
-                let slot = slots.over_plane(index, node);
-                if self.surface.roots.frees_from_plane(node, index) {
-                    continue;
-                }
-                let distance = plane.distance(&motion.positions[node]);
-                let gap = distance - radius;
-                let loaded = with_jacobians && self.multipliers.is_loaded(slot);
-                if !loaded && gap >= reach {
-                    continue;
-                }
-                if self.is_prescribed(node) {
-                    self.without_force.push(Proximity {
-                        pair: ContactPair::NodeAndPlane { node, plane: index },
-                        distance,
-                        threshold: radius,
-                    });
-                    continue;
-                }
-                let stiffness = self.stiffness_between(node, node);
-                let law = NormalLaw::new(&self.parameters, radius, stiffness);
-                let response = law.response(self.counted_gap(gap));
-                let sliding = friction.map(|law| NodeSliding {
-                    law,
-                    velocity: motion.velocity(node),
-                    time_step: motion.time_step,
-                });
-                let turning = sliding.and_then(|_| {
-                    let positions = [motion.positions, motion.previous];
-                    self.turning_over_plane(node, radius, positions, motion.time_step)
-                });
-                let slip = sliding.map_or_else(Vector3::zeros, |sliding| {
-                    let normal = &plane.normal;
-                    slip(
-                        normal,
-                        &with_turning(sliding.velocity, turning.as_ref(), normal),
-                    )
-                });
-                let traction =
-                    friction.map_or_else(Vector3::zeros, |law| law.traction_of_slip(&slip));
-                let force = plane_force(&plane.normal, response.force, &traction);
-                self.plane_contacts.push(PlaneContact {
-                    node,
-                    plane: index,
-                    distance,
-                    threshold: radius,
-                    normal_force: response.force,
-                    force,
-                });
-                self.plane_tractions.push(traction);
-                if let Some(turning) = &turning {
-                    let bodies = TurnedBodies::Plane { plane: index, node };
-                    let friction = traction * response.force;
-                    self.push_turned(bodies, turning, &plane.normal, &friction);
-                }
-                if with_jacobians {
-                    let position = motion.positions[node];
-                    let touch = Touch {
-                        turning: (turning.as_ref()).map(|turning| (turning, motion.positions)),
-                        gap,
-                        law,
-                        response,
-                        friction: friction.map(|law| (law, motion.time_step)),
-                        normal: plane.normal,
-                        slip,
-                        traction,
-                    };
-                    let (pressure, friction) = self.linear_laws(slot, &touch, |system| {
-                        system.iterate.moved(&[node], &[1.0], &[position])
-                    });
-                    if let (Some(turning), Some(sliding)) = (&turning, &sliding) {
-                        let turned = Turned {
-                            turning,
-                            sliding: &sliding.of_first_node(),
-                            motion: &ContactMotion::over_plane(&plane.normal),
-                            turns: true,
-                            sign: 1.0,
-                            force: (response.force, traction),
-                        };
-                        if self.multipliers.in_use() {
-                            self.compare_with_last(slot, 1, &pressure, &friction);
-                        }
-                        self.linearize_turned(slot, &turned, &pressure, &friction);
-                        self.plane_jacobians.push([[0.0; 3]; 3]);
-                        self.plane_linear_corrections.push([0.0; 3]);
-                        self.add_plane_response(&response, gap < tolerance);
-                        continue;
-                    }
-                    let linearised = plane_jacobian(
-                        &plane.normal,
-                        &pressure.tangent,
-                        sliding.as_ref().map(|sliding| (sliding, friction.slip)),
-                    );
-                    self.plane_jacobians.push(linearised.jacobian);
-                    if self.multipliers.in_use() {
-                        self.compare_with_last(slot, 1, &pressure, &friction);
-                        self.multipliers
-                            .keep(slot, &pressure, &linearised.gap_gradient);
-                        self.carried_tractions
-                            .keep(slot, &friction, &linearised.traction_gradient);
-                    }
-                    self.plane_linear_corrections.push(correction(
-                        &pressure,
-                        &friction,
-                        force,
-                        |force, traction| plane_force(&plane.normal, force, traction),
-                    ));
-                }
-                self.add_plane_response(&response, gap < tolerance);
-            }
         }
     }
 }

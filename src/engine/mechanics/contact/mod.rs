@@ -29,7 +29,7 @@
 //! | `stored_energy` | contact energy at other configurations than the last evaluation |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
 //! | `contacts` | data of a single contact |
-//! | `contact_system`, `evaluation` | all contacts of a scene |
+//! | `contact_system`, `evaluation`, `plane_evaluation` | all contacts of a scene |
 //! | `proximity` | least distance, penetration, overlaps of a new scene |
 //! | `rest_gap` | gap of surfaces at rest |
 //! | `touching` | points of contact, for pictures |
@@ -64,6 +64,7 @@ mod obstacle_tests;
 mod parameters;
 mod placed_obstacles;
 mod plane_contact;
+mod plane_evaluation;
 mod potential;
 mod prescribed;
 mod proximity;

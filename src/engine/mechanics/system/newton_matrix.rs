@@ -1,15 +1,13 @@
 //! The Jacobian of the residual: a band for the rods, small dense elements for all that couples distant
 //! nodes, and their factorisation.
 
-use super::turned_elements::{elements_of, matrices_of};
+use super::turned_elements::{TurnedElements, matrices_of};
 use super::{Assembly, Stage};
 use crate::linalg::{
     BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, HALF_BANDWIDTH, Inertia,
     SharedUnknown, SingularMatrix, UNUSED,
 };
-use crate::mechanics::contact::{
-    CandidatePair, ConstraintPlace, ContactSystem, Levers, TurnedBodies, TurningEdges,
-};
+use crate::mechanics::contact::{CandidatePair, ConstraintPlace, ContactSystem, TurnedBodies};
 use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
 use std::ops::Range;
 
@@ -47,9 +45,8 @@ pub(crate) struct NewtonMatrix {
     candidate_elements: Vec<Option<usize>>,
     /// Where the elements of nodes begin among those of contacts.
     first_node_element: usize,
-    /// First element of each candidate, and of each node over planes, among those of contacts, for what turns edges; empty where friction
-    /// acts on the centrelines.
-    turned_elements: [Vec<Option<usize>>; 2],
+    /// Elements of the contacts that turn edges, among those of contacts.
+    turned_elements: TurnedElements,
     /// Whether other candidates are coupled than those for which elements were listed.
     candidates_changed: bool,
     /// Whether contact of nodes with planes and obstacles has elements of its own.
@@ -138,7 +135,7 @@ impl NewtonMatrix {
             contact_elements: Vec::new(),
             candidate_elements: Vec::new(),
             first_node_element: 0,
-            turned_elements: Default::default(),
+            turned_elements: TurnedElements::default(),
             candidates_changed: true,
             lists_nodes,
             uses_band: true,
@@ -252,13 +249,8 @@ impl NewtonMatrix {
 
     /// Adds the contacts that turn edges.
     fn add_turned(&mut self, contact: &ContactSystem) {
-        let [of_pairs, of_nodes] = &self.turned_elements;
         for one in contact.turned() {
-            let element = match one.bodies {
-                TurnedBodies::Pair(candidate) => of_pairs[candidate],
-                TurnedBodies::Plane { node, .. } => of_nodes[node],
-            };
-            let first = self.permanent.len() + element.expect("contacts that rub have elements");
+            let first = self.permanent.len() + self.turned_elements.of(one.bodies);
             let matrices = matrices_of(one).into_iter().enumerate();
             self.active
                 .extend(matrices.map(|(number, matrix)| (first + number, matrix)));
@@ -344,50 +336,14 @@ impl NewtonMatrix {
             });
         }
         if let Some(turning) = contact.turning_edges() {
-            self.list_turned_elements(contact, &turning);
+            let nodes = self.lists_nodes.then_some(self.held.len() / STRIDE);
+            let elements = &mut self.contact_elements;
+            self.turned_elements = TurnedElements::list(elements, contact, &turning, nodes);
         }
         if self.contact_elements != earlier {
             self.coupled = None;
             self.lost_symmetry = false;
         }
-    }
-
-    /// Lists the elements of the contacts that turn edges: those of coupled pairs of rods, of all edges and nodes of rods with obstacles
-    /// and planes where these rub, and of their pieces at rims.
-    fn list_turned_elements(&mut self, contact: &ContactSystem, turning: &TurningEdges) {
-        let elements = &mut self.contact_elements;
-        let mut list = |levers: &Levers| {
-            let first = elements.len();
-            elements.extend(elements_of(levers));
-            first
-        };
-        let mut of_nodes = vec![None; self.held.len() / STRIDE];
-        if self.lists_nodes {
-            for (node, levers) in turning.over_planes() {
-                of_nodes[node] = Some(list(&levers));
-            }
-        }
-        let mut of_edges = Vec::new();
-        if self.lists_nodes && !contact.surface().obstacles().is_empty() {
-            of_edges.extend(turning.at_obstacles().map(|levers| list(&levers)));
-        }
-        let coupled = contact.coupled_pairs();
-        let candidates = contact.candidates().iter().enumerate();
-        let of_pairs = candidates.map(|(candidate, pair)| {
-            if contact.is_of_rod(pair.nodes[3]) {
-                let is_coupled = coupled.binary_search(&candidate).is_ok();
-                return is_coupled.then(|| list(&turning.of_pair(pair)));
-            }
-            if pair.is_of_node() {
-                return of_nodes[pair.nodes[0]];
-            }
-            if pair.is_of_piece() && self.lists_nodes {
-                return Some(list(&turning.of_pair(pair)));
-            }
-            of_edges.get(pair.edges[0]).copied()
-        });
-        let of_pairs = of_pairs.collect();
-        self.turned_elements = [of_pairs, of_nodes];
     }
 
     /// Takes the derivative of a force on one node, or on two or three that follow each other, from the band: it is symmetric.

@@ -5,7 +5,9 @@
 //! three nodes at most, and has one.
 
 use crate::linalg::{Element, ElementMatrix, UNUSED};
-use crate::mechanics::contact::{ContactSystem, Levers, NONE, Row, TurnedContact};
+use crate::mechanics::contact::{
+    ContactSystem, Levers, NONE, Row, TurnedBodies, TurnedContact, TurningEdges,
+};
 use crate::mechanics::rod::STRIDE;
 
 /// Unknowns of a contact in each of its elements.
@@ -24,8 +26,69 @@ const OF_ONE: Places = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, NO];
 /// Where the angles begin.
 const ANGLES: usize = 12;
 
+/// Numbers of the first elements of contacts that turn edges among those of all contacts; there are none where friction acts on the
+/// centrelines.
+#[derive(Default)]
+pub(super) struct TurnedElements {
+    of_pairs: Vec<Option<usize>>,
+    of_nodes: Vec<Option<usize>>,
+}
+
+impl TurnedElements {
+    /// Adds to `elements` those of the coupled pairs of rods, and, where planes and obstacles rub, those of all edges and of all so many
+    /// nodes with them, and of pieces of rods at rims.
+    pub(crate) fn list(
+        elements: &mut Vec<Element>,
+        contact: &ContactSystem,
+        turning: &TurningEdges,
+        nodes: Option<usize>,
+    ) -> Self {
+        let mut add = |levers: &Levers| {
+            let first = elements.len();
+            elements.extend(elements_of(levers));
+            first
+        };
+        let mut of_nodes = vec![None; nodes.unwrap_or(0)];
+        let mut of_edges = Vec::new();
+        if nodes.is_some() {
+            for (node, levers) in turning.over_planes() {
+                of_nodes[node] = Some(add(&levers));
+            }
+            if !contact.surface().obstacles().is_empty() {
+                of_edges.extend(turning.at_obstacles().map(|levers| add(&levers)));
+            }
+        }
+        let coupled = contact.coupled_pairs();
+        let candidates = contact.candidates().iter().enumerate();
+        let of_pairs = candidates.map(|(candidate, pair)| {
+            if contact.is_of_rod(pair.nodes[3]) {
+                let is_coupled = coupled.binary_search(&candidate).is_ok();
+                return is_coupled.then(|| add(&turning.of_pair(pair)));
+            }
+            if pair.is_of_node() {
+                return of_nodes.get(pair.nodes[0]).copied().flatten();
+            }
+            if pair.is_of_piece() && nodes.is_some() {
+                return Some(add(&turning.of_pair(pair)));
+            }
+            of_edges.get(pair.edges[0]).copied()
+        });
+        let of_pairs = of_pairs.collect();
+        Self { of_pairs, of_nodes }
+    }
+
+    /// The first element of a contact.
+    pub(crate) fn of(&self, bodies: TurnedBodies) -> usize {
+        let element = match bodies {
+            TurnedBodies::Pair(candidate) => self.of_pairs[candidate],
+            TurnedBodies::Plane { node, .. } => self.of_nodes[node],
+        };
+        element.expect("contacts that rub have elements")
+    }
+}
+
 /// The elements of a contact.
-pub(super) fn elements_of(levers: &Levers) -> Vec<Element> {
+fn elements_of(levers: &Levers) -> Vec<Element> {
     let unknown = |place: usize| match place {
         NO => UNUSED,
         ANGLES.. => {
