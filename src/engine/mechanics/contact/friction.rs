@@ -10,7 +10,8 @@
 //! slip speed ln((1+f)/(1−f)) ν/15.
 //!
 //! As in the thesis, v is the velocity of the centrelines and the force acts on them: the spin of a rod about its
-//! centreline neither slips nor is driven, so that rods do not roll.
+//! centreline neither slips nor is driven, so that rods do not roll. Where friction acts at the surfaces they do: see
+//! [`super::turning`].
 
 use crate::mechanics::{Matrix3, Vector3};
 

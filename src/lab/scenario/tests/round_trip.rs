@@ -231,6 +231,7 @@ wall = false
 
 [contact]
 friction = 0.2
+friction_at = "surface"
 
 [fluid]
 model = "rss"
