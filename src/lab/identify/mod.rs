@@ -6,7 +6,9 @@
 //! | file | what |
 //! |---|---|
 //! | `data` | files of measurements |
+//! | `reading`, `places` | how they follow from a scene |
 //! | `observe` | what a simulation predicts for them |
+//! | `frequencies` | natural frequencies among them |
 //! | `onset` | the onset of sliding among them |
 //! | `frame` | coordinates in a mirrored frame |
 //! | `parameter` | keys and their coordinates in the fit |
@@ -31,6 +33,7 @@ mod figure;
 mod files;
 mod fit;
 mod frame;
+mod frequencies;
 mod hanging;
 mod held;
 mod held_views;
@@ -40,7 +43,9 @@ mod observe;
 mod onset;
 mod parameter;
 mod photographs;
+mod places;
 mod problem;
+mod reading;
 mod seen;
 mod statistics;
 mod task;
@@ -60,9 +65,10 @@ pub use held::{CURLED, HAND_ERROR, HeldRod};
 pub use held_views::{HeldView, identify_held};
 pub use identified::{Identified, IdentifiedKey, Noise, Residual, Undetermined};
 pub use jacobian::{CentralDifferences, Jacobian};
-pub use observe::{CRITICAL, arc_lengths};
 pub use parameter::{Parameter, Request};
 pub use photographs::{Photographed, TWISTING_KEY, measure_photographs};
+pub use places::arc_lengths;
 pub use problem::{Experiment, Problem};
+pub use reading::CRITICAL;
 pub use seen::Photograph;
 pub use task::{Progress, Task, identify};

@@ -7,43 +7,16 @@
 //! "continuation"`). `frequency_1_hz`, `frequency_2_hz`, ... are the natural frequencies of small vibrations about an
 //! equilibrium, f = ω/2π with K v = ω² M v, from the lowest. `sliding_onset_s` is that of [`onset`](super::onset).
 
-use super::data::{At, DataFile, Datum, Measured, Place};
+use super::data::DataFile;
 use super::error::IdentifyError;
-use super::onset::{ONSET, Onset};
+use super::frequencies::natural_frequencies;
+use super::onset::Onset;
+use super::reading::{Reading, is_same, reading, time_of};
 use crate::run::probes::Probes;
 use crate::run::{LiveRun, Mode, PreparedRun, Sample};
-use nalgebra::SymmetricEigen;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::{Exchange, Simulation, SimulationError};
-use rodlab_engine::mechanics::scene::{NaturalShape, RodDescription};
 use rodlab_engine::mechanics::statics::PointKind;
-use std::f64::consts::TAU;
-
-/// The column of the first critical point of a path.
-pub const CRITICAL: &str = "critical_parameter";
-/// Most natural frequencies that are compared.
-const MOST_FREQUENCIES: usize = 20;
-/// Most free unknowns of a scene whose natural frequencies are computed, by dense matrices.
-const MOST_UNKNOWNS: usize = 1500;
-/// Times that differ by less than this part are equal.
-const SAME_TIME: f64 = 1e-9;
-
-/// How the number of a datum follows from a simulation.
-enum Reading {
-    /// A weighted sum of the positions of nodes along a direction.
-    Along {
-        weights: Vec<(usize, f64)>,
-        direction: Vector3,
-    },
-    /// A column of the observers, by its number.
-    Column(usize),
-    /// The critical parameter.
-    Critical,
-    /// A natural frequency, from 0.
-    Frequency(usize),
-    /// The onset of sliding.
-    Onset,
-}
 
 /// What a simulation predicts.
 pub struct Prediction {
@@ -286,206 +259,6 @@ fn along(positions: &[Vector3], weights: &[(usize, f64)], direction: &Vector3) -
         .sum()
 }
 
-fn is_same(one: f64, other: f64) -> bool {
-    (one - other).abs() <= SAME_TIME * one.abs().max(other.abs())
-}
-
-/// The time of a datum, checked against the run.
-fn time_of(prepared: &PreparedRun, file: &DataFile, datum: &Datum) -> Result<Option<f64>, String> {
-    if matches!(&datum.measured, Measured::Column(name) if name == ONSET) {
-        return Ok(None);
-    }
-    match (prepared.mode, datum.time) {
-        (Mode::Dynamic { end, .. }, Some(time)) => {
-            let inside = (0.0..=end).contains(&time) || is_same(time, end);
-            inside.then_some(Some(time.min(end))).ok_or_else(|| {
-                format!("the time {time} s is outside of the run; allowed: 0 to {end} s (time.end)")
-            })
-        }
-        (Mode::Dynamic { .. }, None) => {
-            Err("the time is missing; a motion needs a column `time_s`".to_owned())
-        }
-        (_, Some(time)) => match file.data[0].time == Some(time) {
-            true => Ok(None),
-            false => Err(format!(
-                "the time {time} s differs from that of the first row; an equilibrium has one time, or no column `time_s`"
-            )),
-        },
-        (_, None) => Ok(None),
-    }
-}
-
-/// How the number of a datum follows from the scene.
-fn reading(prepared: &PreparedRun, datum: &Datum) -> Result<Reading, String> {
-    let is_path = matches!(prepared.mode, Mode::Continuation(_));
-    match &datum.measured {
-        Measured::Column(name) if name == CRITICAL => match is_path {
-            true => Ok(Reading::Critical),
-            false => Err(format!(
-                "`{CRITICAL}` needs a path of equilibria: time.mode = \"continuation\""
-            )),
-        },
-        _ if is_path => Err(format!(
-            "along a path of equilibria (time.mode = \"continuation\") only `{CRITICAL}` is compared"
-        )),
-        Measured::Coordinate { place, axis } => Ok(Reading::Along {
-            weights: weights(prepared, place)?,
-            direction: Vector3::ith(*axis, 1.0),
-        }),
-        Measured::Along { place, direction } => Ok(Reading::Along {
-            weights: weights(prepared, place)?,
-            direction: Vector3::from(*direction),
-        }),
-        Measured::Column(name) if name == ONSET => match prepared.mode {
-            Mode::Dynamic { .. } => Onset::new(prepared).map(|_| Reading::Onset),
-            _ => Err(format!("`{ONSET}` needs a motion: time.mode = \"dynamic\"")),
-        },
-        Measured::Column(name) => match frequency_of(name) {
-            Some(number) => frequency(prepared, number),
-            None => column(prepared, name),
-        },
-    }
-}
-
-fn column(prepared: &PreparedRun, name: &str) -> Result<Reading, String> {
-    let columns: Vec<String> = prepared
-        .observers
-        .iter()
-        .flat_map(|one| one.columns())
-        .collect();
-    let number = columns.iter().position(|column| column == name);
-    number.map(Reading::Column).ok_or_else(|| {
-        let known = match columns.is_empty() {
-            true => "the scenario has no [[probes]]".to_owned(),
-            false => format!("the probes have: {}", columns.join(", ")),
-        };
-        format!(
-            "no probe has the column `{name}`; {known}; allowed, too: {CRITICAL}, {ONSET}, frequency_1_hz, frequency_2_hz, ..."
-        )
-    })
-}
-
-/// The number of a natural frequency, from 0, if a column names one.
-fn frequency_of(name: &str) -> Option<usize> {
-    let number = name.strip_prefix("frequency_")?.strip_suffix("_hz")?;
-    number
-        .parse()
-        .ok()
-        .and_then(|number: usize| number.checked_sub(1))
-}
-
-fn frequency(prepared: &PreparedRun, number: usize) -> Result<Reading, String> {
-    if prepared.mode != Mode::Static {
-        return Err("natural frequencies need an equilibrium: time.mode = \"static\"".to_owned());
-    }
-    let nodes: usize = prepared
-        .scene
-        .rods
-        .iter()
-        .map(|rod| rod.centreline.len())
-        .sum();
-    if 4 * nodes > MOST_UNKNOWNS {
-        return Err(format!(
-            "natural frequencies of {nodes} nodes take too long; allowed: at most {}",
-            MOST_UNKNOWNS / 4
-        ));
-    }
-    match number < MOST_FREQUENCIES {
-        true => Ok(Reading::Frequency(number)),
-        false => Err(format!(
-            "natural frequencies are counted from 1; allowed: 1 to {MOST_FREQUENCIES}"
-        )),
-    }
-}
-
-/// The nodes, counted over the scene, whose weighted positions give a place.
-fn weights(prepared: &PreparedRun, place: &Place) -> Result<Vec<(usize, f64)>, String> {
-    let rods = &prepared.scene.rods;
-    let names = || {
-        rods.iter()
-            .map(|rod| rod.name.as_str())
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
-    let index = match &place.rod {
-        Some(name) => {
-            let found = rods.iter().position(|rod| rod.name == *name);
-            found.ok_or_else(|| format!("no rod is called `{name}`; the rods are: {}", names()))?
-        }
-        None if rods.len() == 1 => 0,
-        None => {
-            return Err(format!(
-                "the column `rod` is missing; the rods are: {}",
-                names()
-            ));
-        }
-    };
-    let first: usize = rods[..index].iter().map(|rod| rod.centreline.len()).sum();
-    let rod = &rods[index];
-    let count = rod.centreline.len();
-    let own = match place.at {
-        At::Node(node) if node < count => vec![(node, 1.0)],
-        At::Node(node) => {
-            return Err(format!(
-                "there is no node {node}; `{}` has nodes 0 to {}",
-                rod.name,
-                count - 1
-            ));
-        }
-        At::ArcLength(length) => interpolated(rod, length)?,
-        At::Part(part) => {
-            let lengths = arc_lengths(rod);
-            interpolated(rod, part * lengths[lengths.len() - 1])?
-        }
-    };
-    Ok(own
-        .into_iter()
-        .map(|(node, weight)| (first + node % count, weight))
-        .collect())
-}
-
-/// Arc lengths of the nodes of a rod without stress, m; a closed one ends with its first node again.
-pub fn arc_lengths(rod: &RodDescription) -> Vec<f64> {
-    let points = match &rod.natural_shape {
-        NaturalShape::Centreline(points) => points,
-        _ => &rod.centreline,
-    };
-    let edges = points.len() - usize::from(!rod.closed);
-    let along = |edge: usize| (points[(edge + 1) % points.len()] - points[edge]).norm();
-    let mut lengths = vec![0.0];
-    for edge in 0..edges {
-        let length = match &rod.natural_shape {
-            NaturalShape::Strains(natural) => natural.lengths[edge],
-            _ => along(edge),
-        };
-        lengths.push(lengths[edge] + length);
-    }
-    lengths
-}
-
-/// Weights of Lagrange's polynomial through the four nodes about an arc length, m.
-fn interpolated(rod: &RodDescription, length: f64) -> Result<Vec<(usize, f64)>, String> {
-    let lengths = arc_lengths(rod);
-    let whole = lengths[lengths.len() - 1];
-    // Measured lengths may exceed the end by round-off.
-    if !(-1e-6 * whole..=(1.0 + 1e-6) * whole).contains(&length) {
-        return Err(format!(
-            "the arc length {length} m is beyond `{}`; allowed: 0 to {whole} m",
-            rod.name
-        ));
-    }
-    let order = lengths.len().min(4);
-    let after = lengths.partition_point(|node| *node <= length);
-    let start = after.saturating_sub(2).min(lengths.len() - order);
-    let nodes = start..start + order;
-    let weight = |node: usize| {
-        let others = nodes.clone().filter(|other| *other != node);
-        let factor = |other: usize| (length - lengths[other]) / (lengths[node] - lengths[other]);
-        others.map(factor).product()
-    };
-    Ok(nodes.clone().map(|node| (node, weight(node))).collect())
-}
-
 /// Parameter of the first point of a path at which stability changes.
 fn critical_parameter(
     run: &mut LiveRun,
@@ -502,32 +275,6 @@ fn critical_parameter(
         }
     }
     Ok(None)
-}
-
-/// Natural frequencies of small vibrations, Hz, from the lowest; none where the equilibrium is unstable.
-fn natural_frequencies(run: &mut LiveRun) -> Vec<f64> {
-    let mass = run.simulation.mass_matrix();
-    let stiffness = run.simulation.stiffness_matrix();
-    let Some(root) = mass.cholesky() else {
-        return Vec::new();
-    };
-    let Some(half) = root.l().solve_lower_triangular(&stiffness) else {
-        return Vec::new();
-    };
-    let Some(reduced) = root.l().solve_lower_triangular(&half.transpose()) else {
-        return Vec::new();
-    };
-    let symmetric = 0.5 * (&reduced + reduced.transpose());
-    let mut squares: Vec<f64> = SymmetricEigen::new(symmetric)
-        .eigenvalues
-        .iter()
-        .copied()
-        .collect();
-    squares.sort_by(f64::total_cmp);
-    if squares.first().is_none_or(|lowest| *lowest < 0.0) {
-        return Vec::new();
-    }
-    squares.iter().map(|square| square.sqrt() / TAU).collect()
 }
 
 #[cfg(test)]
@@ -581,7 +328,8 @@ mod tests {
         let text = BEAM.replace("acceleration = [0, 0, -9.81]", "acceleration = [0, 0, 0]");
         let frequency = observed(&text, "frequency_1_hz\n0\n").unwrap()[0];
         // f = 1.8751² / 2π · √(EI/ρA) / L², with EI/ρA = E r²/4ρ.
-        let theory = 1.875_104_068_7_f64.powi(2) / TAU * (1e8 * 25e-6 / 4e3_f64).sqrt();
+        let theory =
+            1.875_104_068_7_f64.powi(2) / std::f64::consts::TAU * (1e8 * 25e-6 / 4e3_f64).sqrt();
         assert!(
             (frequency / theory - 1.0).abs() < 1e-3,
             "{frequency} {theory}"
