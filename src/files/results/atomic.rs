@@ -8,7 +8,7 @@ use super::ResultsError;
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 /// Prefix of temporary files; leftovers of a crash are removed at the next start.
@@ -34,6 +34,25 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
     #[cfg(unix)]
     sync(directory_of(path))?;
     Ok(())
+}
+
+/// Writes files, each with its name, like [`write_whole`] into a directory, which is created if it is
+/// missing. Returns their paths.
+///
+/// # Errors
+/// [`ResultsError::Io`] naming the first path that cannot be written.
+pub fn write_files(
+    directory: &Path,
+    files: &[(&str, Vec<u8>)],
+) -> Result<Vec<PathBuf>, ResultsError> {
+    std::fs::create_dir_all(directory).map_err(ResultsError::io("write", directory))?;
+    let mut paths = Vec::new();
+    for (name, bytes) in files {
+        let path = directory.join(name);
+        write_whole(&path, bytes)?;
+        paths.push(path);
+    }
+    Ok(paths)
 }
 
 /// Writes a file like [`write_whole`] to a path chosen by the user: replaces only a file that

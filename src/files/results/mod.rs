@@ -41,7 +41,7 @@ mod value;
 mod vtk;
 
 pub use atomic::sync;
-pub use atomic::{check_own, is_unfinished, replace_own, write_whole};
+pub use atomic::{check_own, is_unfinished, replace_own, write_files, write_whole};
 pub use branch::{BranchKind, BranchRow, read_branches};
 pub use case_record::{CaseRecord, CaseStatus};
 pub use checkpoint::CheckpointFiles;

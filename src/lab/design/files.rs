@@ -5,7 +5,7 @@ use super::figure::design_figure;
 use super::outcome::Design;
 use super::task::Designed;
 use rodlab_files::figure::Paper;
-use rodlab_files::results::{ResultsError, write_whole};
+use rodlab_files::results::{ResultsError, write_files};
 use std::fmt::Write;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -27,14 +27,8 @@ pub const FIGURE: &str = "design.svg";
 /// # Errors
 /// A file that cannot be written.
 pub fn write(directory: &Path, designed: &Design) -> Result<Vec<PathBuf>, DesignError> {
-    let io = |path: &Path, source: io::Error| ResultsError::Io {
-        action: "write",
-        path: path.to_owned(),
-        source,
-    };
-    std::fs::create_dir_all(directory).map_err(|error| io(directory, error))?;
-    let json = serde_json::to_vec_pretty(designed);
-    let json = json.map_err(|error| io(&directory.join(RESULT), error.into()))?;
+    let json = serde_json::to_vec_pretty(designed).map_err(io::Error::from);
+    let json = json.map_err(ResultsError::io("write", &directory.join(RESULT)))?;
     let mut files = vec![
         (RESULT, json),
         (DESIGNED, designed.scenario_toml().as_bytes().to_vec()),
@@ -47,13 +41,7 @@ pub fn write(directory: &Path, designed: &Design) -> Result<Vec<PathBuf>, Design
         (NODES, nodes(designed).into_bytes()),
         (FIGURE, figure.into_bytes()),
     ]);
-    let mut paths = Vec::new();
-    for (name, bytes) in files {
-        let path = directory.join(name);
-        write_whole(&path, &bytes)?;
-        paths.push(path);
-    }
-    Ok(paths)
+    Ok(write_files(directory, &files)?)
 }
 
 fn natural(designed: &Designed) -> String {

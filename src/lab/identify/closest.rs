@@ -49,14 +49,7 @@ pub fn closest(
         goes_on,
     };
     let wanted: Vec<f64> = problem.data().map(|(_, datum)| datum.value).collect();
-    let coordinates = vec![0.0; parameters.len()];
-    let mut estimate = Estimate {
-        predicted: (problem.predict(std::slice::from_ref(&coordinates))).remove(0)?,
-        coordinates,
-        columns: Vec::new(),
-        iterations: 0,
-        has_converged: false,
-    };
+    let mut estimate = Estimate::at_start(&problem)?;
     let residual = |estimate: &Estimate| {
         let pairs = estimate.predicted.iter().zip(&wanted);
         let squares: f64 = pairs.map(|(one, other)| (one - other).powi(2)).sum();

@@ -8,7 +8,7 @@ use crate::experiment::{self, RodFile};
 use crate::run::PreparedRun;
 use libm::cbrt;
 use rodlab_files::figure::Paper;
-use rodlab_files::results::{ResultsError, write_whole};
+use rodlab_files::results::{ResultsError, write_files};
 use rodlab_planning::plan::deployment::DeployedRod;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -50,14 +50,10 @@ pub fn write(
     identified: &Identified,
     experiments: &[Experiment],
 ) -> Result<Vec<PathBuf>, IdentifyError> {
-    let io = |path: &Path, source: io::Error| ResultsError::Io {
-        action: "write",
-        path: path.to_owned(),
-        source,
+    let whole = |name: &str, bytes: io::Result<Vec<u8>>| {
+        bytes.map_err(ResultsError::io("write", &directory.join(name)))
     };
-    std::fs::create_dir_all(directory).map_err(|error| io(directory, error))?;
-    let json = serde_json::to_vec_pretty(identified);
-    let json = json.map_err(|error| io(&directory.join(IDENTIFIED), error.into()))?;
+    let json = serde_json::to_vec_pretty(identified).map_err(io::Error::from);
     let rows = identified.parameters.iter().map(|one| Row {
         key: &one.key,
         value: one.value,
@@ -68,15 +64,11 @@ pub fn write(
         start: one.start,
     });
     let mut files = vec![
-        (IDENTIFIED, json),
-        (
-            PARAMETERS,
-            table(rows).map_err(|error| io(&directory.join(PARAMETERS), error))?,
-        ),
+        (IDENTIFIED, whole(IDENTIFIED, json)?),
+        (PARAMETERS, whole(PARAMETERS, table(rows))?),
         (
             RESIDUALS,
-            table(identified.residuals.iter())
-                .map_err(|error| io(&directory.join(RESIDUALS), error))?,
+            whole(RESIDUALS, table(identified.residuals.iter()))?,
         ),
         (
             RESIDUALS_FIGURE,
@@ -92,13 +84,7 @@ pub fn write(
             files.push((ROD, rod.into_bytes()));
         }
     }
-    let mut paths = Vec::new();
-    for (name, bytes) in files {
-        let path = directory.join(name);
-        write_whole(&path, &bytes)?;
-        paths.push(path);
-    }
-    Ok(paths)
+    Ok(write_files(directory, &files)?)
 }
 
 fn table(rows: impl Iterator<Item = impl Serialize>) -> Result<Vec<u8>, io::Error> {

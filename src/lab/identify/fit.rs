@@ -80,6 +80,30 @@ pub struct Estimate {
     pub has_converged: bool,
 }
 
+impl Estimate {
+    /// The start of a fit.
+    ///
+    /// # Errors
+    /// A simulation fails there.
+    pub fn at_start(problem: &Problem<'_>) -> Result<Self, IdentifyError> {
+        Self::at(problem, vec![0.0; problem.parameters.len()])
+    }
+
+    /// The point of a fit at coordinates.
+    ///
+    /// # Errors
+    /// A simulation fails there.
+    pub fn at(problem: &Problem<'_>, coordinates: Vec<f64>) -> Result<Self, IdentifyError> {
+        Ok(Self {
+            predicted: (problem.predict(std::slice::from_ref(&coordinates))).remove(0)?,
+            coordinates,
+            columns: Vec::new(),
+            iterations: 0,
+            has_converged: false,
+        })
+    }
+}
+
 /// Measured numbers and their noise.
 pub struct Weighting<'a> {
     /// The measured numbers.
