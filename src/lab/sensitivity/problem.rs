@@ -66,6 +66,8 @@ pub struct Key {
     pub unit: Option<String>,
     /// ε: the values of the two neighbours are the value plus and minus ε.
     pub step: f64,
+    /// Scale of its values: a value may be near 0 by chance.
+    size: f64,
     /// The runs of the two neighbours.
     neighbours: [PreparedRun; 2],
 }
@@ -94,6 +96,18 @@ impl<'a> Problem<'a> {
     /// [`SensitivityError`] for a scenario without derivatives, and for a key that is not a
     /// number, or that changes more than numbers.
     pub fn new(source: Source<'a>, keys: &[String]) -> Result<Self, SensitivityError> {
+        Self::sized(source, keys, &vec![0.0; keys.len()])
+    }
+
+    /// The same with sizes of the values that the keys may have, in their SI units; those of the values themselves at least.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn sized(
+        source: Source<'a>,
+        keys: &[String],
+        sizes: &[f64],
+    ) -> Result<Self, SensitivityError> {
         let loaded = source(&[])?;
         let base = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
         refuse(&base)?;
@@ -103,18 +117,20 @@ impl<'a> Problem<'a> {
             base,
             keys: Vec::new(),
         };
-        for key in keys {
+        for (key, size) in keys.iter().zip(sizes) {
             let key = key.trim();
             let value = loaded.number(key).ok_or_else(|| no_number(source, key))?;
-            let step = match value {
+            let size = size.max(value.abs());
+            let step = match size {
                 0.0 => steps.first,
-                _ => steps.relative * value.abs(),
+                _ => steps.relative * size,
             };
             problem.keys.push(Key {
                 key: key.to_owned(),
                 value,
                 unit: experiment::unit(key),
                 step,
+                size,
                 neighbours: problem.neighbours(key, value, step)?,
             });
         }
@@ -276,13 +292,15 @@ impl<'a> Problem<'a> {
         let steps = Steps::of(&self.base);
         let [least, largest] = steps.amplitudes;
         for (index, &amplitude) in amplitudes.iter().enumerate() {
-            let Key { value, step, .. } = self.keys[index];
+            let Key {
+                value, step, size, ..
+            } = self.keys[index];
             if amplitude == 0.0 || (least..=largest).contains(&amplitude) {
                 continue;
             }
-            let bound = match value {
+            let bound = match size {
                 0.0 => f64::INFINITY,
-                _ => steps.largest * value.abs(),
+                _ => steps.largest * size,
             };
             let better = (step * steps.best_amplitude / amplitude).min(bound);
             if better == step {
