@@ -87,6 +87,11 @@ pub struct IdentifyArguments {
     /// Treatment of large residuals
     #[arg(long, default_value = "squares", value_parser = named(&LOSSES))]
     pub loss: Loss,
+    /// Multiple shooting: windows into which motions are divided at first, where a rod snaps or whips
+    ///
+    /// Each window begins from a state that follows the markers. The windows become four times as long in each round, until the fit is a plain one. Choose so many that a window is shorter than the snap.
+    #[arg(long, hide_short_help = true, value_name = "WINDOWS", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "rod")]
+    pub shooting: u32,
     #[command(flatten)]
     pub held: InCell<HeldArguments>,
 }
@@ -185,6 +190,7 @@ impl IdentifyArguments {
             keys: requests.collect(),
             loss: self.loss,
             noise: self.noise.iter().cloned().collect(),
+            windows: self.shooting as usize,
         })
     }
 }

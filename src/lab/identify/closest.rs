@@ -47,6 +47,7 @@ pub fn closest(
         experiments: std::slice::from_ref(experiment),
         parameters,
         goes_on,
+        windows: 1,
     };
     let wanted: Vec<f64> = problem.data().map(|(_, datum)| datum.value).collect();
     let mut estimate = Estimate::at_start(&problem)?;

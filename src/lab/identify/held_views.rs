@@ -79,6 +79,7 @@ pub fn identify_held(
             keys: rod.keys(views.len()),
             loss,
             noise: BTreeMap::new(),
+            windows: 1,
         };
         let mut found = identify(&task, &CentralDifferences::default(), goes_on, &mut |_| {})?;
         let last = values[0];

@@ -12,6 +12,7 @@
 //! | `onset` | the onset of sliding among them |
 //! | `frame` | coordinates in a mirrored frame |
 //! | `parameter` | keys and their coordinates in the fit |
+//! | `shooting` | motions in windows that follow the data |
 //! | `problem` | predictions of all experiments, in parallel |
 //! | `jacobian` | their derivatives: a trait, and central differences |
 //! | `exact` | exact derivatives, where the scenes have them |
@@ -47,6 +48,7 @@ mod places;
 mod problem;
 mod reading;
 mod seen;
+mod shooting;
 mod statistics;
 mod task;
 #[cfg(test)]

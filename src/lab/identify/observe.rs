@@ -216,8 +216,13 @@ impl Observation {
         }
     }
 
+    /// How each number follows from the simulation, with its file and its number there.
+    pub(super) fn readings(&self) -> impl Iterator<Item = (&Reading, (usize, usize))> {
+        self.readings.iter().zip(self.origins.iter().copied())
+    }
+
     /// Reads the data of the given numbers at the present state.
-    fn read(
+    pub(super) fn read(
         &self,
         run: &mut LiveRun,
         which: &[usize],

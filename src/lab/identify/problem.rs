@@ -4,6 +4,7 @@ use super::data::{DataFile, Datum};
 use super::error::IdentifyError;
 use super::observe::{Observation, Prediction, Unpredicted};
 use super::parameter::Parameter;
+use super::shooting::Followed;
 use crate::experiment;
 use crate::scenario::CaseSet;
 use rayon::prelude::*;
@@ -19,6 +20,7 @@ pub struct Experiment {
 }
 
 /// All experiments with the keys that they share.
+#[derive(Clone, Copy)]
 pub struct Problem<'a> {
     /// The experiments.
     pub experiments: &'a [Experiment],
@@ -26,6 +28,8 @@ pub struct Problem<'a> {
     pub parameters: &'a [Parameter],
     /// Returns false where the work is to stop.
     pub goes_on: &'a (dyn Fn() -> bool + Sync),
+    /// Windows into which motions are divided; 1 is the whole motion.
+    pub windows: usize,
 }
 
 impl Problem<'_> {
@@ -85,7 +89,13 @@ impl Problem<'_> {
         let prepared =
             experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
         let observation = Observation::new(&prepared, &one.files)?;
-        let predict = || observation.predict(&prepared, self.goes_on);
+        let followed = (self.windows > 1)
+            .then(|| Followed::new(&prepared, &observation, &one.files))
+            .flatten();
+        let predict = || match &followed {
+            Some(markers) => markers.predict(&prepared, &observation, self.windows, self.goes_on),
+            None => observation.predict(&prepared, self.goes_on),
+        };
         tracing::subscriber::with_default(NoSubscriber::new(), predict).map_err(|why| match why {
             Unpredicted::Stopped => IdentifyError::Interrupted,
             Unpredicted::Failed(source) => IdentifyError::Simulation {

@@ -8,6 +8,7 @@ use super::jacobian::Jacobian;
 use super::observe::Observation;
 use super::parameter::{Parameter, Request};
 use super::problem::{Experiment, Problem};
+use super::shooting::Followed;
 use super::statistics::{self, Group, noise, statistics};
 use crate::experiment;
 use crate::scenario::CaseSet;
@@ -15,6 +16,10 @@ use std::collections::BTreeMap;
 
 /// Most rounds in which the noise is estimated from the residuals of a fit, and the fit is repeated with it.
 const ROUNDS: usize = 6;
+/// Factor by which windows become longer in each round of multiple shooting.
+const LONGER: usize = 4;
+/// Most rounds in which the noise is estimated in windows.
+const WINDOWED_ROUNDS: usize = 2;
 /// Relative change of the noise below which it is final.
 const SAME_NOISE: f64 = 0.01;
 
@@ -29,6 +34,8 @@ pub struct Task {
     pub loss: Loss,
     /// Standard deviations of the noise by the name of a quantity, `position` or a column.
     pub noise: BTreeMap<String, f64>,
+    /// Windows into which motions are divided at first, see [`shooting`](super::shooting); 1 for none.
+    pub windows: usize,
 }
 
 /// Progress of a fit.
@@ -64,46 +71,97 @@ pub fn identify(
         .map(|key| Parameter::new(key, &scenarios))
         .collect();
     let parameters = parameters?;
-    let problem = Problem {
+    let mut problem = Problem {
         experiments: &task.experiments,
         parameters: &parameters,
         goes_on,
+        windows: task.windows,
     };
-    let measured: Vec<f64> = problem.data().map(|(_, datum)| datum.value).collect();
-    let groups = groups(&problem, &task.noise)?;
-    let coordinates = vec![0.0; parameters.len()];
-    let predicted = problem
-        .predict(std::slice::from_ref(&coordinates))
-        .remove(0)?;
-    frame::check(&problem, &predicted)?;
-    let mut estimate = Estimate {
-        coordinates,
-        predicted,
-        columns: Vec::new(),
-        iterations: 0,
-        has_converged: false,
-    };
-    let stated: Vec<Option<f64>> = problem.data().map(|(_, datum)| datum.deviation).collect();
-    let spread = |deviations: &[f64], widening: &[(f64, f64)]| {
-        let mut all = vec![1.0; measured.len()];
-        for ((group, deviation), (_, widened)) in groups.iter().zip(deviations).zip(widening) {
+    let mut noise = Scatter::new(task, &problem)?;
+    let mut estimate = Estimate::at_start(&problem)?;
+    frame::check(&problem, &estimate.predicted)?;
+    let mut divided = Vec::new();
+    while problem.windows > 1 {
+        divided.push(problem.windows.to_string());
+        estimate = noise.fit(&problem, jacobian, estimate, WINDOWED_ROUNDS, report)?;
+        problem.windows = problem.windows.div_ceil(LONGER);
+        let iterations = estimate.iterations;
+        estimate = Estimate::at(&problem, estimate.coordinates)?;
+        estimate.iterations = iterations;
+    }
+    let in_windows = estimate.iterations;
+    estimate = noise.fit(&problem, jacobian, estimate, ROUNDS, report)?;
+    let mut identified = noise.identified(&problem, &estimate);
+    (identified.remarks).extend(problem.remarks(&estimate.coordinates)?);
+    if !divided.is_empty() {
+        identified.remarks.push(format!(
+            "multiple shooting in {} windows took {in_windows} iterations, each of about {} times the motion, before {} of the whole motion",
+            divided.join(", "),
+            2 * (2 * parameters.len() + 1),
+            estimate.iterations - in_windows,
+        ));
+    }
+    Ok(identified)
+}
+
+/// The noise of all numbers, as far as it is known.
+struct Scatter {
+    loss: Loss,
+    measured: Vec<f64>,
+    /// Standard deviations that the files state.
+    stated: Vec<Option<f64>>,
+    groups: Vec<Group>,
+    /// The standard deviation of each group.
+    deviations: Vec<f64>,
+    /// The correlation of neighbours in each group, and the factor by which it widens the error bars.
+    widening: Vec<(f64, f64)>,
+}
+
+impl Scatter {
+    fn new(task: &Task, problem: &Problem<'_>) -> Result<Self, IdentifyError> {
+        let groups = groups(problem, &task.noise)?;
+        Ok(Self {
+            loss: task.loss,
+            measured: problem.data().map(|(_, datum)| datum.value).collect(),
+            stated: problem.data().map(|(_, datum)| datum.deviation).collect(),
+            deviations: vec![1.0; groups.len()],
+            widening: vec![(0.0, 1.0); groups.len()],
+            groups,
+        })
+    }
+
+    /// Standard deviations of all numbers, with what widens them.
+    fn spread(&self) -> Vec<f64> {
+        let mut all = vec![1.0; self.measured.len()];
+        let widened = self.deviations.iter().zip(&self.widening);
+        for (group, (deviation, (_, widened))) in self.groups.iter().zip(widened) {
             for member in &group.members {
-                all[*member] = widened * stated[*member].unwrap_or(*deviation);
+                all[*member] = widened * self.stated[*member].unwrap_or(*deviation);
             }
         }
         all
-    };
-    let unit = vec![1.0; measured.len()];
-    let mut deviations = noise(
-        &problem,
-        &estimate,
-        &weighting(task, &measured, &unit),
-        &groups,
-    );
-    let mut widening = vec![(0.0, 1.0); groups.len()];
-    for _ in 0..ROUNDS {
-        let all = spread(&deviations, &widening);
-        let current = weighting(task, &measured, &all);
+    }
+
+    fn weighting<'a>(&'a self, deviations: &'a [f64]) -> Weighting<'a> {
+        Weighting {
+            measured: &self.measured,
+            deviations,
+            loss: self.loss,
+        }
+    }
+
+    /// Fits the keys, and the noise to the residuals, in turn, at most so many times.
+    fn fit(
+        &mut self,
+        problem: &Problem<'_>,
+        jacobian: &dyn Jacobian,
+        start: Estimate,
+        rounds: usize,
+        report: &mut dyn FnMut(&Progress),
+    ) -> Result<Estimate, IdentifyError> {
+        let mut estimate = start;
+        let all = self.spread();
+        self.deviations = noise(problem, &estimate, &self.weighting(&all), &self.groups);
         let mut forward = |estimate: &Estimate, root_mean_square: f64| {
             report(&Progress {
                 iterations: estimate.iterations,
@@ -111,41 +169,42 @@ pub fn identify(
                 values: problem.values(&estimate.coordinates),
             });
         };
-        estimate.has_converged = false;
-        estimate = minimise(&problem, jacobian, &current, estimate, &mut forward)?;
-        let found = noise(&problem, &estimate, &current, &groups);
-        let residuals = current.residuals(&estimate.predicted);
-        let of = |group: &Group| statistics::widening(group, &residuals);
-        let widened: Vec<(f64, f64)> = groups.iter().map(of).collect();
-        let is_same = |new: f64, old: f64| (new / old - 1.0).abs() < SAME_NOISE;
-        let is_final = found
-            .iter()
-            .zip(&deviations)
-            .all(|(new, old)| is_same(*new, *old))
-            && widened
-                .iter()
-                .zip(&widening)
-                .all(|(new, old)| is_same(new.1, old.1));
-        widening = widened;
-        deviations = found;
-        if is_final {
-            break;
+        for _ in 0..rounds {
+            let all = self.spread();
+            let current = self.weighting(&all);
+            estimate.has_converged = false;
+            estimate = minimise(problem, jacobian, &current, estimate, &mut forward)?;
+            let found = noise(problem, &estimate, &current, &self.groups);
+            let residuals = current.residuals(&estimate.predicted);
+            let of = |group: &Group| statistics::widening(group, &residuals);
+            let widened: Vec<(f64, f64)> = self.groups.iter().map(of).collect();
+            let is_same = |new: f64, old: f64| (new / old - 1.0).abs() < SAME_NOISE;
+            let mut of_noise = found.iter().zip(&self.deviations);
+            let mut of_widening = widened.iter().zip(&self.widening);
+            let is_final = of_noise.all(|(new, old)| is_same(*new, *old))
+                && of_widening.all(|(new, old)| is_same(new.1, old.1));
+            self.widening = widened;
+            self.deviations = found;
+            if is_final {
+                break;
+            }
         }
+        Ok(estimate)
     }
-    let all = spread(&deviations, &widening);
-    let weighting = weighting(task, &measured, &all);
-    let found = statistics(&problem, &estimate, &weighting, &groups);
-    let mut identified =
-        Identified::new(&problem, &estimate, &weighting, &groups, &widening, &found);
-    (identified.remarks).extend(problem.remarks(&estimate.coordinates)?);
-    Ok(identified)
-}
 
-fn weighting<'a>(task: &Task, measured: &'a [f64], deviations: &'a [f64]) -> Weighting<'a> {
-    Weighting {
-        measured,
-        deviations,
-        loss: task.loss,
+    /// The result at an estimate.
+    fn identified(&self, problem: &Problem<'_>, estimate: &Estimate) -> Identified {
+        let all = self.spread();
+        let weighting = self.weighting(&all);
+        let found = statistics(problem, estimate, &weighting, &self.groups);
+        Identified::new(
+            problem,
+            estimate,
+            &weighting,
+            &self.groups,
+            &self.widening,
+            &found,
+        )
     }
 }
 
@@ -167,6 +226,7 @@ fn check(task: &Task) -> Result<(), IdentifyError> {
         }
     }
     let mut numbers = 0;
+    let (mut is_followed, mut most_windows) = (false, usize::MAX);
     for one in &task.experiments {
         if one.scenario.is_sweep() {
             return fault(format!(
@@ -183,8 +243,21 @@ fn check(task: &Task) -> Result<(), IdentifyError> {
                 one.scenario.name()
             ));
         }
-        Observation::new(&prepared, &one.files)?;
+        let observation = Observation::new(&prepared, &one.files)?;
+        if let Some(markers) = Followed::new(&prepared, &observation, &one.files) {
+            most_windows = most_windows.min(markers.most_windows());
+            is_followed = true;
+        }
         numbers += one.files.iter().map(|file| file.data.len()).sum::<usize>();
+    }
+    if task.windows > 1 && !is_followed {
+        return fault("--shooting: no marker of a motion was measured often enough; allowed: positions over time, time_s,marker,x_m,y_m,z_m".to_owned());
+    }
+    if task.windows > most_windows.max(1) {
+        return fault(format!(
+            "--shooting {}: the measured times are too few; allowed: at most {most_windows} windows",
+            task.windows
+        ));
     }
     if numbers < task.keys.len() {
         return fault(format!(

@@ -3,6 +3,7 @@
 mod error_bars;
 mod friction;
 mod requests;
+mod shooting;
 
 use super::observe::{Observation, Unpredicted};
 use super::*;
@@ -141,6 +142,7 @@ fn task(experiments: Vec<Experiment>, keys: &[&str]) -> Task {
         keys: keys.iter().map(request).collect(),
         loss: Loss::Squares,
         noise: BTreeMap::new(),
+        windows: 1,
     }
 }
 
