@@ -34,9 +34,8 @@ pub struct Calibration {
 const MOST_MISFIT: f64 = 0.5;
 
 impl Calibration {
-    /// The camera of a view in which the board lies on the table. The origin of the world is the
-    /// corner of the board at the lower left; x points to the right, y upwards in the picture, and
-    /// z up. `height` is the height of the board's face.
+    /// The camera of a view whose board lies on the table and is the origin of the world: its corner at the lower
+    /// left, x to the right, y upwards in the picture, z up from its face. `width` and `height` are those of the picture.
     pub fn camera(&self, view: usize, width: u32, height: u32) -> Camera {
         Camera {
             width,
@@ -233,6 +232,64 @@ mod tests {
         let expected = cameras[1].pose.inverse();
         assert!(rms < 1e-6);
         assert!((pose.translation.vector - expected.translation.vector).norm() < 1e-8);
+        let camera = found.camera(1, 800, 600);
+        assert_eq!((camera.width, camera.height), (800, 600));
+        for (index, pixel) in views[1].iter().enumerate() {
+            let place = camera.on_table(*pixel).expect("on the table");
+            assert!((place - BOARD.corner(index)).norm() < 1e-8, "{place}");
+        }
+    }
+
+    /// Corners with a reproducible noise of a standard deviation, pixels, in each coordinate.
+    fn with_noise(view: &[Point], deviation: f64, dice: &mut Dice) -> Vec<Point> {
+        // Uniform between ±√3 deviations.
+        let mut noise = || deviation * 12.0_f64.sqrt() * (dice.roll() - 0.5);
+        view.iter()
+            .map(|corner| corner + Point::new(noise(), noise()))
+            .collect()
+    }
+
+    /// A least squares solution with p unknowns leaves 1 − p/n of the squares of the noise of n numbers, and is as far
+    /// from the truth as it states, in the mean of many.
+    #[test]
+    fn errors_of_a_calibration_are_those_stated_for_the_noise_of_the_corners() {
+        const NOISE: f64 = 0.1;
+        let cameras = cameras(6);
+        let views: Vec<Vec<Point>> = cameras.iter().map(seen).collect();
+        let truth = cameras[0].lens;
+        let per_corner = |unknowns: f64, corners: usize| {
+            2.0 * NOISE * NOISE * (1.0 - unknowns / (2.0 * corners as f64))
+        };
+        let mut dice = Dice(3);
+        let trials = 12;
+        let (mut off, mut square, mut pose_square) = (0.0, 0.0, 0.0);
+        for _ in 0..trials {
+            let noisy = |view: &Vec<Point>| with_noise(view, NOISE, &mut dice);
+            let noisy: Vec<Vec<Point>> = views.iter().map(noisy).collect();
+            let found = calibrate(&BOARD, &noisy, 800, 600).expect("a calibration");
+            let [numbers, exact] = [found.lens, truth].map(|lens| {
+                let ([fx, fy], [cx, cy]) = (lens.focal, lens.centre);
+                let [k1, k2, p1, p2, k3] = lens.distortion;
+                [fx, fy, cx, cy, k1, k2, p1, p2, k3]
+            });
+            for k in 0..9 {
+                off += ((numbers[k] - exact[k]) / found.lens_deviations[k]).powi(2) / 9.0;
+            }
+            square += found.reprojection_rms.powi(2);
+            let of_views: f64 = found.view_rms.iter().map(|rms| rms * rms).sum();
+            assert!((of_views / 6.0 / found.reprojection_rms.powi(2) - 1.0).abs() < 1e-12);
+            for view in &noisy {
+                let (_, rms) = board_pose(&BOARD, view, &truth).expect("a pose");
+                pose_square += rms * rms / 6.0;
+            }
+        }
+        let means = [off, square, pose_square].map(|sum| sum / f64::from(trials));
+        let unknowns = (LENS + 6 * POSE) as f64;
+        assert!((0.7..1.4).contains(&means[0]), "{means:?}");
+        let left = means[1] / per_corner(unknowns, 6 * BOARD.corners());
+        let of_pose = means[2] / per_corner(POSE as f64, BOARD.corners());
+        assert!((left - 1.0).abs() < 0.05, "{left}");
+        assert!((of_pose - 1.0).abs() < 0.05, "{of_pose}");
     }
 
     /// Corners of boards behind an equidistant fisheye lens of a focal length, pixels, with a reproducible noise of 0.05 pixels.

@@ -185,6 +185,48 @@ mod tests {
         assert!(found.position_rms < 1e-9 && found.rotation_rms < 1e-7);
     }
 
+    /// Every pose of the hand twice, with errors of the target that cancel: the mount is exact, and what is left is the errors.
+    #[test]
+    fn residuals_are_the_errors_of_the_pairs() {
+        let [mount, target] = mount_and_target();
+        let (shift, turn) = (1e-3, 2e-3);
+        let once = hands();
+        let twice: Vec<Isometry3<f64>> = once.iter().chain(&once).copied().collect();
+        let targets = |shift: f64, turn: f64| -> Vec<Isometry3<f64>> {
+            let pairs = twice.iter().enumerate().map(|(index, hand)| {
+                let sign = if index < once.len() { 1.0 } else { -1.0 };
+                let moved = Vector3::new(0.6, 0.0, -0.8) * (sign * shift);
+                let turned = UnitQuaternion::new(Vector3::new(0.0, 0.6, 0.8) * (sign * turn));
+                let off = Isometry3::from_parts(
+                    Translation3::from(target.translation.vector + moved),
+                    turned * target.rotation,
+                );
+                (hand * mount).inverse() * off
+            });
+            pairs.collect()
+        };
+        let moved = hand_eye(&twice, &targets(shift, 0.0)).expect("a mount");
+        assert!((moved.camera.translation.vector - mount.translation.vector).norm() < 1e-9);
+        assert!((moved.position_rms / shift - 1.0).abs() < 1e-6);
+        assert!(moved.rotation_rms < 1e-7);
+        let turned = hand_eye(&twice, &targets(0.0, turn)).expect("a mount");
+        assert!((turned.rotation_rms / turn - 1.0).abs() < 1e-2);
+        // A pair that is far off is rejected with its own errors.
+        let mut bad = targets(0.0, 0.0);
+        bad[4] = (twice[4] * mount).inverse()
+            * Isometry3::from_parts(
+                Translation3::from(target.translation.vector + Vector3::y() * 0.03),
+                UnitQuaternion::new(Vector3::x() * 0.2) * target.rotation,
+            );
+        let found = hand_eye(&twice, &bad).expect("a mount");
+        let [rejected] = found.rejected[..] else {
+            panic!("{found:?}");
+        };
+        assert_eq!(rejected.pair, 5);
+        assert!((rejected.position_error_m - 0.03).abs() < 1e-9);
+        assert!((rejected.rotation_error_degrees - 0.2_f64.to_degrees()).abs() < 1e-6);
+    }
+
     #[test]
     fn residuals_measure_the_errors_of_the_pairs() {
         let [mount, _] = mount_and_target();

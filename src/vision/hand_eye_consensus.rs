@@ -188,3 +188,48 @@ pub fn deviations(hands: &[Isometry3<f64>], targets: &[Isometry3<f64>]) -> Optio
         .sum();
     Some((squares.map(f64::sqrt).into(), (scale * turned).sqrt()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::trace_tests::Dice;
+    use super::*;
+    use nalgebra::UnitQuaternion;
+
+    /// Mounts from pairs with noise are as far from the true one as they state, in the mean of many.
+    #[test]
+    fn mounts_are_as_far_off_as_their_deviations_state() {
+        let mut dice = Dice(5);
+        let mut vector = |size: f64| Vector3::from_fn(|_, _| 2.0 * size * (dice.roll() - 0.5));
+        let truth = Isometry3::new(
+            Vector3::new(0.03, -0.01, 0.08),
+            Vector3::new(0.1, -0.2, 1.5),
+        );
+        let target = Isometry3::new(Vector3::new(0.5, 0.1, 0.02), Vector3::new(0.0, 0.1, 0.4));
+        let trials = 40;
+        let (mut moved, mut turned) = (0.0, 0.0);
+        for _ in 0..trials {
+            let hands: Vec<Isometry3<f64>> = (0..12)
+                .map(|_| Isometry3::new(vector(0.2), vector(0.6)))
+                .collect();
+            let targets: Vec<Isometry3<f64>> = hands
+                .iter()
+                .map(|hand| {
+                    let shake = Isometry3::new(vector(5e-4), vector(1e-3));
+                    (hand * truth).inverse() * target * shake
+                })
+                .collect();
+            let found = mount(&hands, &targets).expect("a mount");
+            let (position, turn) = deviations(&hands, &targets).expect("deviations");
+            let off = found.translation.vector - truth.translation.vector;
+            for axis in 0..3 {
+                moved += (off[axis] / position[axis]).powi(2) / 3.0;
+            }
+            let angle: UnitQuaternion<f64> = truth.rotation.inverse() * found.rotation;
+            turned += (angle.angle() / turn).powi(2);
+        }
+        let means = [moved, turned].map(|sum| sum / f64::from(trials));
+        for mean in means {
+            assert!((0.7..1.4).contains(&mean), "{means:?}");
+        }
+    }
+}

@@ -108,4 +108,25 @@ mod tests {
         assert!(misfit.inflation() > 3.0, "{misfit:?}");
         assert_eq!(LensMisfit::of(CENTRE, &corners(wave)[..20]), None);
     }
+    /// Errors e outwards in noise of the deviation σ: means of the n corners of a group are σ/√n accurate, and e is so many of
+    /// these. An error at some radius is found there.
+    #[test]
+    fn an_error_is_measured_in_the_noise_of_its_group_and_located() {
+        let error = 0.05;
+        let noise = 0.17 / 12.0_f64.sqrt();
+        let misfit = LensMisfit::of(CENTRE, &corners(|_| error)).expect("a misfit");
+        let expected = error / (noise / 60.0_f64.sqrt());
+        assert!(
+            (misfit.inflation() / expected - 1.0).abs() < 0.1,
+            "{} {expected}",
+            misfit.inflation()
+        );
+        let bump = |radius: f64| 0.3 * libm::exp(-((radius - 150.0) / 30.0).powi(2));
+        let misfit = LensMisfit::of(CENTRE, &corners(bump)).expect("a misfit");
+        assert!(
+            (misfit.at_radius_px - 150.0).abs() < 20.0,
+            "{}",
+            misfit.at_radius_px
+        );
+    }
 }
