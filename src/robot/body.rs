@@ -122,3 +122,32 @@ impl Body {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_capsule_reaches_from_one_point_to_the_other() {
+        for [from, to] in [
+            [[0.1, 0.2, 0.3], [0.4, -0.2, 0.3]],
+            [[0.0, 0.0, 0.5], [0.0, 0.0, -0.1]],
+            [[0.0, 0.0, 0.0], [0.0, 0.0, 0.7]],
+        ] {
+            let body = Body::capsule(None, from, to, 0.05);
+            let Shape::Capsule {
+                half_length,
+                radius,
+            } = body.shape
+            else {
+                panic!("{body:?}");
+            };
+            assert_eq!(radius, 0.05);
+            for (end, side) in [(from, -1.0), (to, 1.0)] {
+                let tip = nalgebra::Point3::new(0.0, 0.0, side * half_length);
+                let off = (body.pose * tip).coords - Vector3::from(end);
+                assert!(off.norm() < 1e-15, "{from:?} {to:?}: {off}");
+            }
+        }
+    }
+}

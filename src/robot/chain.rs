@@ -269,3 +269,32 @@ impl Chain {
             .position(|segment| segment.link == name)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::{chain, revolute};
+
+    #[test]
+    fn a_slide_that_mimics_a_joint_reaches_as_far_as_its_ends() {
+        let mut arm = chain(
+            vec![revolute(Pose::identity(), (-0.2, 0.5))],
+            Pose::identity(),
+        );
+        for (ratio, offset, farthest) in [(1.0, 0.3, 0.8), (-1.0, 0.3, 0.5), (2.0, -0.4, 0.8)] {
+            let segment = &mut arm.segments[0];
+            segment.motion = Motion::Driven {
+                kind: JointKind::Prismatic,
+                axis: nalgebra::Vector3::x_axis(),
+                joint: 0,
+                ratio,
+                offset,
+            };
+            let found = segment.farthest_slide(&arm.joints);
+            assert!((found - farthest).abs() < 1e-12, "{found}");
+            let places = (0..=70).map(|k| segment.pose(&[-0.2 + 0.01 * f64::from(k)]));
+            let reached = places.map(|pose| pose.translation.vector.norm());
+            assert!((reached.fold(0.0, f64::max) - farthest).abs() < 1e-12);
+        }
+    }
+}

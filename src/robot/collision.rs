@@ -407,6 +407,42 @@ mod tests {
         assert!((between(&a, &close) + 0.01).abs() < 1e-12);
     }
 
+    /// No point of an arm is farther from the axis of a joint than its reach, and one gets there.
+    #[test]
+    fn a_joint_reaches_as_far_as_what_slides_beyond_it() {
+        use crate::chain::{JointKind, Motion};
+        use crate::tests::{chain, revolute};
+        let mut arm = chain(
+            vec![
+                revolute(Pose::identity(), (-3.0, 3.0)),
+                revolute(Pose::translation(0.3, 0.0, 0.0), (-0.1, 0.4)),
+            ],
+            Pose::identity(),
+        );
+        arm.joints[1].kind = JointKind::Prismatic;
+        if let Motion::Driven { kind, axis, .. } = &mut arm.segments[1].motion {
+            (*kind, *axis) = (JointKind::Prismatic, Vector3::x_axis());
+        }
+        let member = Member {
+            name: "arm".into(),
+            chain: arm,
+            base: Pose::identity(),
+            bodies: vec![Body {
+                link: Some(1),
+                pose: Pose::translation(0.05, 0.0, 0.0),
+                shape: ball([0.0; 3], 0.02).0,
+            }],
+            home: vec![0.0; 2],
+            may_touch: Vec::new(),
+        };
+        // 0.3 m to the slide, 0.4 m along it, 0.05 m to the middle of the ball, and its radius.
+        let [turning, sliding] = member.reaches()[..] else {
+            panic!("two joints");
+        };
+        assert!((turning - 0.77).abs() < 1e-12, "{turning}");
+        assert_eq!(sliding, 1.0);
+    }
+
     #[test]
     fn the_nearest_thing_to_some_balls_is_named() {
         let boxes = [("near", 0.15), ("far", 0.5)].map(|(name, x)| StandingBox {

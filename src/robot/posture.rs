@@ -45,3 +45,43 @@ impl Posture {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::{chain, revolute};
+    use nalgebra::{Translation3, UnitQuaternion, Vector3};
+
+    /// A joint about z from -1 to 2 rad, whose hand is half a metre away.
+    fn lever() -> Chain {
+        let joint = revolute(Pose::identity(), (-1.0, 2.0));
+        chain(vec![joint], Pose::translation(0.5, 0.0, 0.0))
+    }
+
+    #[test]
+    fn measures_of_a_lever_are_those_of_its_only_joint() {
+        let chain = lever();
+        for (angle, to_limits) in [(1.6, 0.4), (-0.7, 0.3)] {
+            let posture = Posture::new(&chain, &[angle], None);
+            assert!((posture.distance_to_limits.unwrap() - to_limits).abs() < 1e-12);
+            // The hand moves by 0.5 m and turns by 1 rad per rad.
+            let column = libm::hypot(0.5, 1.0);
+            assert!((posture.manipulability - column).abs() < 1e-12);
+            assert!((posture.distance_to_singularity - column).abs() < 1e-12);
+            assert_eq!(posture.residual, None);
+        }
+    }
+
+    #[test]
+    fn a_posture_is_as_far_from_a_pose_as_the_larger_of_distance_and_angle() {
+        let chain = lever();
+        let hand = chain.hand(&[0.3]);
+        for (shift, turn, expected) in [(0.2, 0.1, 0.2), (0.05, 0.3, 0.3)] {
+            let asked = Translation3::new(0.0, shift, 0.0)
+                * hand
+                * UnitQuaternion::from_axis_angle(&Vector3::y_axis(), turn);
+            let residual = Posture::new(&chain, &[0.3], Some(&asked)).residual;
+            assert!((residual.unwrap() - expected).abs() < 1e-12, "{residual:?}");
+        }
+    }
+}

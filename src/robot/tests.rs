@@ -4,7 +4,7 @@ use super::*;
 use nalgebra::{UnitVector3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-fn revolute(origin: Pose, limits: (f64, f64)) -> (Joint, Pose) {
+pub(crate) fn revolute(origin: Pose, limits: (f64, f64)) -> (Joint, Pose) {
     let joint = Joint {
         name: String::new(),
         kind: JointKind::Revolute,
@@ -19,7 +19,7 @@ fn revolute(origin: Pose, limits: (f64, f64)) -> (Joint, Pose) {
     (joint, origin)
 }
 
-fn chain(joints: Vec<(Joint, Pose)>, tool: Pose) -> Chain {
+pub(crate) fn chain(joints: Vec<(Joint, Pose)>, tool: Pose) -> Chain {
     let segments = joints
         .iter()
         .enumerate()

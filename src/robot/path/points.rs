@@ -216,4 +216,22 @@ mod tests {
         };
         assert!(points.iter().all(|point| deviation(point) < 1e-15));
     }
+    /// The slope at a pose is that of the parabola through it and its neighbours, however far away each of them is: a flat
+    /// parabola is followed to the third power of its slope.
+    #[test]
+    fn a_parabola_through_uneven_poses_is_followed() {
+        let bent = |x: f64| 0.02 * x * x;
+        let poses: Vec<Pose> = [0.0, 0.1, 0.4, 0.5, 0.9, 1.0, 1.3]
+            .iter()
+            .map(|x| pose_of_angles([*x, bent(*x), 0.0], [0.0; 3]))
+            .collect();
+        let inner = subdivide(&poses, 0.01);
+        let inner = inner.iter().filter(|point| (1..5).contains(&point.given));
+        let off = inner.map(|point| {
+            let place = point.pose.translation.vector;
+            (place.y - bent(place.x)).abs()
+        });
+        let farthest = off.fold(0.0, f64::max);
+        assert!(farthest < 2e-6, "{farthest:e}");
+    }
 }

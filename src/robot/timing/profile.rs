@@ -145,3 +145,55 @@ fn averaged(values: &[f64], window: usize) -> Vec<f64> {
     }
     averages
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// A joint that swings as q = sin(8 w)/2 along a path of π: its first derivative is bounded by the velocity, its second by
+    /// half of the acceleration, of which the other half is left for changes of speed, and its third by the jerk.
+    #[test]
+    fn each_derivative_of_a_path_bounds_the_speed_by_a_limit_of_its_own() {
+        const WAVE: f64 = 8.0;
+        let way: Vec<f64> = (0..=4000).map(|k| PI * f64::from(k) / 4000.0).collect();
+        let joints: Vec<Vec<f64>> = way.iter().map(|w| vec![0.5 * (WAVE * w).sin()]).collect();
+        let spline = Spline::natural(&way, &joints);
+        let limits = |velocity: f64, acceleration: f64, jerk: f64| Limits {
+            lower: -1.0,
+            upper: 1.0,
+            velocity,
+            acceleration,
+            jerk,
+        };
+        for (order, limits) in [
+            (1, limits(1.0, 1e9, 1e12)),
+            (2, limits(1e6, 3.0, 1e12)),
+            (3, limits(1e6, 1e9, 20.0)),
+        ] {
+            let profile = SpeedProfile::new(&spline, &[limits], 1e6);
+            for (k, speed) in profile.speed.iter().enumerate() {
+                let w = profile.spacing * k as f64;
+                let (sine, cosine) = (WAVE * w).sin_cos();
+                let size = 0.5 * WAVE.powi(order) * if order == 2 { sine } else { cosine };
+                // Elsewhere, others bound it.
+                if size.abs() < 0.2 * WAVE.powi(order) {
+                    continue;
+                }
+                let expected = match order {
+                    1 => 1.0 / size.abs(),
+                    2 => (0.5 * 3.0 / size.abs()).sqrt(),
+                    _ => (20.0 / size.abs()).cbrt(),
+                };
+                assert!(
+                    (speed / expected - 1.0).abs() < 0.01,
+                    "{order} at {w}: {speed} {expected}"
+                );
+                if order == 1 {
+                    let left = 0.5 * limits.acceleration / size.abs();
+                    assert!((profile.acceleration[k] / left - 1.0).abs() < 0.01);
+                }
+            }
+        }
+    }
+}
