@@ -98,7 +98,49 @@ fn a_smooth_function_is_learned_from_its_values() {
     assert!(errors[0].mean < 0.03, "{errors:?}");
     assert!(errors[1].mean <= errors[0].mean && errors[0].largest < 0.5);
     assert_eq!(errors[0].sizes.len(), 500);
-    assert!(errors[0].percentile_95 <= errors[0].largest);
+    let below = |size: &&f64| **size < errors[0].percentile_95;
+    assert_eq!(errors[0].sizes.iter().filter(below).count(), 475);
+    // At the inputs of the largest error it is as large as that.
+    let at = &errors[0].largest_at;
+    let row = (0..500).find(|row| others.input(*row) == at).unwrap();
+    let predicted = model.predict(at).unwrap();
+    let exact = others.output(row);
+    let size = libm::hypot(predicted[0] - exact[0], predicted[1] - exact[1]);
+    assert!((size / errors[0].largest - 1.0).abs() < 1e-3, "{size}");
+}
+
+/// The error of the best network is that of the rows that it was not trained with, in their standard deviations.
+#[test]
+fn the_least_error_is_that_of_the_rows_held_back_and_the_range_that_of_all() {
+    let plan = Plan {
+        most_epochs: 2,
+        ..plan()
+    };
+    let trainer = trained(&plan);
+    let model = trainer.model(&[]).unwrap();
+    let all = samples(1200, 0);
+    let [kept, held] = all.split(trainer::HELD_BACK, plan.seed);
+    let error = |rows: &Samples| {
+        let predicted = model.predict(&rows.inputs).unwrap();
+        let deviations = model.about.output_scaling.deviation.iter().cycle();
+        let pairs = predicted.iter().zip(&rows.outputs).zip(deviations);
+        let sizes = pairs.map(|((one, other), deviation)| (one - other).abs() / deviation);
+        sizes.sum::<f64>() / rows.outputs.len() as f64
+    };
+    let least = trainer.least_error().unwrap();
+    let [of_held, of_kept] = [&held, &kept].map(error);
+    assert!((of_held / least - 1.0).abs() < 1e-4, "{of_held} {least}");
+    assert!((of_kept / least - 1.0).abs() > 1e-3, "{of_kept} {least}");
+    for (numbers, range) in [
+        (&all.inputs, &model.about.range),
+        (&all.outputs, &model.about.output_range),
+    ] {
+        for (column, ends) in range.iter().enumerate() {
+            let column = || numbers.iter().copied().skip(column).step_by(2);
+            assert!(column().all(|number| (ends[0]..=ends[1]).contains(&number)));
+            assert!(ends.iter().all(|end| column().any(|number| number == *end)));
+        }
+    }
 }
 
 #[test]
