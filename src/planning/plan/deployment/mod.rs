@@ -16,6 +16,8 @@
 
 mod corrected_path;
 mod correction;
+#[cfg(test)]
+mod demand_tests;
 mod feasibility;
 mod figure;
 mod laid_path;

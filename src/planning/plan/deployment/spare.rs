@@ -165,4 +165,30 @@ mod tests {
         let laid = laid(line(), &short, &|_| true);
         assert_eq!((laid.length(), laid.lead_in()), (0.5, 0.0));
     }
+    /// The lead-out runs towards the first side, and ends at the clearance from it.
+    #[test]
+    fn a_lead_out_keeps_its_clearance_from_the_lying_rod() {
+        let corners = [
+            [0.0, 0.0],
+            [0.16, 0.0],
+            [0.16, 0.14],
+            [0.06, 0.14],
+            [0.06, 0.1],
+        ];
+        let points: Vec<Point> = corners.iter().map(|corner| Point::from(*corner)).collect();
+        let hook = Pattern::along(&points, 2e-3).unwrap();
+        let laid = laid(hook, &GREEN, &|_| true);
+        assert!(
+            (0.05..0.1).contains(&laid.lead_out()),
+            "{}",
+            laid.lead_out()
+        );
+        let end = laid.at(laid.length()).position;
+        let points = laid.sampled(1e-4);
+        let side = points.iter().filter(|point| point.s < laid.lead_in() + 0.1);
+        let away = side.map(|point| (point.position - end).norm());
+        let away = away.fold(f64::INFINITY, f64::min) / GREEN.radius;
+        // Points are checked every two radii.
+        assert!((5.9..8.1).contains(&away), "{away}");
+    }
 }

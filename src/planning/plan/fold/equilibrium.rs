@@ -223,3 +223,52 @@ fn end(forces: Forces, length: f64) -> (Place, State) {
 pub(super) fn between(from: [f64; 2], to: [f64; 2], part: f64) -> [f64; 2] {
     [0, 1].map(|k| from[k] + part * (to[k] - from[k]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Energy of the suspended sheet, ∫ ½ θ'² + ½ z ds, by Simpson's rule.
+    fn energy(fold: &Fold) -> f64 {
+        const PARTS: usize = 400;
+        let places = Elastica::heavy(fold.forces).places(fold.suspended_length, PARTS);
+        let parts = places.iter().enumerate().map(|(k, place)| {
+            let weight = match k {
+                0 | PARTS => 1.0,
+                _ => 2.0 + 2.0 * (k % 2) as f64,
+            };
+            weight * 0.5 * (place.state.curvature.powi(2) + place.state.z)
+        });
+        parts.sum::<f64>() * fold.suspended_length / PARTS as f64 / 3.0
+    }
+
+    /// The gripper exerts the derivative of the energy over its position; the table bears the rest of
+    /// the weight, and holds against all of the force along it.
+    #[test]
+    fn the_table_bears_what_the_gripper_does_not() {
+        let lifted = Fold::just_lifted(2.5).unwrap();
+        for push in [0.2, -0.05] {
+            let [x, z] = lifted.gripper;
+            let fold = Fold::at([x + push, z], &lifted).unwrap();
+            let [along, up] = [0, 1].map(|axis| {
+                let [more, less] = [1e-3, -1e-3].map(|step| {
+                    let mut place = fold.gripper;
+                    place[axis] += step;
+                    energy(&Fold::at(place, &fold).unwrap())
+                });
+                (more - less) / 2e-3
+            });
+            assert!(along * push > 0.0, "{along}");
+            for length in [fold.suspended_length, 6.0] {
+                let expected = along.abs() / (0.5 * length - up);
+                let demand = fold.friction_demand(length);
+                assert!(
+                    (demand / expected - 1.0).abs() < 1e-4,
+                    "{demand} {expected}"
+                );
+            }
+            let inclined = libm::atan(-along / (0.5 * fold.suspended_length - up));
+            assert!((fold.force_inclination() / inclined - 1.0).abs() < 1e-4);
+        }
+    }
+}

@@ -193,6 +193,16 @@ mod tests {
         assert!(demand <= friction * (1.0 + 1e-9), "{demand}");
         let last = path.folds.last().unwrap();
         assert!((last.gripper[0] - A4.length).abs() < 1e-9 && last.gripper[1].abs() < 1e-9);
+        // ∫ λ over the way of the gripper lies between the sums with the smaller and the larger λ of each step.
+        let sums = path.folds[path.lift..].windows(2).map(|pair| {
+            let [from, to] = [pair[0].gripper, pair[1].gripper];
+            let step = libm::hypot(to[0] - from[0], to[1] - from[1]);
+            let [one, other] = [pair[0], pair[1]].map(|fold| step * fold.force_ratio());
+            [one.min(other), one.max(other)]
+        });
+        let [least, most] = sums.fold([0.0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
+        assert!((least..=most).contains(&path.integral), "{least} {most}");
+        assert!(most < 1.5 * least, "{least} {most}");
         let moment = |fold: &Fold| fold.moment.abs();
         let most = path.folds.iter().map(moment).fold(0.0, f64::max);
         // Without push and weight θ'² = 2 |V| sin θ. At the tightest loop the curvature at the end

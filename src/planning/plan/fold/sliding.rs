@@ -113,4 +113,25 @@ mod tests {
             assert!(least.iter().copied().fold(0.0, f64::max) > largest);
         }
     }
+
+    #[test]
+    fn a_sheet_slides_until_its_demand_is_the_friction() {
+        let length = Sheet::A4.length;
+        let mut folds = vec![Fold::just_lifted(2.5).unwrap()];
+        for _ in 0..12 {
+            let last = folds[folds.len() - 1];
+            let [x, z] = last.gripper;
+            folds.push(Fold::at([x + 0.02, z], &last).unwrap());
+        }
+        let friction = 0.5 * folds[12].friction_demand(length);
+        let slid = sliding(&folds, length, friction).unwrap();
+        assert_eq!(slid[0], 0.0);
+        assert!(slid[12] > 0.02, "{slid:?}");
+        for (fold, slid) in folds.iter().zip(slid) {
+            let [x, z] = fold.gripper;
+            let held = Fold::clamped_at([x - slid, z], fold.angle, fold).unwrap();
+            let excess = held.friction_demand(length) - friction;
+            assert!(excess < 1e-8 && (slid == 0.0 || excess > -1e-6), "{excess}");
+        }
+    }
 }

@@ -190,6 +190,7 @@ fn negatives(matrix: &Matrix3) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use super::super::GraspProblem;
     use super::*;
     use std::f64::consts::PI;
 
@@ -241,5 +242,42 @@ mod tests {
         };
         assert_eq!(arc(0.99 * 2.0 * PI), 0);
         assert!(arc(1.01 * 2.0 * PI) > 0);
+    }
+
+    #[test]
+    fn a_beam_that_is_bent_in_a_plane_gives_way_sideways_as_prandtl_says() {
+        // Both ends clamped: M = 2π √(EI GJ)/l.
+        let beam = |moment: f64, twist_stiffness: f64| {
+            let count = 400;
+            let element = Element {
+                length: 1.0 / f64::from(count),
+                tangent: Vector3::x(),
+                moment: moment * Vector3::z(),
+                force: Vector3::zeros(),
+            };
+            negative_modes(&vec![element; count as usize], twist_stiffness, 0.0)
+        };
+        for twist_stiffness in [0.4, TWIST_STIFFNESS, 0.9] {
+            let critical = 2.0 * PI * twist_stiffness.sqrt();
+            assert_eq!(beam(0.998 * critical, twist_stiffness), 0);
+            assert!(beam(1.002 * critical, twist_stiffness) > 0);
+        }
+    }
+    /// G = E/3 without a change of volume, and J = 2I of a round section. So short a rod bears its weight easily.
+    #[test]
+    fn rods_of_grasps_twist_as_round_ones_of_a_constant_volume() {
+        let problem = GraspProblem {
+            suspended_length: 0.1,
+            curvature: 0.0,
+            stretch_compliance: 0.0,
+        };
+        let mesh: Vec<f64> = (0..=50).map(|k| 0.1 * f64::from(k) / 50.0).collect();
+        let critical = 2.0 * PI * (2.0_f64 / 3.0).sqrt() / 0.1;
+        let modes = |moment: f64| {
+            let bent = |_| (Vector3::x(), moment * Vector3::z());
+            unstable_modes(&Shape::guess(problem, &mesh, [0.0; 2], bent))
+        };
+        assert_eq!(modes(0.998 * critical), 0);
+        assert!(modes(1.002 * critical) > 0);
     }
 }

@@ -67,6 +67,15 @@ fn a_lead_in_starts_straight_and_joins_smoothly() {
 }
 
 #[test]
+fn a_lead_in_to_a_circle_turns_by_half_of_its_length_over_the_radius() {
+    // 10x³ − 15x⁴ + 6x⁵ has the mean ½, and grows all the way to 1.
+    let circle = Pattern::new(Box::new(Circle { radius: 0.1 }), 0.0).unwrap();
+    let bend = LeadBend::of(&circle.at(0.0), 0.12);
+    assert!((bend.turn / 0.6 - 1.0).abs() < 0.01, "{bend:?}");
+    assert!((bend.sharpest - 10.0).abs() < 1e-9, "{bend:?}");
+}
+
+#[test]
 fn a_straight_lead_in_continues_as_a_bent_one() {
     let circle = || Pattern::new(Box::new(Circle { radius: 0.1 }), 0.0).unwrap();
     let bent = circle().with_lead_in(0.12);
