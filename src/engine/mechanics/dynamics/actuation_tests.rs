@@ -119,6 +119,20 @@ fn a_rod_that_lengthens_keeps_curvature_and_stiffness_per_length() {
 }
 
 #[test]
+fn a_rod_that_lengthens_keeps_its_twist_per_length() {
+    // Half as long again and free at its end, it has turned about itself by that much more.
+    let mut twisted = scene(vec![actuation(ActuatedStrain::Length, 0.5)]);
+    twisted.rods[0].natural_shape = curved([0.0; 2], 3.0);
+    let simulation = settled(twisted);
+    let director = simulation.material_directors()[29];
+    // The middle of the last edge is half an edge from the end.
+    let turned = 3.0 * 1.5 * LENGTH * (29.5 / 30.0);
+    let found = director.z.atan2(director.y);
+    assert!((found - turned).abs() < 1e-6, "{found} {turned}");
+    assert!(simulation.energies().elastic() < 1e-16);
+}
+
+#[test]
 fn every_scheme_follows_a_wave_and_a_checkpoint_is_exact() {
     let wave = Actuation {
         rod: 0,

@@ -6,7 +6,7 @@ use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{NaturalShape, Relaxation, RodDescription, Scene};
 use crate::mechanics::system::{Stage, System};
 use crate::mechanics::test_support::{
-    advance_to, assert_close_in, clamp, curved, fixed_steps, section, weight,
+    advance_to, assert_close_in, clamp, curved, farthest, fixed_steps, section, weight,
 };
 
 const LENGTH: f64 = 0.4;
@@ -342,6 +342,38 @@ fn at_rest_there_is_no_damping() {
         let damped = at_rest(time, relaxation, moves);
         assert!((damped.0 - place).norm() < 1e-7 && (damped.1 - moment).norm() < 1e-7);
     }
+}
+
+/// Rods of different materials that do not touch move as each does without the other.
+#[test]
+fn each_rod_is_damped_by_its_own_material() {
+    let materials = [(0.05, None), (0.4, None), (0.0, Some(RELAXATION))];
+    let rods = materials.map(|(retardation_time, relaxation)| RodDescription {
+        retardation_time,
+        relaxation,
+        ..rod(false)
+    });
+    let end = |rods: &[RodDescription]| {
+        let scene = Scene {
+            rods: rods.to_vec(),
+            clamps: (0..rods.len()).map(|rod| clamp(rod, 0)).collect(),
+            ..scene()
+        };
+        let mut simulation =
+            Simulation::new(&scene, &parameters(Scheme::BackwardDifferences)).unwrap();
+        advance_to(&mut simulation, 0.04);
+        simulation
+    };
+    let together = end(&rods);
+    for (index, (rod, nodes)) in rods.iter().zip(together.positions().chunks(11)).enumerate() {
+        let alone = end(std::slice::from_ref(rod));
+        assert!(farthest(alone.positions(), nodes) < 1e-8, "{index}");
+        let [one, other] = [together.energies_of(index), alone.energies_of(0)];
+        assert_close_in(index, one.bending, other.bending, 1e-4);
+        assert_close_in(index, one.twisting, other.twisting, 1e-4);
+    }
+    let nodes = together.positions();
+    assert!(farthest(&nodes[..11], &nodes[11..22]) > 1e-4);
 }
 
 #[test]
