@@ -1,5 +1,7 @@
 //! Numbers derived from a scenario, for assessing it before it runs.
 
+#[cfg(test)]
+mod number_tests;
 mod slides;
 mod text;
 

@@ -278,3 +278,40 @@ fn sliding(
     }
     largest
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_node_slides_from_where_it_first_lay_once_it_is_laid() {
+        let rod = WatchedRod {
+            marks: Vec::new(),
+            laid: Vec::new(),
+            length: 0.4,
+            nodes: 0..5,
+            lying_height: 3e-3,
+            derived: DerivedDeployment {
+                pattern_length: 0.4,
+                lead_in: 0.0,
+                least_radius: None,
+                largest_friction_demand: 0.0,
+                share_above_friction: 0.0,
+                largest_gripper_speed: 0.0,
+            },
+        };
+        let place = |k: usize| Vector3::new(0.1 * k as f64, 0.0, 2e-3);
+        let mut nodes: Vec<Vector3> = (0..5).map(place).collect();
+        // The third node is still above the table, and the fourth is not laid.
+        nodes[2].z = 0.01;
+        let mut touched = vec![None; 5];
+        let mut slid = |nodes: &[Vector3]| sliding(&rod, nodes, 0.25, &mut touched);
+        assert_eq!(slid(&nodes), 0.0);
+        nodes[2] = place(2) + Vector3::new(0.05, 0.0, 0.0);
+        nodes[3].x += 0.07;
+        assert_eq!(slid(&nodes), 0.0);
+        nodes[1] += Vector3::new(3e-3, -4e-3, 0.02);
+        nodes[2].y += 1e-3;
+        assert!((slid(&nodes) - 5e-3).abs() < 1e-15);
+    }
+}

@@ -287,4 +287,26 @@ mod tests {
         };
         assert_eq!(held.remark(0.4), None);
     }
+    #[test]
+    fn rods_count_by_their_lengths_and_by_the_worst_of_them() {
+        let [one, other] = [(1.0, 0.2, Some(0.05), 0.3), (3.0, 0.6, None, 0.1)].map(
+            |(pattern_length, share_above_friction, least_radius, largest)| DerivedDeployment {
+                pattern_length,
+                lead_in: 0.1 * pattern_length,
+                least_radius,
+                largest_friction_demand: largest,
+                share_above_friction,
+                largest_gripper_speed: 2.0 * largest,
+            },
+        );
+        for rods in [[one, other], [other, one]] {
+            let all = DerivedDeployment::of_all(rods.into_iter());
+            // 0.2 m of one metre and 1.8 m of three.
+            assert!((all.share_above_friction - 0.5).abs() < 1e-15);
+            assert_eq!((all.pattern_length, all.least_radius), (4.0, Some(0.05)));
+            assert!((all.lead_in - 0.4).abs() < 1e-15);
+            assert_eq!(all.largest_friction_demand, 0.3);
+            assert_eq!(all.largest_gripper_speed, 0.6);
+        }
+    }
 }

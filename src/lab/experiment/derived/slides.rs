@@ -161,3 +161,23 @@ fn load_on(scene: &Scene, rods: &[usize]) -> f64 {
     }
     force.norm()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rail_catches_by_the_sine_of_half_of_its_turn() {
+        for turn in [0.1_f64, 1.0, 2.5] {
+            let nodes = [
+                Vector3::zeros(),
+                2.0 * Vector3::x(),
+                Vector3::new(2.0 + 0.3 * turn.cos(), 0.0, 0.3 * turn.sin()),
+            ];
+            let expected = (0.5 * turn).sin();
+            assert!((half_turn_sine(&nodes, 1) - expected).abs() < 1e-12);
+            assert_eq!(half_turn_sine(&nodes, 0), 0.0);
+            assert_eq!(half_turn_sine(&nodes, 2), 0.0);
+        }
+    }
+}

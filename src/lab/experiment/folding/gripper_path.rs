@@ -192,3 +192,58 @@ fn timed(poses: &[FoldPose], [begin, end]: [f64; 2]) -> Vec<f64> {
 fn turned(angle: f64) -> UnitQuaternion {
     rotation::from_vector(angle * Vector3::y())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn path() -> GripperPath {
+        let pose = |x: f64, z: f64, angle: f64| FoldPose {
+            gripper: [x, z],
+            angle,
+        };
+        GripperPath {
+            times: vec![0.0, 1.0, 3.0, 4.0],
+            poses: vec![
+                pose(0.0, 0.0, 0.0),
+                pose(1.0, 2.0, 0.5),
+                pose(3.0, 1.0, 1.5),
+                pose(4.0, 0.0, 3.0),
+            ],
+            slid: vec![0.0; 4],
+            jitter: vec![[0.0; 3]; 4],
+            unit: 0.05,
+            target: 0.2,
+            height: 1e-3,
+            layer: 2e-3,
+        }
+    }
+
+    #[test]
+    fn the_largest_speed_is_that_of_the_motion() {
+        let path = path();
+        let motion = path.motion().translation;
+        let speeds = motion.windows(2).map(|pair| {
+            let [(from, start), (to, end)] = [pair[0], pair[1]];
+            (end - start).norm() / (to - from)
+        });
+        let fastest = speeds.fold(0.0, f64::max);
+        assert!((path.largest_speed() - fastest).abs() < 1e-15);
+        // In the first second by L_gb along the table and by two of them up, and by a quarter of a layer.
+        let first = libm::hypot(0.05, 0.1 + 0.25 * 2e-3);
+        assert!((fastest - first).abs() < 1e-15, "{fastest}");
+    }
+
+    #[test]
+    fn a_gripper_that_gives_up_rises_by_a_height_and_stays() {
+        let mut path = path();
+        path.lift_from(1, 0.03);
+        let motion = path.motion();
+        let start = motion.translation[1].1;
+        for index in [2, 3] {
+            let risen = motion.translation[index].1 - start;
+            assert!((risen - Vector3::z() * 0.03).norm() < 1e-15, "{risen}");
+            assert_eq!(motion.orientation[index].1, motion.orientation[1].1);
+        }
+    }
+}

@@ -252,6 +252,12 @@ mod tests {
             (outcome.final_sliding_m - expected).abs() < 0.05 * expected,
             "{outcome:?} {expected}"
         );
+        // It is pushed away all the time.
+        let most = outcome.largest_sliding_m;
+        assert!(
+            (most / outcome.final_sliding_m - 1.0).abs() < 0.01,
+            "{outcome:?}"
+        );
         assert!((outcome.fold_length_error_m.unwrap() + outcome.final_sliding_m).abs() < 1e-4);
     }
 

@@ -76,6 +76,9 @@ kind = "drag""#,
     assert!(up.z > 0.1 * weight_of(0.2));
     assert!((up + down).norm() < 1e-12 * up.norm());
     assert_eq!(run.last("up_normal_n"), run.last("down_normal_n"));
+    // Friction is μ times the pressure at most.
+    let [along, across] = ["up_tangential_n", "up_normal_n"].map(|name| run.last(name).unwrap());
+    assert!(along <= 0.3 * across, "{along} {across}");
     assert_eq!(run.last("own_normal_n"), Some(0.0));
 }
 
