@@ -321,6 +321,23 @@ mod tests {
             );
             assert!(path.folds[0].gripper[1] < 0.25);
             assert!(path.integral <= path.grid_integral);
+            // By the trapezoidal rule with many more folds.
+            let fine = path.folds[path.lift..].windows(2).flat_map(|pair| {
+                let mut last = pair[0];
+                (1..=12).map(move |part| {
+                    let part = f64::from(part) / 12.0;
+                    let place = between(pair[0].gripper, pair[1].gripper, part);
+                    let next = solve_from(&last, place).unwrap();
+                    let step = distance(last.gripper, next.gripper);
+                    let sum = step * (last.force_ratio() + next.force_ratio());
+                    last = next;
+                    0.5 * sum
+                })
+            });
+            let fine: f64 = fine.sum();
+            assert!((path.integral / fine - 1.0).abs() < 0.04, "{fine}");
+            // The lying rest of the sheet presses on the table as well.
+            assert!(path.largest_force_ratio() >= path.friction_demand(Sheet::A4.length));
         }
     }
 

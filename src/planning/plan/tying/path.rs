@@ -177,6 +177,18 @@ mod tests {
         };
         let passages = passages(&[tied], &words).unwrap();
         let schedule = Schedule::new(0, &tied, &passages, &handling);
+        // The end waits a gravito-bending length before the strand while this is lifted for two seconds.
+        let (number, [begin, lifted, ..]) = schedule.lifts[0];
+        assert_eq!((number, schedule.lifts.len()), (1, 1));
+        assert!((lifted - begin - 2.0).abs() < 1e-12);
+        let waits = passages[1].second.s - ROD.gravito_bending_length;
+        for (_, s) in schedule
+            .end
+            .iter()
+            .filter(|(time, _)| (begin..=lifted).contains(time))
+        {
+            assert!((s - waits).abs() < 1e-12, "{s} {waits}");
+        }
         let task = TyingTask {
             rods: &[ROD],
             passages: &passages,
