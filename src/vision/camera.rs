@@ -282,4 +282,23 @@ pub(super) mod tests {
             .expect_err("a miss");
         assert!(error.to_string().contains("does not meet the table"));
     }
+    #[test]
+    fn points_are_located_at_the_height_at_which_they_lie() {
+        let camera = Camera {
+            table_height: 0.13,
+            ..slanted_camera()
+        };
+        for (x, y) in [(0.02, -0.05), (-0.1, 0.07)] {
+            let seen = |z: f64| camera.project(Vector3::new(x, y, z)).expect("in front");
+            for height in [-0.05, 0.0, 0.2] {
+                let found = camera.on_plane(seen(height), height).expect("on the plane");
+                assert!(
+                    (found - Point::new(x, y)).norm() < 1e-9,
+                    "{height}: {found}"
+                );
+            }
+            let found = camera.on_table(seen(0.13)).expect("on the table");
+            assert!((found - Point::new(x, y)).norm() < 1e-9, "{found}");
+        }
+    }
 }

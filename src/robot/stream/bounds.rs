@@ -59,3 +59,18 @@ impl Default for StreamBounds {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_that_turn_may_deviate_by_an_angle_and_slides_by_a_length() {
+        let bounds = StreamBounds::default();
+        for (tolerance, turn, slide) in [(bounds.start, 0.02, 2e-3), (bounds.tracking, 0.05, 5e-3)]
+        {
+            assert_eq!(tolerance.of(JointKind::Revolute), turn);
+            assert_eq!(tolerance.of(JointKind::Prismatic), slide);
+        }
+    }
+}
