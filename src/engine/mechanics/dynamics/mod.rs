@@ -93,6 +93,8 @@ mod joint_tests;
 #[cfg(test)]
 mod lockstep_tests;
 #[cfg(test)]
+mod moving_obstacle_tests;
+#[cfg(test)]
 mod natural_shape_tests;
 #[cfg(test)]
 mod node_force_tests;

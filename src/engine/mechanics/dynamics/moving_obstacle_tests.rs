@@ -1,0 +1,88 @@
+//! Rods on obstacles that carry them along by friction.
+
+use super::*;
+use crate::mechanics::contact::{ContactModel, ContactParameters};
+use crate::mechanics::rigid_body::RigidBody;
+use crate::mechanics::scene::{Motion, Obstacle, Scene};
+use crate::mechanics::test_support::{
+    SOFT_MODELS, advance_to, assert_close_in, contact, fixed, gravity, obstacle, straight_rod,
+};
+use crate::mechanics::{UnitQuaternion, Vector3};
+
+const FRICTION: f64 = 0.3;
+const FALL: f64 = 9.81;
+const LENGTH: f64 = 0.2;
+const TOLERANCE: f64 = 1e-4;
+
+/// A rod along x about the origin, on a table that moves.
+fn on_table(model: ContactModel, motion: Motion) -> Scene {
+    let mut rod = straight_rod(8, LENGTH);
+    let shift = Vector3::new(-0.5 * LENGTH, 0.0, rod.radius + 0.5 * TOLERANCE);
+    rod.centreline.iter_mut().for_each(|node| *node += shift);
+    let sides = Vector3::new(1.0, 1.0, 0.1);
+    let table = RigidBody::cuboid(
+        Vector3::z() * -0.05,
+        sides,
+        &UnitQuaternion::identity(),
+        0.0,
+    );
+    Scene {
+        rods: vec![rod],
+        loads: vec![gravity(FALL)],
+        obstacles: vec![Obstacle {
+            motion,
+            ..obstacle("table", table)
+        }],
+        contact: Some(ContactParameters {
+            friction: FRICTION,
+            slip_tolerance: 1e-3,
+            ..contact(model, TOLERANCE)
+        }),
+        ..Scene::default()
+    }
+}
+
+/// While the rod slides, friction of μ times the pressure moves it, until it has the speed of the table.
+#[test]
+fn a_table_that_moves_takes_a_rod_along() {
+    const SPEED: f64 = 0.1;
+    const STEP: f64 = 5e-4;
+    for model in SOFT_MODELS {
+        let motion = Motion {
+            translation: vec![(0.0, Vector3::zeros()), (1.0, Vector3::y() * SPEED)],
+            ..Motion::default()
+        };
+        let scene = on_table(model, motion);
+        let mass = scene.rods[0].mass_per_length * LENGTH;
+        let mut simulation = Simulation::new(&scene, &fixed(STEP)).unwrap();
+        let mut expected = 0.0;
+        while simulation.time() < 0.02 {
+            simulation.advance(0.02).unwrap();
+            let pressure = simulation.contacts().iter().map(|pair| pair.normal_force);
+            expected += FRICTION * pressure.sum::<f64>() * STEP / mass;
+        }
+        let mean = simulation.velocities().iter().sum::<Vector3>().y / 9.0;
+        assert!(mean < 0.9 * SPEED, "{model:?}: {mean}");
+        assert_close_in(model, mean, expected, 0.02);
+        advance_to(&mut simulation, 0.15);
+        assert_close_in(model, simulation.velocities()[4].y, SPEED, 0.01);
+    }
+}
+
+#[test]
+fn a_table_that_turns_turns_a_rod_at_its_rate() {
+    const RATE: f64 = 1.5;
+    for model in SOFT_MODELS {
+        let motion = Motion {
+            axis: Some(Vector3::z()),
+            angular_velocity: RATE,
+            pivot: Some(Vector3::zeros()),
+            ..Motion::default()
+        };
+        let mut simulation = Simulation::new(&on_table(model, motion), &fixed(1e-3)).unwrap();
+        advance_to(&mut simulation, 0.15);
+        let velocities = simulation.velocities();
+        let rate = (velocities[8] - velocities[0]).norm() / LENGTH;
+        assert_close_in(model, rate, RATE, 0.01);
+    }
+}
