@@ -48,6 +48,8 @@ mod remark_tests;
 mod root_tests;
 mod scene;
 #[cfg(test)]
+mod start_tests;
+#[cfg(test)]
 mod tests;
 
 pub use deployment::{
