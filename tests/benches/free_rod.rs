@@ -20,6 +20,7 @@ pub fn free_rod() -> (System, Vec<f64>, Stage) {
         drag_velocity: Vec::new(),
         resistance: Vec::new(),
         positions: vec![Vector3::zeros(); start.len() / 4],
+        angles: vec![0.0; start.len() / 4],
         start,
     };
     (system, unknowns, stage)
