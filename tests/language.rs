@@ -18,6 +18,12 @@ const LONGEST_SHORT_HELP: usize = 40;
 /// Largest number of lines of the overview, which has a line for each of 37 commands.
 const LONGEST_OVERVIEW: usize = 48;
 
+/// Largest width of a line of prose in a document, columns.
+const WIDEST_PROSE: usize = 100;
+
+/// Largest number of lines of a page of the guide.
+const LONGEST_PAGE: usize = 250;
+
 /// A text with its place.
 struct Text {
     place: String,
@@ -133,6 +139,39 @@ fn documents_and_scenarios_have_no_banned_words() {
         found.len(),
         found.join("\n")
     );
+}
+
+/// Whether a line may be broken: it is not one of a table, a picture or a heading.
+fn is_prose(line: &str) -> bool {
+    !line.starts_with(['|', '#']) && !line.starts_with("![")
+}
+
+#[test]
+fn prose_of_documents_has_lines_of_a_hundred_columns() {
+    let mut documents = files_below(&root().join("src/guide"), "md");
+    documents.extend(files_below(&root().join("results/reproduced"), "md"));
+    let of_root = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"];
+    documents.extend(of_root.map(|name| root().join(name)));
+    let mut found = Vec::new();
+    for document in documents {
+        let mut is_code = false;
+        for line in lines(&document, |_| true) {
+            is_code ^= line.words.starts_with("```");
+            let columns = line.words.chars().count();
+            if !is_code && is_prose(&line.words) && columns > WIDEST_PROSE {
+                found.push(format!("{}: {columns} columns", line.place));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn pages_of_the_guide_have_at_most_250_lines() {
+    for page in files_below(&root().join("src/guide"), "md") {
+        let count = lines(&page, |_| true).len();
+        assert!(count <= LONGEST_PAGE, "{}: {count} lines", page.display());
+    }
 }
 
 /// Prints the help of a command with an option, `-h` or `--help`.
