@@ -94,7 +94,7 @@ fn spin(simulation: &mut Simulation, step: f64) -> Result<f64, GroupError> {
 /// Acceleration along the incline (m/s²) and of the spin (rad/s²) of a rod across it.
 fn on_incline(model: ContactModel, incline: f64, friction: f64) -> Result<[f64; 2], GroupError> {
     let scene = Scene {
-        rods: vec![rod_at(RADIUS, RADIUS)],
+        rods: vec![rod_at(RADIUS + 2e-5, RADIUS)],
         loads: vec![steady(LoadKind::Gravity {
             acceleration: GRAVITY * Vector3::new(0.0, libm::sin(incline), -libm::cos(incline)),
         })],
