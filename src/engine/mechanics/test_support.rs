@@ -89,6 +89,51 @@ pub(crate) fn cantilever() -> Scene {
     }
 }
 
+/// A rod that is pulled over the ground, on which it lies already, by one end.
+pub(crate) fn pulled(model: ContactModel) -> Scene {
+    let mut scene = cantilever();
+    scene.rods[0] = moved(scene.rods[0].clone(), Vector3::z() * 5.05e-3);
+    scene.clamps[0].motion.translation =
+        vec![(0.0, Vector3::zeros()), (1.0, Vector3::new(0.0, 0.4, 0.0))];
+    scene.planes = vec![ground()];
+    scene.contact = Some(rubbing(model));
+    scene
+}
+
+/// Contact with friction that is smoothed over a wide range of slips.
+pub(crate) fn rubbing(model: ContactModel) -> ContactParameters {
+    ContactParameters {
+        friction: 0.3,
+        slip_tolerance: 1e-2,
+        ..contact(model, 1e-4)
+    }
+}
+
+/// A rod in another place, straight by nature.
+pub(crate) fn moved(mut rod: RodDescription, by: Vector3) -> RodDescription {
+    rod.centreline.iter_mut().for_each(|node| *node += by);
+    rod.natural_shape = NaturalShape::Straight;
+    rod
+}
+
+/// A rod that lies across another one, over which its clamp pulls it.
+pub(crate) fn crossed(model: ContactModel) -> Scene {
+    let mut scene = cantilever();
+    let lower = moved(scene.rods[0].clone(), Vector3::zeros());
+    let mut upper = moved(scene.rods[0].clone(), Vector3::zeros());
+    for (node, place) in upper.centreline.iter_mut().enumerate() {
+        *place = Vector3::new(0.17, -0.13 + 0.03 * node as f64, 0.01005);
+    }
+    upper.first_director = Some(Vector3::z());
+    upper.name = "upper".into();
+    scene.rods = vec![lower, upper];
+    scene.clamps.push(clamp(1, 0));
+    scene.clamps[1].motion.translation =
+        vec![(0.0, Vector3::zeros()), (1.0, Vector3::new(0.3, 0.2, -0.1))];
+    scene.contact = Some(rubbing(model));
+    scene
+}
+
 /// Rods without supports or loads.
 pub(crate) fn free_rods(rods: Vec<RodDescription>) -> Scene {
     Scene {

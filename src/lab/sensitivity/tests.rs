@@ -148,8 +148,10 @@ fn what_has_no_derivative_is_named() {
     assert!(message.contains("whole number"), "{message}");
     let message = refused(&["probes=[]"], "tip", density);
     assert!(message.contains("[[probes]]"), "{message}");
-    let rigid = "contact={model=\"complementarity\"}";
-    let message = refused(&[rigid], "tip", density);
+    let rigid = ["contact={model=\"complementarity\"}"];
+    let source = |more: &[String]| beam(&rigid, more);
+    let refused = field_derivatives(&source, &[], &[Field::Force], 1, &|| true);
+    let message = refused.unwrap_err().to_string();
     assert!(message.contains("contact.model"), "{message}");
 }
 

@@ -1,5 +1,6 @@
 //! All contacts of a scene: candidates, forces, Jacobians, stiffness.
 
+use super::active_law::ActiveLaw;
 use super::broad_phase::BroadPhase;
 use super::candidates::Candidates;
 use super::contacts::{
@@ -70,6 +71,8 @@ pub struct ContactSystem {
     pub(super) turned: Vec<TurnedContact>,
     /// Contacts of the complementarity model.
     pub(super) constraints: Vec<ContactConstraint>,
+    /// In their place, for derivatives.
+    pub(super) active_laws: Vec<ActiveLaw>,
     pub(super) energy: f64,
     pub(super) contact_count: usize,
     /// Whether the position of each node of the rods is prescribed.
@@ -116,6 +119,7 @@ impl ContactSystem {
             plane_jacobians: Vec::new(),
             plane_linear_corrections: Vec::new(),
             constraints: Vec::new(),
+            active_laws: Vec::new(),
             energy: 0.0,
             contact_count: 0,
             prescribed: Vec::new(),

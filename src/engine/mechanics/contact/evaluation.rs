@@ -108,14 +108,17 @@ impl ContactSystem {
         with_jacobians: bool,
     ) {
         self.clear_results();
-        if self.parameters.is_complementarity() {
-            return self.evaluate_constraints(positions);
-        }
         let motion = Motion {
             positions,
             previous,
             time_step,
         };
+        if !self.active_laws.is_empty() {
+            return self.evaluate_active_laws(motion, with_jacobians);
+        }
+        if self.parameters.is_complementarity() {
+            return self.evaluate_constraints(positions);
+        }
         self.evaluate_pairs(motion, with_jacobians);
         self.evaluate_planes(motion, with_jacobians);
         if with_jacobians && self.multipliers.in_use() {
@@ -126,7 +129,7 @@ impl ContactSystem {
         }
     }
 
-    fn clear_results(&mut self) {
+    pub(super) fn clear_results(&mut self) {
         self.contacts.clear();
         self.tractions.clear();
         self.jacobians.clear();
@@ -252,7 +255,7 @@ impl ContactSystem {
     }
 
     /// Velocities of the nodes and vertices of a pair in the step, m/s.
-    fn velocities(
+    pub(super) fn velocities(
         &self,
         pair: &CandidatePair,
         nodes: &[Vector3; 4],

@@ -54,7 +54,15 @@ impl ContactSystem {
         if found != 0 && found != expected {
             return Err(MismatchedMemory { expected, found });
         }
-        self.rebuild_candidates(&positions);
+        // They follow from the positions alone, where obstacles do not move.
+        let is_same =
+            self.surface.obstacles().is_empty() && positions == self.candidate_positions();
+        if !is_same {
+            self.rebuild_candidates(&positions);
+        }
+        // Those of the last evaluation have the numbers of other candidates.
+        self.clear_results();
+        self.constraints.clear();
         self.candidates.coupled.clone_from(&memory.coupled);
         self.set_stiffness(memory.stiffness);
         let tractions = memory.tractions.iter();

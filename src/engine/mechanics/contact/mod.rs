@@ -21,12 +21,14 @@
 //! | `certificate` | check that no bodies passed through each other in a step |
 //! | `coupled_pairs` | pairs for which the Newton system has room |
 //! | `constraints` | contacts as constraints, whose forces are found by complementarity (thesis 3.3) |
+//! | `active_law`, `active_set` | the same near a solution, as laws for its derivatives |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
 //! | `turning`, `levers` | the same with friction at surfaces that turn with the edges of rods |
 //! | `surface_turns`, `turned_contacts` | angles of edges in a step, and the contacts that turn them |
 //! | `multipliers`, `tractions`, `slots`, `iterate` | normal forces and friction that Newton's method carries along |
 //! | `stored_energy` | contact energy at other configurations than the last evaluation |
+//! | `dampers` | contact forces as functions of the start of a step and of the contact stiffness |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
 //! | `contacts` | data of a single contact |
 //! | `contact_system`, `evaluation`, `plane_evaluation` | all contacts of a scene |
@@ -35,6 +37,8 @@
 //! | `touching` | points of contact, for pictures |
 //! | `memory` | data for a restart |
 
+mod active_law;
+mod active_set;
 mod barrier;
 mod box_tree;
 mod broad_phase;
@@ -46,6 +50,7 @@ mod contact_system;
 mod contacts;
 mod continuous_collision;
 mod coupled_pairs;
+mod dampers;
 mod distance;
 mod edge_contact;
 mod evaluation;
@@ -90,16 +95,19 @@ mod tractions;
 mod turned_contacts;
 mod turning;
 
+pub(crate) use active_law::ActiveLaw;
 pub(crate) use closest_points::edge_distance;
 pub use contact_system::ContactSystem;
 pub use contacts::{
     ActiveContact, CandidatePair, ConstraintPlace, ContactConstraint, ContactPair, EdgeJacobian,
     ForceCorrections, PlaneContact, PlaneJacobian, Proximity,
 };
+pub(crate) use dampers::Damper;
 pub(crate) use levers::{Levers, NONE};
-pub(crate) use memory::ContactMemory;
+pub(crate) use memory::{ContactMemory, MismatchedMemory};
 pub use parameters::{ContactModel, ContactParameters, FrictionAt};
 pub(crate) use root::{Root, RootBody};
+pub(crate) use stiffness::Adaption;
 pub(crate) use stored_energy::Stored;
 pub use surface::{ContactEdge, ContactPlane, ContactSurface};
 pub(crate) use surface_turns::{TurnedBodies, TurnedContact};

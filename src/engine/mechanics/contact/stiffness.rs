@@ -20,6 +20,17 @@ use crate::mechanics::Vector3;
 /// Factor of change that is not followed.
 const BAND: f64 = 2.0;
 
+/// What the adapted stiffness of a step is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Adaption {
+    /// This factor (J/N) times the force on a node.
+    OfForce { node: usize, factor: f64 },
+    /// This part of the one before.
+    Falls(f64),
+    /// The least one.
+    Least,
+}
+
 /// The stiffness after `present`, given the largest force `force` (N), the factor s = `factor`
 /// (J/N) and the least stiffness allowed.
 fn adapted_stiffness(present: f64, force: f64, factor: f64, least: f64) -> f64 {
@@ -94,38 +105,70 @@ impl ContactSystem {
     /// step is met with the right stiffness. Without such nodes the stiffness stays the same. To be called once per
     /// step: within Newton's method the stiffness must stay.
     pub(crate) fn adapt_stiffness(&mut self, positions: &[Vector3], forces: &[Vector3]) -> bool {
-        let Some(force) = self.largest_force_near_contact(positions, forces) else {
+        let Some((_, force)) = self.largest_force_near_contact(positions, forces) else {
             return false;
         };
         let before = self.stiffness;
-        let factor = self
-            .parameters
-            .stiffness_per_force(self.surface.largest_moving_radius());
+        let factor = self.stiffness_per_force();
         self.stiffness = adapted_stiffness(before, force, factor, self.least_stiffness);
         self.stiffness != before
     }
 
+    /// k per force near contact, J/N.
+    fn stiffness_per_force(&self) -> f64 {
+        let radius = self.surface.largest_moving_radius();
+        self.parameters.stiffness_per_force(radius)
+    }
+
+    /// What [`Self::adapt_stiffness`] makes of the stiffness `before`, and how; `None` where it keeps it.
+    pub(crate) fn adaption(
+        &mut self,
+        positions: &[Vector3],
+        forces: &[Vector3],
+        before: f64,
+    ) -> Option<(f64, Adaption)> {
+        let (node, force) = self.largest_force_near_contact(positions, forces)?;
+        let factor = self.stiffness_per_force();
+        let adapted = adapted_stiffness(before, force, factor, self.least_stiffness);
+        let how = if adapted == before {
+            return None;
+        } else if adapted == factor * force {
+            Adaption::OfForce { node, factor }
+        } else if adapted == self.least_stiffness {
+            Adaption::Least
+        } else {
+            Adaption::Falls(1.0 / BAND)
+        };
+        Some((adapted, how))
+    }
+
+    /// The node with the largest force near contact, and that force, N.
     fn largest_force_near_contact(
         &mut self,
         positions: &[Vector3],
         forces: &[Vector3],
-    ) -> Option<f64> {
+    ) -> Option<(usize, f64)> {
         let near = 0.25 * self.candidates.margin();
         // Obstacles have no forces of their own.
         let of_node = |node: usize| forces.get(node).map_or(0.0, Vector3::norm_squared);
-        let mut largest: Option<f64> = None;
+        let mut largest: Option<(usize, f64)> = None;
+        let exceeds = |force: f64, largest: Option<(usize, f64)>| {
+            largest.is_none_or(|(_, largest)| force > largest)
+        };
         self.candidates.motion(positions, &mut self.motion);
         let points = self.obstacles.points(positions);
         let pairs = self.candidates.pairs().iter();
         for (pair, earlier) in pairs.zip(self.candidates.gaps()) {
-            let force = pair.nodes.map(of_node).into_iter().fold(0.0, f64::max);
+            let of_nodes = pair.nodes.map(|node| (node, of_node(node)));
+            let (node, force) = (of_nodes.into_iter())
+                .fold((pair.nodes[0], 0.0), |a, b| if b.1 > a.1 { b } else { a });
             // Most pairs are of nodes whose forces count already, or are no larger.
-            if largest.is_none_or(|largest| force > largest)
+            if exceeds(force, largest)
                 && earlier - approach(pair, &self.motion) < near
                 && separation(&self.surface, pair, &points)
                     .is_some_and(|distance| distance < self.surface.threshold(pair.edges) + near)
             {
-                largest = Some(force);
+                largest = Some((node, force));
             }
         }
         for (index, plane) in self.planes.iter().enumerate() {
@@ -134,14 +177,14 @@ impl ContactSystem {
                     continue;
                 }
                 let force = of_node(surface.node);
-                if largest.is_none_or(|largest| force > largest)
+                if exceeds(force, largest)
                     && plane.distance(&positions[surface.node]) < surface.radius + near
                 {
-                    largest = Some(force);
+                    largest = Some((surface.node, force));
                 }
             }
         }
-        largest.map(f64::sqrt)
+        largest.map(|(node, square)| (node, square.sqrt()))
     }
 }
 

@@ -5,6 +5,7 @@ use super::contacts::CandidatePair;
 use super::foot::Points;
 use super::nearest_points::NearestPoints;
 use super::normal_law::NormalLaw;
+use super::normal_response::NormalResponse;
 use crate::mechanics::Vector3;
 
 /// Energy stored in contacts.
@@ -14,6 +15,17 @@ pub(crate) struct Stored {
     pub energy: f64,
     /// Contacts within the distance tolerance δ.
     pub contacts: usize,
+}
+
+/// A contact within reach of its potential.
+struct Felt {
+    nodes: [usize; 4],
+    weights: [f64; 4],
+    normal: Vector3,
+    /// m.
+    gap: f64,
+    /// Energy and force; negative where it counts against others.
+    response: NormalResponse,
 }
 
 impl ContactSystem {
@@ -28,20 +40,40 @@ impl ContactSystem {
         self.stored(&self.obstacles.points_at_start(positions))
     }
 
+    /// Adds, for every node, the gradient of the energy at the start of the step times a factor.
+    pub(crate) fn add_gradient_at_start(
+        &self,
+        positions: &[Vector3],
+        factor: f64,
+        add: &mut dyn FnMut(usize, Vector3),
+    ) {
+        self.visit_felt(&self.obstacles.points_at_start(positions), &mut |felt| {
+            let force = felt.normal * (-factor * felt.response.force);
+            let corners = felt.nodes.into_iter().zip(felt.weights);
+            for (node, weight) in corners.filter(|(node, _)| self.is_of_rod(*node)) {
+                add(node, force * weight);
+            }
+        });
+    }
+
     fn stored(&self, points: &Points) -> Stored {
         let mut stored = Stored::default();
-        if self.parameters.is_complementarity() {
-            return stored;
-        }
         let tolerance = self.parameters.distance_tolerance;
-        let mut add = |gap: f64, energy: f64| {
-            stored.energy += energy;
-            stored.contacts += usize::from(gap < tolerance);
-        };
+        self.visit_felt(points, &mut |felt| {
+            stored.energy += felt.response.energy;
+            stored.contacts += usize::from(felt.gap < tolerance);
+        });
+        stored
+    }
+
+    fn visit_felt(&self, points: &Points, visit: &mut dyn FnMut(Felt)) {
+        if self.parameters.is_complementarity() {
+            return;
+        }
         let pairs = self.candidates.pairs().iter().zip(self.candidates.gaps());
         for (pair, earlier) in pairs {
-            if let Some((gap, energy)) = self.energy_of(pair, *earlier, points) {
-                add(gap, energy);
+            if let Some(felt) = self.felt(pair, *earlier, points) {
+                visit(felt);
             }
         }
         for (index, plane) in self.planes.iter().enumerate() {
@@ -52,15 +84,20 @@ impl ContactSystem {
                     && !self.is_prescribed(node.node);
                 if is_felt {
                     let stiffness = self.stiffness_between(node.node, node.node);
-                    add(gap, self.energy_of_gap(gap, node.radius, stiffness));
+                    visit(Felt {
+                        nodes: [node.node; 4],
+                        weights: [1.0, 0.0, 0.0, 0.0],
+                        normal: plane.normal,
+                        gap,
+                        response: self.response_of_gap(gap, node.radius, stiffness),
+                    });
                 }
             }
         }
-        stored
     }
 
-    /// Gap (m) and energy (J) of a candidate whose gap was `earlier` (m) when the candidates were built; `None` beyond reach.
-    fn energy_of(&self, pair: &CandidatePair, earlier: f64, points: &Points) -> Option<(f64, f64)> {
+    /// A candidate whose gap was `earlier` (m) when the candidates were built; `None` beyond reach.
+    fn felt(&self, pair: &CandidatePair, earlier: f64, points: &Points) -> Option<Felt> {
         let reach = self.parameters.reach();
         if self.is_of_rod(pair.nodes[3]) {
             let built = self.candidates.positions();
@@ -82,14 +119,24 @@ impl ContactSystem {
             && !self.are_prescribed(&pair.nodes, &weights);
         let stiffness = self.stiffness_between(pair.nodes[0], pair.nodes[3]);
         let scale = self.surface.law_scale(pair.edges);
-        let energy = self.energy_of_gap(gap, scale, stiffness);
+        let response = self.response_of_gap(gap, scale, stiffness);
         // A counter-pair takes back what another counts twice, beyond a barrier as well.
-        let counts = is_felt && (pair.sign() > 0.0 || energy.is_finite());
-        counts.then(|| (gap, pair.sign() * energy))
+        let counts = is_felt && (pair.sign() > 0.0 || response.energy.is_finite());
+        counts.then(|| Felt {
+            nodes: pair.nodes,
+            weights,
+            normal,
+            gap,
+            response: NormalResponse {
+                energy: pair.sign() * response.energy,
+                force: pair.sign() * response.force,
+                ..response
+            },
+        })
     }
 
-    fn energy_of_gap(&self, gap: f64, scale: f64, stiffness: f64) -> f64 {
+    fn response_of_gap(&self, gap: f64, scale: f64, stiffness: f64) -> NormalResponse {
         let law = NormalLaw::new(&self.parameters, scale, stiffness);
-        law.response(self.counted_gap(gap)).energy
+        law.response(self.counted_gap(gap))
     }
 }

@@ -18,7 +18,7 @@ const FAST: f64 = 0.5;
 
 /// Fraction of the free path that a shortened predictor covers: less than all, so that rounding
 /// cannot cause contact.
-const PREDICTED_PART: f64 = 0.9;
+pub(super) const PREDICTED_PART: f64 = 0.9;
 
 /// Fraction of the largest step below which Newton's method may use all its iterations and line
 /// searches. Without this, halving could end below the smallest step.
@@ -373,6 +373,26 @@ impl Workspace {
         if system.contact().is_none() {
             return;
         }
+        self.prediction.copy_from_slice(&self.trial.unknowns);
+        let may_bound = !setting.parameters.scheme.rules().extrapolates();
+        self.at_prediction(setting, system, state, |system, unknowns, stage| {
+            let before = system.contact_stiffness();
+            system.adapt_contact_stiffness(unknowns, Some(stage));
+            if may_bound {
+                system.bound_contact_stiffness(before, stage);
+            }
+        });
+    }
+
+    /// What is found at the prediction, shortened where it crosses a contact, with the inertia for which the contact stiffness is; and the
+    /// part of the prediction that is left.
+    pub(super) fn at_prediction<T>(
+        &mut self,
+        setting: &Setting,
+        system: &mut System,
+        state: &State,
+        find: impl FnOnce(&mut System, &[f64], &Stage) -> T,
+    ) -> (T, f64) {
         let last = state.history.steps[0].size;
         let lengthening = match setting.parameters.step {
             StepSize::Fixed(whole) if system.has_friction() && last > 0.0 => {
@@ -382,26 +402,23 @@ impl Workspace {
         };
         let acceleration_step = self.stage.acceleration_step;
         self.stage.acceleration_step *= lengthening;
-        self.prediction.copy_from_slice(&self.trial.unknowns);
+        self.trial.unknowns.copy_from_slice(&self.prediction);
         // Inertia includes the motion that a barrier stops. If a clamp moves through the barrier,
         // Newton's method decides.
-        let _ = self.shorten_prediction(system, state);
-        let before = system.contact_stiffness();
-        system.adapt_contact_stiffness(&self.trial.unknowns, Some(&self.stage));
-        if !setting.parameters.scheme.rules().extrapolates() {
-            system.bound_contact_stiffness(before, &self.stage);
-        }
+        let part = self.shorten_prediction(system, state).unwrap_or(0.0);
+        let found = find(system, &self.trial.unknowns, &self.stage);
         self.trial.unknowns.copy_from_slice(&self.prediction);
         self.stage.acceleration_step = acceleration_step;
+        (found, part)
     }
 
-    /// Shortens a prediction that crosses an impassable contact, if necessary to zero. Held
-    /// unknowns stay as prescribed.
-    fn shorten_prediction(&mut self, system: &mut System, state: &State) -> Result<(), Failure> {
+    /// Shortens a prediction that crosses an impassable contact, if necessary to zero, and returns
+    /// the remaining fraction. Held unknowns stay as prescribed.
+    fn shorten_prediction(&mut self, system: &mut System, state: &State) -> Result<f64, Failure> {
         let trial = &mut self.trial.unknowns;
         let free = system.largest_step(&state.unknowns, trial);
         if free >= 1.0 {
-            return Ok(());
+            return Ok(1.0);
         }
         for part in [PREDICTED_PART * free, 0.0] {
             for k in 0..trial.len() {
@@ -411,7 +428,7 @@ impl Workspace {
             }
             system.complete(trial);
             if system.largest_step(&state.unknowns, trial) >= 1.0 {
-                return Ok(());
+                return Ok(part);
             }
         }
         Err(Failure::Crossing {

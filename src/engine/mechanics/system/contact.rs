@@ -10,7 +10,9 @@ use super::stage::{Stage, copy_positions};
 use super::term::{Configuration, Kind, Term};
 use super::touching::contact_of;
 use super::turned_elements::moments;
-use crate::mechanics::contact::{ContactModel, ContactSystem, FrictionAt};
+use crate::mechanics::contact::{
+    ContactMemory, ContactModel, ContactSystem, FrictionAt, MismatchedMemory,
+};
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
 use crate::mechanics::scene::Scene;
@@ -248,6 +250,22 @@ impl System {
     /// The contact model, where the scene has one.
     pub fn contact(&self) -> Option<&ContactSystem> {
         self.terms.contact.model.as_ref()
+    }
+
+    /// Continues with candidates, stiffness and forces of a checkpoint, without forces that Newton's method carries along.
+    ///
+    /// # Errors
+    /// If it is that of another scene.
+    pub(crate) fn restore_contact(
+        &mut self,
+        memory: Option<&ContactMemory>,
+    ) -> Result<(), MismatchedMemory> {
+        if let (Some(contact), Some(memory)) = (&mut self.terms.contact.model, memory) {
+            contact.restore(memory)?;
+            contact.abandon_multipliers();
+            self.matrix.expect_other_candidates();
+        }
+        Ok(())
     }
 
     /// Notes where a step starts, and the energy that contacts hold there if the scheme `extrapolates`. Candidates must be

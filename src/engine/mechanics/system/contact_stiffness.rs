@@ -12,7 +12,7 @@ use crate::mechanics::contact::{ContactSystem, Stored};
 use crate::mechanics::rod::{STRIDE, topology::position};
 
 /// Energy that a rise of the stiffness may add, over the kinetic and elastic energy of the scene.
-const MADE: f64 = 1e-4;
+pub(super) const MADE: f64 = 1e-4;
 /// The same for every contact, of the work over δ of the force for which it rises: the energy of contacts that carry this force.
 const MADE_BY_CONTACT: f64 = 0.2;
 
@@ -25,18 +25,23 @@ impl System {
         let may_touch = !contact.candidates().is_empty() || self.terms.contact.has_planes;
         if may_touch && !contact.parameters().is_complementarity() {
             self.evaluate(unknowns, stage);
-            for node in 0..self.terms.contact.forces.len() {
-                let held = self.assembly.held[STRIDE * node];
-                self.terms.contact.forces[node] = if held {
-                    Vector3::zeros()
-                } else {
-                    position(&self.residual, node)
-                };
-            }
-            copy_positions(unknowns, &mut self.terms.contact.positions);
+            self.take_forces(unknowns);
             contact.adapt_stiffness(&self.terms.contact.positions, &self.terms.contact.forces);
         }
         self.terms.contact.model = Some(contact);
+    }
+
+    /// Takes positions and forces without contact, those of an evaluation without it.
+    pub(super) fn take_forces(&mut self, unknowns: &[f64]) {
+        for node in 0..self.terms.contact.forces.len() {
+            let held = self.assembly.held[STRIDE * node];
+            self.terms.contact.forces[node] = if held {
+                Vector3::zeros()
+            } else {
+                position(&self.residual, node)
+            };
+        }
+        copy_positions(unknowns, &mut self.terms.contact.positions);
     }
 
     /// Contact stiffness k; zero without contact.
@@ -106,11 +111,10 @@ impl System {
         if stored == 0.0 {
             return contact.set_stiffness(wanted);
         }
-        let Stored { energy, contacts } =
-            stored_at_start(contact, wanted, &self.terms.contact.step_start);
-        let made = energy - stored;
-        let by_contacts = MADE_BY_CONTACT * contacts as f64 * contact.work_over_tolerance();
-        let mut allowed = by_contacts + MADE * self.kinetic_energy_at_start(stage);
+        let after = stored_at_start(contact, wanted, &self.terms.contact.step_start);
+        let made = after.energy - stored;
+        let mut allowed =
+            allowed_by_contacts(contact, after) + MADE * self.kinetic_energy_at_start(stage);
         if made > allowed {
             allowed += MADE * self.elastic_energy().total();
         }
@@ -130,8 +134,17 @@ impl System {
     }
 }
 
+/// Energy that a rise of the stiffness to the present one may add by the forces of so many contacts, J.
+pub(super) fn allowed_by_contacts(contact: &ContactSystem, stored: Stored) -> f64 {
+    MADE_BY_CONTACT * stored.contacts as f64 * contact.work_over_tolerance()
+}
+
 /// Energy of the contacts at the start of the step with the stiffness k, which is kept.
-fn stored_at_start(contact: &mut ContactSystem, stiffness: f64, start: &[Vector3]) -> Stored {
+pub(super) fn stored_at_start(
+    contact: &mut ContactSystem,
+    stiffness: f64,
+    start: &[Vector3],
+) -> Stored {
     contact.set_stiffness(stiffness);
     contact.stored_at_start(start)
 }

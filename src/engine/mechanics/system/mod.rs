@@ -22,6 +22,7 @@ mod complementarity;
 mod contact;
 mod contact_prediction;
 mod contact_response;
+mod contact_start;
 mod contact_stiffness;
 mod copies;
 mod damping;
@@ -68,6 +69,7 @@ pub use breaking::Break;
 use breaking::Breaking;
 pub(crate) use build::Assembly;
 pub(crate) use clamps::Drive;
+pub(crate) use contact_start::StiffnessCourse;
 pub(crate) use copies::{Allowance, Copies, Member, set_lanes};
 pub(crate) use demand::Demand;
 pub(crate) use events::Event;
@@ -332,6 +334,19 @@ impl System {
         stage: Option<&Stage>,
     ) -> WholeMatrix {
         self.linearize_all(unknowns, stage);
+        let whole = self.matrix.whole();
+        self.matrix.hold(&self.assembly.held);
+        whole
+    }
+
+    /// The same, transposed: [`Self::solve`] then solves Jᵀ x = b, with the same held unknowns.
+    pub(crate) fn linearize_transposed(
+        &mut self,
+        unknowns: &[f64],
+        stage: Option<&Stage>,
+    ) -> WholeMatrix {
+        self.linearize_all(unknowns, stage);
+        self.matrix.transpose();
         let whole = self.matrix.whole();
         self.matrix.hold(&self.assembly.held);
         whole

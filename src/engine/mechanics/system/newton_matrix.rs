@@ -7,6 +7,7 @@ use crate::linalg::{
     BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, HALF_BANDWIDTH, Inertia,
     SharedUnknown, SingularMatrix, UNUSED,
 };
+use crate::mechanics::Matrix3;
 use crate::mechanics::contact::{CandidatePair, ConstraintPlace, ContactSystem, TurnedBodies};
 use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
 use std::ops::Range;
@@ -362,6 +363,20 @@ impl NewtonMatrix {
                     }
                 }
             }
+        }
+    }
+
+    /// The part of the band of the position of a node, N/m.
+    pub(crate) fn of_position(&self, node: usize) -> Matrix3 {
+        Matrix3::from_fn(|row, column| self.band.get(STRIDE * node + row, STRIDE * node + column))
+    }
+
+    /// Makes the Jacobian its transpose, before held unknowns are eliminated.
+    pub(crate) fn transpose(&mut self) {
+        let active = self.active.iter_mut().map(|(_, matrix)| matrix);
+        for matrix in self.permanent_matrices.iter_mut().chain(active) {
+            let own = *matrix;
+            *matrix = std::array::from_fn(|row| std::array::from_fn(|column| own[column][row]));
         }
     }
 

@@ -31,6 +31,11 @@ impl OfStrains {
         }
     }
 
+    /// Makes all of them zero.
+    pub(crate) fn clear(&mut self) {
+        self.all_mut().for_each(|number| *number = 0.0);
+    }
+
     /// All numbers.
     fn all_mut(&mut self) -> impl Iterator<Item = &mut f64> {
         self.vertices.iter_mut().flatten().chain(&mut self.edges)

@@ -6,10 +6,11 @@
 //! result over q,
 //!
 //! ```text
-//! J λ = q̄,     s̄ = −(∂R/∂s)ᵀ λ,     dI/dp += −(∂R/∂p)ᵀ λ,     J = ∂R/∂q = Jᵀ
+//! Jᵀ λ = q̄,     s̄ = −(∂R/∂s)ᵀ λ,     dI/dp += −(∂R/∂p)ᵀ λ,     J = ∂R/∂q
 //! ```
 //!
-//! at the solution of the step, from the last step to the first. J is symmetric where forces have a potential, which is asked for.
+//! at the solution of the step, from the last step to the first. J is symmetric where forces have a potential; else the solve is one with
+//! its transpose.
 //!
 //! **State.** s consists of unknowns and velocities at present and at the last steps, the strains of dashpots there, and the frames that
 //! the step transports in time. With the tangents s and t of an edge at the start and at the end of a step, the spin of its frame
@@ -31,24 +32,35 @@
 //! **Strains.** λ·R = Σ M dε\[λ\] for elastic forces and dashpots, with the derivatives of the strains along λ
 //! (`system/virtual_work`): these hold dI/dp for stiffness and natural strains of every vertex.
 //!
+//! **Contact.** Friction acts on the slip since the start of the stage, to which it is transposed as dampers are. The contact stiffness k is
+//! part of s: contact forces are proportional to it, and where a step adapts it to the force on a node at the prediction, with bounds by
+//! energies and on a prediction that a contact shortens, it is pulled back through these (`stiffness_back`). The least stiffness is a number
+//! of the scene.
+//!
 //! **Cost.** The steps are stored as they are taken; where they fill [`LARGEST_TRACE`], only the states at which parts of the motion
 //! began are kept, and a part is taken once more, bit for bit, when its derivatives are due. A step back costs one linearisation
 //! and factorisation, where the step itself took two or three, and a solve for each result.
 //!
-//! **Not supported**, and refused: what [`super::sensitivity`] refuses, and contact, springs, moments and forces that turn with rods, fluids, the
+//! **Not supported**, and refused: what [`super::sensitivity`] refuses, contact by complementarity, joints and bodies, fluids, the
 //! midpoint rule, relaxation (the standard linear solid), and rods that lengthen by themselves.
 //!
 //! | file | what |
 //! |---|---|
 //! | `gradient` | the derivatives over fields |
-//! | `measured` | derivatives of the results over the last state |
-//! | `covector` | a step back |
+//! | `measured`, `differences` | derivatives of the results over the last state |
+//! | `covector` | the derivative over a state |
+//! | `step_back`, `point` | a step back |
+//! | `stiffness_back` | the contact stiffness of a step back |
 //! | `weights` | the scheme as a linear map |
 //! | `trace` | the states of the steps |
 
 mod covector;
+mod differences;
 mod gradient;
 mod measured;
+mod point;
+mod step_back;
+mod stiffness_back;
 mod trace;
 mod weights;
 
@@ -56,12 +68,13 @@ pub use gradient::Gradient;
 
 use super::parameters::{IntegrationParameters, Scheme};
 use super::report::{SimulationError, SimulationState, StepReport};
-use super::sensitivity::{Replayed, SensitivityError, Taken, check};
+use super::sensitivity::{Replayed, SensitivityError, Taken};
 use super::simulation::Simulation;
 use crate::mechanics::SceneError;
 use crate::mechanics::scene::{ActuatedStrain, Scene};
-use covector::StepBack;
 use gradient::Sums;
+use step_back::StepBack;
+use stiffness_back::StiffnessBack;
 use trace::Trace;
 
 /// Size up to which the states of steps are kept, bytes.
@@ -85,7 +98,6 @@ impl Recording {
         scene: &Scene,
         parameters: &IntegrationParameters,
     ) -> Result<Self, SensitivityError> {
-        check(scene)?;
         let simulation = Simulation::new(scene, parameters)?;
         refuse(scene, &simulation, parameters)?;
         Ok(Self {
@@ -155,18 +167,31 @@ impl Recording {
         self.trace
             .visit_backwards(centre, &mut |centre, [start, end]| {
                 centre.take_up(start)?;
+                let contact = end.contact.as_ref();
                 let taken = Taken {
                     time: end.time,
                     unknowns: &end.unknowns,
-                    contact_stiffness: 0.0,
+                    contact_stiffness: contact.map_or(0.0, |contact| contact.stiffness),
+                    pressing: Vec::new(),
                 };
-                let replayed = Replayed::new(&taken, centre)?;
+                let replayed = Replayed::transposed(&taken, centre)?;
                 let mut step = StepBack::new(centre, &replayed);
                 let part = ends.partition_point(|of_part| *of_part < end.time);
                 for (covector, sums) in covectors.iter_mut().zip(&mut sums) {
                     let along = step.pull_back(covector, centre)?;
                     if let Some(sums) = sums.get_mut(part) {
-                        sums.add(&along, &step.laws);
+                        sums.add(&along, step.laws());
+                    }
+                }
+                let matters = covectors.iter().any(|covector| covector.stiffness != 0.0);
+                if !replayed.adapts() || !matters {
+                    return Ok(());
+                }
+                let mut stiffness = StiffnessBack::new(centre, &replayed)?;
+                for (covector, sums) in covectors.iter_mut().zip(&mut sums) {
+                    let along = stiffness.pull_back(covector, centre);
+                    if let Some(sums) = sums.get_mut(part) {
+                        sums.add(&along, stiffness.laws());
                     }
                 }
                 Ok(())
@@ -175,7 +200,8 @@ impl Recording {
         let firsts = sums.iter_mut().filter_map(|sums| sums.first_mut());
         if self.settled {
             let unknowns = centre.state.unknowns.clone();
-            centre.system.linearize(&unknowns, None);
+            centre.system.update_candidates(&unknowns);
+            centre.system.linearize_transposed(&unknowns, None);
             let singular = SensitivityError::Singular {
                 time: centre.state.time,
             };
@@ -215,8 +241,8 @@ fn refuse(
             "derivatives over fields need time.scheme = \"implicit-euler\" or \"backward-differences\"",
         ),
         (
-            scene.contact.is_some(),
-            "derivatives over fields support no contact",
+            system.has_constraints(),
+            "derivatives over fields need contact.model = \"imc\" or \"ipc\"",
         ),
         (
             scene.fluid.is_some(),
@@ -229,10 +255,6 @@ fn refuse(
         (
             lengthens,
             "derivatives over fields support no rods that lengthen by themselves",
-        ),
-        (
-            !system.has_copies(),
-            "derivatives over fields support no springs, moments and forces that turn with rods",
         ),
     ];
     match refusals.into_iter().find(|(refused, _)| *refused) {
@@ -247,10 +269,12 @@ impl Simulation {
     /// # Errors
     /// [`SensitivityError::Simulation`] if it is that of another scene.
     fn take_up(&mut self, at: &SimulationState) -> Result<(), SensitivityError> {
+        let foreign = |what: String| SimulationError::BadScene(SceneError::Checkpoint(what));
         let restored = self.system.terms.restore(at.strains.clone());
-        let foreign =
-            |what: &str| SimulationError::BadScene(SceneError::Checkpoint(what.to_owned()));
-        restored.map_err(foreign)?;
+        restored.map_err(|what| foreign(what.to_owned()))?;
+        self.system.terms.contact.place_obstacles(at.time);
+        let restored = self.system.restore_contact(at.contact.as_ref());
+        restored.map_err(|what| foreign(what.to_string()))?;
         self.state.time = at.time;
         self.state.unknowns.clone_from(&at.unknowns);
         self.state.velocity.clone_from(&at.velocity);
@@ -263,5 +287,7 @@ impl Simulation {
     }
 }
 
+#[cfg(test)]
+mod contact_tests;
 #[cfg(test)]
 mod tests;

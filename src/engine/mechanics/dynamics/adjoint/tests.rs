@@ -6,26 +6,28 @@ use crate::mechanics::contact::ContactModel;
 use crate::mechanics::dynamics::state::State;
 use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation};
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{Clamp, Inertia, Motion, NaturalShape, Relaxation, Scene};
+use crate::mechanics::scene::{
+    Clamp, Inertia, LoadKind, Motion, NaturalShape, Relaxation, Scene, Spring, TurningStiffness,
+};
 use crate::mechanics::test_support::{
-    advance_to, cantilever, clamp, contact, curved, drag, fixed_steps, gravity, moment_on,
-    point_force, section, straight_rod,
+    advance_to, at, cantilever, clamp, contact, curved, drag, fixed_steps, gravity, moment_on,
+    point_force, section, spring, steady, straight_rod,
 };
 
 const STEPS: usize = 30;
 const STEP: f64 = 2e-3;
-const SCHEMES: [Scheme; 2] = [Scheme::ImplicitEuler, Scheme::BackwardDifferences];
+pub(super) const SCHEMES: [Scheme; 2] = [Scheme::ImplicitEuler, Scheme::BackwardDifferences];
 
 /// What happens: steps, after an equilibrium or not, or the equilibrium alone.
 #[derive(Clone, Copy, Debug)]
-struct Course {
-    settles: bool,
-    steps: usize,
-    scheme: Scheme,
+pub(super) struct Course {
+    pub(super) settles: bool,
+    pub(super) steps: usize,
+    pub(super) scheme: Scheme,
 }
 
 impl Course {
-    fn parameters(&self) -> IntegrationParameters {
+    pub(super) fn parameters(&self) -> IntegrationParameters {
         IntegrationParameters {
             force_tolerance: 1e-13,
             displacement_tolerance: 1e-11,
@@ -33,12 +35,12 @@ impl Course {
         }
     }
 
-    fn end(&self) -> f64 {
+    pub(super) fn end(&self) -> f64 {
         STEP * self.steps as f64
     }
 
     /// The results of a run in which something is changed by an amount.
-    fn run(&self, scene: &Scene, change: Change, node: usize, amount: f64) -> Vec<f64> {
+    pub(super) fn run(&self, scene: &Scene, change: Change, node: usize, amount: f64) -> Vec<f64> {
         let mut simulation = Simulation::new(scene, &self.parameters()).unwrap();
         change(&mut simulation, node, amount);
         let rods = &simulation.system.assembly.rods;
@@ -50,7 +52,7 @@ impl Course {
         results(&simulation)
     }
 
-    fn gradients(&self, scene: &Scene, largest: usize) -> Vec<Gradient> {
+    pub(super) fn gradients(&self, scene: &Scene, largest: usize) -> Vec<Gradient> {
         let mut recording = Recording::new(scene, &self.parameters()).unwrap();
         recording.trace = Trace::new(&recording.simulation, largest);
         if self.settles {
@@ -64,7 +66,7 @@ impl Course {
 }
 
 /// Place and velocity of two nodes, and a director.
-fn results(simulation: &Simulation) -> Vec<f64> {
+pub(super) fn results(simulation: &Simulation) -> Vec<f64> {
     let vectors = [
         simulation.positions()[10] * 10.0,
         simulation.positions()[6] * 10.0,
@@ -78,7 +80,7 @@ fn results(simulation: &Simulation) -> Vec<f64> {
 }
 
 /// Adds an amount to a number that belongs to a node.
-type Change = fn(&mut Simulation, usize, f64);
+pub(super) type Change = fn(&mut Simulation, usize, f64);
 
 /// Adds to the natural strains of the vertices at a node: to κ about m₁, κ about m₂, or the twist.
 fn strain(simulation: &mut Simulation, node: usize, [first, second, twist]: [f64; 3]) {
@@ -145,7 +147,7 @@ fn throw(simulation: &mut Simulation, node: usize, velocity: Vector3) {
 /// A field with how to change it at a node, an amount that matters little, and its derivative there.
 type Field = (&'static str, Change, f64, fn(&Gradient, usize) -> f64);
 
-const FIELDS: [Field; 8] = [
+const FIELDS: [Field; 9] = [
     (
         "curvature about m1",
         |s, k, by| strain(s, k, [by, 0.0, 0.0]),
@@ -194,6 +196,12 @@ const FIELDS: [Field; 8] = [
         0.01,
         |g, k| g.velocity[k].y,
     ),
+    (
+        "force",
+        |s, k, by| s.system.terms.loads.external_mut()[STRIDE * k + 2] += by,
+        1e-5,
+        |g, k| g.force[k].z,
+    ),
 ];
 
 /// Derivatives of all results over one number.
@@ -229,13 +237,26 @@ const EXACT: f64 = 1e-7;
 /// Compares the derivatives over the numbers of some nodes with differences, over the amounts of the fields times `share`.
 #[track_caller]
 fn check(name: &str, course: &Course, scene: &Scene, share: f64) {
+    check_at([0, 3, 7], EXACT, name, course, scene, share);
+}
+
+/// The same with the nodes, and the largest error.
+#[track_caller]
+pub(super) fn check_at<const N: usize>(
+    nodes: [usize; N],
+    exactness: f64,
+    name: &str,
+    course: &Course,
+    scene: &Scene,
+    share: f64,
+) {
     let gradients = course.gradients(scene, LARGEST_TRACE);
     let fields = FIELDS
         .iter()
         .filter(|field| !(course.settles && field.0 == "velocity"));
     for (field, change, amount, of) in fields {
         let (mut worst, mut largest) = (0.0_f64, UNIMPORTANT);
-        for node in [0, 3, 7] {
+        for node in nodes {
             let expected = differences(course, scene, *change, node, share * amount);
             for (gradient, expected) in gradients.iter().zip(expected) {
                 if *field == "velocity" && scene.clamps.iter().any(|clamp| clamp.node == node) {
@@ -252,7 +273,7 @@ fn check(name: &str, course: &Course, scene: &Scene, share: f64) {
             worst / largest
         );
         assert!(
-            worst / largest < EXACT,
+            worst / largest < exactness,
             "{name} {field} {course:?}: {:e}",
             worst / largest
         );
@@ -275,7 +296,7 @@ fn driven() -> Scene {
     scene
 }
 
-fn course(scheme: Scheme) -> Course {
+pub(super) fn course(scheme: Scheme) -> Course {
     Course {
         settles: false,
         steps: STEPS,
@@ -323,6 +344,65 @@ fn clamps_that_move_after_an_equilibrium() {
             ..course(scheme)
         };
         check("driven", &course, &driven(), 0.3);
+    }
+}
+
+/// Two cantilevers side by side.
+fn pair() -> Scene {
+    let mut scene = cantilever();
+    let mut other = scene.rods[0].clone();
+    other.name = "other".into();
+    for node in &mut other.centreline {
+        *node += Vector3::y() * 0.05;
+    }
+    scene.rods.push(other);
+    scene.clamps.push(clamp(1, 0));
+    scene
+}
+
+#[test]
+fn springs() {
+    let mut scene = pair();
+    let turning = TurningStiffness {
+        stiffness: 0.01,
+        rest_rotation: Vector3::new(0.1, 0.2, 0.3),
+    };
+    scene.springs = vec![
+        spring("between nodes", [at(0, 3), at(0, 9)], 20.0),
+        Spring {
+            turning: Some(turning),
+            ..spring("between frames", [at(0, 6), at(1, 8)], 5.0)
+        },
+    ];
+    for scheme in SCHEMES {
+        check("springs", &course(scheme), &scene, 1.0);
+    }
+    let rest = Course {
+        settles: true,
+        steps: 0,
+        ..course(Scheme::ImplicitEuler)
+    };
+    check("springs", &rest, &scene, 0.3);
+}
+
+#[test]
+fn moments_and_forces_that_turn_with_rods() {
+    let mut scene = cantilever();
+    scene.loads.extend([
+        moment_on(0, 5, Vector3::new(2e-3, -3e-3, 4e-3)),
+        steady(LoadKind::FollowerForce {
+            rod: 0,
+            node: 7,
+            force: Vector3::new(0.01, 0.02, -0.03),
+        }),
+        steady(LoadKind::FollowerMoment {
+            rod: 0,
+            edge: 3,
+            moment: Vector3::new(-2e-3, 1e-3, 3e-3),
+        }),
+    ]);
+    for scheme in SCHEMES {
+        check("turning", &course(scheme), &scene, 1.0);
     }
 }
 
@@ -407,13 +487,13 @@ fn parts_that_are_taken_once_more_give_the_same_bytes() {
 #[test]
 fn scenes_without_these_derivatives_are_refused() {
     type Spoil = fn(&mut Scene, &mut IntegrationParameters);
-    let spoils: [(Spoil, &str); 4] = [
+    let spoils: [(Spoil, &str); 3] = [
         (
             |_, parameters| parameters.scheme = Scheme::ImplicitMidpoint,
             "time.scheme",
         ),
         (
-            |scene, _| scene.contact = Some(contact(ContactModel::ImplicitContact, 1e-3)),
+            |scene, _| scene.contact = Some(contact(ContactModel::Complementarity, 1e-3)),
             "contact",
         ),
         (
@@ -424,10 +504,6 @@ fn scenes_without_these_derivatives_are_refused() {
                 });
             },
             "relaxation",
-        ),
-        (
-            |scene, _| scene.loads.push(moment_on(0, 5, Vector3::z())),
-            "moments",
         ),
     ];
     for (spoil, word) in spoils {

@@ -1,6 +1,7 @@
 //! The states at the ends of steps: those of the last part of a motion, and those at which its earlier parts began.
 
 use super::SensitivityError;
+use crate::mechanics::contact::ContactMemory;
 use crate::mechanics::dynamics::report::{SimulationState, StepReport};
 use crate::mechanics::dynamics::simulation::Simulation;
 
@@ -136,5 +137,10 @@ fn size(state: &SimulationState) -> usize {
     let motions = 2 * (1 + crate::mechanics::dynamics::history::LENGTH) * state.unknowns.len();
     let frames = 6 * state.reference.tangent.len() + state.reference.twist.len();
     let strains: usize = state.strains.iter().map(Vec::len).sum();
-    size_of::<f64>() * (motions + frames + strains)
+    let of_contact = |contact: &ContactMemory| {
+        let of_candidates = contact.normal_forces.len() + 4 * contact.tractions.len();
+        3 * contact.candidate_positions.len() + contact.coupled.len() + of_candidates
+    };
+    let contact = state.contact.as_ref().map_or(0, of_contact);
+    size_of::<f64>() * (motions + frames + strains + contact)
 }

@@ -15,11 +15,12 @@ pub(super) struct Weights {
     pub velocities: [f64; MOTIONS],
 }
 
-/// Weights in the start of a stage, and in the velocity there.
+/// Weights in the start of a stage, in the velocity there, and in the prediction of its solution.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HistoryWeights {
     pub start: Weights,
     pub velocity: Weights,
+    pub prediction: Weights,
 }
 
 impl HistoryWeights {
@@ -53,6 +54,7 @@ impl HistoryWeights {
         Self {
             start: of(&stage.start),
             velocity: of(&stage.velocity),
+            prediction: of(&prediction.unknowns),
         }
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::mechanics::SceneError;
 use crate::mechanics::dynamics::report::SimulationError;
-use crate::mechanics::scene::Scene;
 
 /// Reason why there are no derivatives.
 #[derive(Debug, thiserror::Error)]
@@ -36,19 +35,5 @@ pub enum SensitivityError {
 impl From<SceneError> for SensitivityError {
     fn from(error: SceneError) -> Self {
         Self::Simulation(error.into())
-    }
-}
-
-/// Checks that the derivatives of a scene are supported.
-///
-/// # Errors
-/// [`SensitivityError::Unsuitable`].
-pub(in crate::mechanics::dynamics) fn check(scene: &Scene) -> Result<(), SensitivityError> {
-    let is_rigid = (scene.contact).is_some_and(|contact| contact.is_complementarity());
-    match is_rigid {
-        true => Err(SensitivityError::Unsuitable(
-            "derivatives need contact.model = \"imc\" or \"ipc\"",
-        )),
-        false => Ok(()),
     }
 }

@@ -1,6 +1,6 @@
 //! One parameter: its neighbours, and the derivative of the state of motion.
 
-use super::error::{self, SensitivityError};
+use super::error::SensitivityError;
 use super::replay::Replayed;
 use super::variation::Variation;
 use crate::mechanics::Vector3;
@@ -45,8 +45,6 @@ impl Parameter {
         base: &Simulation,
     ) -> Result<Self, SensitivityError> {
         let [plus, minus] = &variation.scenes;
-        error::check(plus)?;
-        error::check(minus)?;
         let neighbours = [
             super::sharp(plus, parameters)?,
             super::sharp(minus, parameters)?,
@@ -110,6 +108,7 @@ impl Parameter {
             let before = neighbour.system.contact_stiffness();
             neighbour.begin_like(goal)?;
             replayed.stiffen(neighbour, before)?;
+            neighbour.system.share_active_laws(&centre.system);
             let from = neighbour.stage_from(centre, step);
             let mut at = replayed.solution.clone();
             let held = &neighbour.system.assembly.held;

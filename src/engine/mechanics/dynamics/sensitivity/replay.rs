@@ -1,11 +1,12 @@
 //! A simulation takes the step of another one: the same stage, but the solution is given.
 
 use super::error::SensitivityError;
+use crate::mechanics::contact::ActiveLaw;
 use crate::mechanics::dynamics::report::{Exchange, SimulationError};
 use crate::mechanics::dynamics::scheme::{Prediction, TimeScheme};
 use crate::mechanics::dynamics::simulation::Simulation;
 use crate::mechanics::dynamics::state::State;
-use crate::mechanics::system::{Stage, WholeMatrix};
+use crate::mechanics::system::{Stage, System, WholeMatrix};
 
 /// Residual over its tolerance up to which a repeated step counts as the same: Newton's method may end with last digits alone.
 const SAME: f64 = 1e3;
@@ -26,10 +27,11 @@ pub(in crate::mechanics::dynamics) struct Replayed {
     pub residual: Vec<f64>,
     /// Frames whose rotation vectors are reset at the end.
     pub long: Vec<usize>,
-    /// Contact stiffness k, its ratio to that from the forces at the prediction, and whether these changed it.
+    /// Contact stiffness k, and its ratio to that from the forces at the prediction.
     stiffness: f64,
-    stiffening: f64,
-    adapts: bool,
+    pub stiffening: f64,
+    /// The stiffness before these, and with them.
+    pub adaption: [f64; 2],
 }
 
 /// A step that was taken: where it ended.
@@ -40,6 +42,8 @@ pub(in crate::mechanics::dynamics) struct Taken<'a> {
     pub unknowns: &'a [f64],
     /// Contact stiffness k.
     pub contact_stiffness: f64,
+    /// Contacts that press by complementarity.
+    pub pressing: Vec<ActiveLaw>,
 }
 
 impl<'a> Taken<'a> {
@@ -49,6 +53,7 @@ impl<'a> Taken<'a> {
             time: simulation.state.time,
             unknowns: &simulation.integrator.workspace.trial.unknowns,
             contact_stiffness: simulation.system.contact_stiffness(),
+            pressing: simulation.system.pressing(),
         }
     }
 }
@@ -61,6 +66,25 @@ impl Replayed {
     pub(in crate::mechanics::dynamics) fn new(
         taken: &Taken<'_>,
         centre: &mut Simulation,
+    ) -> Result<Self, SensitivityError> {
+        Self::with(taken, centre, System::linearize_whole)
+    }
+
+    /// The same with the transposed Jacobian, for adjoints.
+    ///
+    /// # Errors
+    /// The same.
+    pub(in crate::mechanics::dynamics) fn transposed(
+        taken: &Taken<'_>,
+        centre: &mut Simulation,
+    ) -> Result<Self, SensitivityError> {
+        Self::with(taken, centre, System::linearize_transposed)
+    }
+
+    fn with(
+        taken: &Taken<'_>,
+        centre: &mut Simulation,
+        linearize: fn(&mut System, &[f64], Option<&Stage>) -> WholeMatrix,
     ) -> Result<Self, SensitivityError> {
         let goal = taken.time;
         let step = goal - centre.state.time;
@@ -90,7 +114,12 @@ impl Replayed {
         }
         let tolerance = setting.parameters.force_tolerance;
         system.set_tolerances(tolerance, &centre.state.unknowns, Some(&workspace.stage));
-        let jacobian = system.linearize_whole(&solution, Some(&workspace.stage));
+        if system.has_constraints() {
+            let pressing = taken.pressing.clone();
+            let set = system.set_active_laws(pressing, &solution, &workspace.stage);
+            set.map_err(|reason| SensitivityError::NotRepeated { time: goal, reason })?;
+        }
+        let jacobian = linearize(system, &solution, Some(&workspace.stage));
         let rules = setting.parameters.scheme.rules();
         if centre
             .integrator
@@ -122,8 +151,14 @@ impl Replayed {
             long: system.long_rotations(taken.unknowns),
             stiffness: used,
             stiffening: if adapted > 0.0 { used / adapted } else { 1.0 },
-            adapts: adapted != before,
+            adaption: [before, adapted],
         })
+    }
+
+    /// Whether forces at the prediction changed the contact stiffness.
+    pub(in crate::mechanics::dynamics) fn adapts(&self) -> bool {
+        let [before, adapted] = self.adaption;
+        adapted != before
     }
 
     /// Gives a neighbour, whose stiffness was `before` its step, that of the same rule.
@@ -136,7 +171,7 @@ impl Replayed {
         before: f64,
     ) -> Result<(), SensitivityError> {
         let system = &mut neighbour.system;
-        let adapted = match self.adapts {
+        let adapted = match self.adapts() {
             true => system.contact_stiffness(),
             false => before,
         };

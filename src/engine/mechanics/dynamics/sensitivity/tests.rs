@@ -2,13 +2,13 @@
 
 use super::{Sensitivity, SensitivityError, Variation, sharp};
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::{ContactModel, ContactParameters, FrictionAt};
+use crate::mechanics::contact::{ContactModel, FrictionAt};
 use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation};
 use crate::mechanics::fluid::FluidModel;
-use crate::mechanics::scene::{Clamp, Inertia, Motion, Relaxation, RodDescription, Scene};
+use crate::mechanics::scene::{Clamp, Inertia, Motion, Relaxation, Scene};
 use crate::mechanics::test_support::{
-    SCHEMES, SOFT_MODELS, advance_to, at, cantilever, clamp, contact, curved, drag, fixed_steps,
-    ground, spring,
+    SCHEMES, SOFT_MODELS, advance_to, at, cantilever, clamp, crossed, curved, drag, fixed_steps,
+    pulled, spring,
 };
 
 /// A scene as a function of a factor of one of its parameters.
@@ -374,28 +374,6 @@ fn flow_of_two_rods() {
     }
 }
 
-/// A rod that is pulled over the ground, on which it lies already, by one end.
-fn pulled(model: ContactModel) -> Scene {
-    let lowered = |rod: RodDescription| RodDescription {
-        centreline: (rod.centreline.iter())
-            .map(|node| node + Vector3::z() * 5.05e-3)
-            .collect(),
-        natural_shape: crate::mechanics::scene::NaturalShape::Straight,
-        ..rod
-    };
-    let mut scene = cantilever();
-    scene.rods[0] = lowered(scene.rods[0].clone());
-    scene.clamps[0].motion.translation =
-        vec![(0.0, Vector3::zeros()), (1.0, Vector3::new(0.0, 0.4, 0.0))];
-    scene.planes = vec![ground()];
-    scene.contact = Some(ContactParameters {
-        friction: 0.3,
-        slip_tolerance: 1e-2,
-        ..contact(model, 1e-4)
-    });
-    scene
-}
-
 #[test]
 fn friction_on_the_ground() {
     let changes: [Change; 2] = [
@@ -416,11 +394,38 @@ fn friction_on_the_ground() {
 }
 
 #[test]
+fn sticking_and_sliding_by_complementarity() {
+    let changes: [Change; 2] = [
+        ("friction", |scene, factor| {
+            scene.contact.as_mut().unwrap().friction *= factor;
+        }),
+        ("EI", |scene, factor| {
+            scene.rods[0].stiffness.bending = [1e-3 * factor, 2.5e-3 * factor];
+        }),
+    ];
+    let radius: Change = ("radius", |scene, factor| scene.rods[0].radius *= factor);
+    let rigid = Bounds {
+        motion: 1e-5,
+        reactions: 1e-5,
+        ..AT_SWITCHES
+    };
+    // Another radius touches in another step.
+    let near = Bounds {
+        difference: 2e-5,
+        reactions: 1e-3,
+        ..rigid
+    };
+    let course = Course::moves(Scheme::ImplicitEuler, 2e-3, 30);
+    for scene in [pulled, crossed] {
+        let scene = scene(ContactModel::Complementarity);
+        check_all(&course, &scene, &changes, &rigid);
+        check_all(&course, &scene, &[radius], &near);
+    }
+}
+
+#[test]
 fn what_has_no_derivatives_is_refused() {
-    let scene = pulled(ContactModel::Complementarity);
     let course = Course::moves(Scheme::ImplicitEuler, 2e-3, 1);
-    let refused = Sensitivity::new(&scene, &course.parameters(), &[]);
-    assert!(matches!(refused, Err(SensitivityError::Unsuitable(_))));
     let mut longer = cantilever();
     longer.clamps.push(clamp(0, 10));
     let variation = Variation {

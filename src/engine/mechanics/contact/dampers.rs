@@ -1,0 +1,120 @@
+//! Contact forces as functions of what a step begins with: friction of where the nodes were, all of them of the contact stiffness k.
+//!
+//! Friction N t(u) acts on the slip u of v = Σ w_m (x_m − x_mⁿ)/Δt, so that it depends on the start x_mⁿ of the step as a damper does:
+//!
+//! ∂F_k/∂x_mⁿ = −w_k w_m D,  D = N ∂t/∂v /Δt.
+
+use super::contact_system::ContactSystem;
+use super::evaluation::Motion;
+use super::friction::{FrictionLaw, slip};
+use super::nearest_points::NearestPoints;
+use crate::mechanics::{Matrix3, Vector3};
+
+/// A contact that rubs, as a damper between its nodes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Damper {
+    nodes: [usize; 4],
+    /// Zero for what no step begins with: vertices of obstacles.
+    weights: [f64; 4],
+    /// D, N/m.
+    damping: Matrix3,
+}
+
+impl Damper {
+    /// Adds, for the nodes at the start of the step, the derivative of the work −Σ F·λ in a virtual motion of the nodes at its end.
+    pub(crate) fn add_to_start(
+        &self,
+        of_node: impl Fn(usize) -> Vector3,
+        mut add: impl FnMut(usize, Vector3),
+    ) {
+        let corners = self.nodes.into_iter().zip(self.weights);
+        let corners = corners.filter(|(_, weight)| *weight != 0.0);
+        let moves = (corners.clone()).map(|(node, weight)| of_node(node) * weight);
+        let force = self.damping.tr_mul(&moves.sum::<Vector3>());
+        for (node, weight) in corners {
+            add(node, force * weight);
+        }
+    }
+}
+
+impl ContactSystem {
+    /// The contacts of the last evaluation, at `positions`, that rub.
+    pub(crate) fn dampers(
+        &self,
+        positions: &[Vector3],
+        previous: &[Vector3],
+        time_step: f64,
+    ) -> Vec<Damper> {
+        let motion = Motion {
+            positions,
+            previous,
+            time_step,
+        };
+        let tolerance = self.parameters.slip_tolerance;
+        let damping = |law: FrictionLaw, normal: &Vector3, velocity: &Vector3, force: f64| {
+            let at = slip(normal, velocity);
+            let traction = law.traction_derivatives(normal, velocity, &at);
+            traction.by_velocity * (force * normal.norm() / time_step)
+        };
+        let of_pairs = self.contacts.iter().filter_map(|contact| {
+            let pair = self.candidates.pairs()[contact.candidate];
+            let coefficient = self.surface.friction_between(pair.edges);
+            let coefficient = coefficient.unwrap_or(self.parameters.friction);
+            let law = motion.friction(coefficient, tolerance)?;
+            let points = self.obstacles.points(positions);
+            let smoothing = self.parameters.smoothing(contact.threshold);
+            let nearest = NearestPoints::of(&self.surface, &pair, &points, smoothing)?;
+            let velocities = self.velocities(&pair, &points.of(pair.nodes), &motion);
+            let (normal, mut weights) = (nearest.normal(), nearest.weights());
+            let corners = velocities.iter().zip(weights);
+            let velocity: Vector3 = corners.map(|(velocity, weight)| velocity * weight).sum();
+            let damping = damping(law, &normal, &velocity, contact.normal_force);
+            for (weight, node) in weights.iter_mut().zip(pair.nodes) {
+                if !self.is_of_rod(node) {
+                    *weight = 0.0;
+                }
+            }
+            Some(Damper {
+                nodes: pair.nodes,
+                weights,
+                damping,
+            })
+        });
+        let of_planes = self.plane_contacts.iter().filter_map(|touch| {
+            let plane = &self.planes[touch.plane];
+            let law = motion.friction(plane.friction, tolerance)?;
+            let velocity = motion.velocity(touch.node);
+            Some(Damper {
+                nodes: [touch.node; 4],
+                weights: [1.0, 0.0, 0.0, 0.0],
+                damping: damping(law, &plane.normal, &velocity, touch.normal_force),
+            })
+        });
+        of_pairs.chain(of_planes).collect()
+    }
+
+    /// Derivative over k of the work Σ F·λ of the contacts of the last evaluation in a virtual motion, m per unit of its motion.
+    ///
+    /// Forces are proportional to k, where it is not below the least stiffness of their own bodies.
+    pub(crate) fn work_over_stiffness(&self, of_node: impl Fn(usize) -> Vector3) -> f64 {
+        let follows =
+            |first: usize, second: usize| self.stiffness_between(first, second) <= self.stiffness;
+        let pairs = self
+            .contacts
+            .iter()
+            .filter(|c| follows(c.nodes[0], c.nodes[3]));
+        let of_pairs = pairs.map(|contact| {
+            let (forces, _) = contact.force.as_chunks::<3>();
+            let corners = contact.nodes.into_iter().zip(forces);
+            let of_rods = corners.filter(|(node, _)| self.is_of_rod(*node));
+            let work = of_rods.map(|(node, force)| Vector3::from(*force).dot(&of_node(node)));
+            work.sum::<f64>()
+        });
+        let planes = self
+            .plane_contacts
+            .iter()
+            .filter(|c| follows(c.node, c.node));
+        let of_planes = planes.map(|c| Vector3::from(c.force).dot(&of_node(c.node)));
+        of_pairs.chain(of_planes).sum::<f64>() / self.stiffness
+    }
+}

@@ -1,0 +1,146 @@
+//! Derivatives over fields with frictional contact: against differences of whole runs, and against the forward mode.
+
+use super::LARGEST_TRACE;
+use super::tests::{Course, SCHEMES, check_at, course, results};
+use crate::mechanics::contact::ContactModel;
+use crate::mechanics::dynamics::sensitivity::{Sensitivity, Variation};
+use crate::mechanics::rigid_body::RigidBody;
+use crate::mechanics::scene::{Motion, Obstacle, Scene};
+use crate::mechanics::test_support::{
+    SOFT_MODELS, cantilever, crossed, ground, moved, obstacle, point_force, pulled, rubbing,
+};
+use crate::mechanics::{UnitQuaternion, Vector3};
+
+/// A rod that a box pushes aside and drags along.
+fn pushed(model: ContactModel) -> Scene {
+    let mut scene = cantilever();
+    scene.rods[0] = moved(scene.rods[0].clone(), Vector3::zeros());
+    let centre = Vector3::new(0.18, 0.005, -0.02515);
+    let sides = Vector3::new(0.05, 0.06, 0.04);
+    let body = RigidBody::cuboid(centre, sides, &UnitQuaternion::identity(), 2e-3);
+    let way = Vector3::new(0.1, 0.4, 0.1);
+    scene.obstacles = vec![Obstacle {
+        motion: Motion {
+            translation: vec![(0.0, Vector3::zeros()), (1.0, way)],
+            ..Motion::default()
+        },
+        ..obstacle("box", body)
+    }];
+    scene.contact = Some(rubbing(model));
+    scene
+}
+
+/// A rod that falls on the ground.
+fn falling(model: ContactModel) -> Scene {
+    let mut scene = cantilever();
+    scene.rods[0] = moved(scene.rods[0].clone(), Vector3::z() * 6.5e-3);
+    scene.planes = vec![ground()];
+    scene.contact = Some(rubbing(model));
+    scene
+}
+
+/// Largest difference between the derivatives over a force on a node and those of the forward mode, over the largest derivative.
+fn against_forward(course: &Course, scene: &Scene, step: f64) -> f64 {
+    let (node, gradients) = (7, course.gradients(scene, LARGEST_TRACE));
+    let with = |force: f64| {
+        let mut scene = scene.clone();
+        scene
+            .loads
+            .push(point_force(0, node, Vector3::new(0.3, 0.5, 1.0) * force));
+        scene
+    };
+    let variation = Variation {
+        scenes: [with(step), with(-step)],
+        step,
+    };
+    let mut forward = Sensitivity::new(&with(0.0), &course.parameters(), &[variation]).unwrap();
+    if course.settles {
+        forward.find_equilibrium().unwrap();
+    }
+    while forward.base().time() < course.end() {
+        forward.advance(course.end()).unwrap();
+    }
+    let [plus, minus] = forward.neighbours(0).map(results);
+    let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
+    for (of, gradient) in gradients.iter().enumerate() {
+        let expected = (plus[of] - minus[of]) / (2.0 * step);
+        let own = gradient.force[node].dot(&Vector3::new(0.3, 0.5, 1.0));
+        worst = worst.max((own - expected).abs());
+        largest = largest.max(expected.abs());
+    }
+    worst / largest
+}
+
+/// Checks with every model and scheme against the forward mode with a force of `step` (N), and some against differences over `shares`
+/// of the amounts of fields.
+#[track_caller]
+fn check_contact(
+    name: &str,
+    models: &[ContactModel],
+    scene: fn(ContactModel) -> Scene,
+    steps: usize,
+    step: f64,
+    shares: &[f64],
+) {
+    for &model in models {
+        for scheme in SCHEMES {
+            let course = Course {
+                steps,
+                ..course(scheme)
+            };
+            let error = against_forward(&course, &scene(model), step);
+            println!("{name} {model:?} {scheme:?} against the forward mode: {error:.1e}");
+            assert!(error < 4e-7, "{name} {model:?} {scheme:?}: {error:e}");
+        }
+    }
+    for (k, share) in shares.iter().enumerate() {
+        let course = Course {
+            steps,
+            ..course(SCHEMES[k])
+        };
+        check_at(
+            [7],
+            1e-6,
+            name,
+            &course,
+            &scene(models[k % models.len()]),
+            *share,
+        );
+    }
+}
+
+#[test]
+fn friction_on_the_ground() {
+    check_contact("pulled", &SOFT_MODELS, pulled, 30, 1e-7, &[0.02; 2]);
+}
+
+#[test]
+fn rods_that_rub_against_each_other() {
+    check_contact("crossed", &SOFT_MODELS, crossed, 30, 1e-7, &[0.02; 2]);
+}
+
+#[test]
+fn an_obstacle_that_moves() {
+    check_contact("pushed", &SOFT_MODELS[..1], pushed, 30, 1e-7, &[0.02]);
+}
+
+#[test]
+fn contact_that_begins() {
+    check_contact("falling", &SOFT_MODELS, falling, 60, 1e-8, &[0.02]);
+}
+
+#[test]
+fn an_equilibrium_in_contact() {
+    for model in SOFT_MODELS {
+        let mut scene = falling(model);
+        scene.planes[0].point.z = -0.02;
+        let course = Course {
+            settles: true,
+            steps: 2,
+            ..course(SCHEMES[0])
+        };
+        let error = against_forward(&course, &scene, 1e-9);
+        println!("equilibrium {model:?} against the forward mode: {error:.1e}");
+        assert!(error < 4e-7, "{error:e}");
+    }
+}

@@ -1,0 +1,205 @@
+//! Contact as a function of what a step begins with, for adjoints of motions: friction of the start of the step, and the contact stiffness of
+//! the stiffness before, the forces at the prediction, and the energies that bound its rise ([`super::contact_stiffness`]).
+
+use super::contact::Contact;
+use super::contact_stiffness::{MADE, allowed_by_contacts, stored_at_start};
+use super::term::Kind;
+use super::{Stage, System, WholeMatrix, copy_positions};
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::{ActiveLaw, Adaption, ContactSystem, Damper};
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::rod::topology::position;
+
+/// Part of the stiffness over which its bound, which is piecewise rational in it, is differentiated.
+const PART: f64 = 1e-5;
+
+/// How the contact stiffness of a step was found.
+pub(crate) struct StiffnessCourse {
+    /// By the forces at the prediction.
+    pub adaption: Adaption,
+    /// Transposed Jacobian of these forces.
+    pub jacobian: WholeMatrix,
+    /// Where energies bound its rise.
+    pub bound: Option<StiffnessBound>,
+}
+
+/// Derivatives of a stiffness that energies bound.
+pub(crate) struct StiffnessBound {
+    /// Over the stiffness before, and over that which the forces want.
+    pub stiffness: [f64; 2],
+    /// Over the unknowns at the start of the step, and the velocities at the start of the stage.
+    pub start: Vec<f64>,
+    pub velocity: Vec<f64>,
+    /// Over the unknowns of the prediction, where the entry of an angle is that over the spin of the frame.
+    pub prediction: Vec<f64>,
+}
+
+/// Stiffness of an active set over that of the rods: what breaks its equations, and what rounding leaves of the rods' own stiffness.
+const SHUT: f64 = 1e7;
+
+impl System {
+    /// Takes over the contacts that pressed in a step by complementarity, at its solution, as laws for derivatives.
+    ///
+    /// # Errors
+    /// The reason why there are none.
+    pub(crate) fn set_active_laws(
+        &mut self,
+        laws: Vec<ActiveLaw>,
+        unknowns: &[f64],
+        stage: &Stage,
+    ) -> Result<(), &'static str> {
+        let Some(mut contact) = self.terms.contact.model.take() else {
+            return Ok(());
+        };
+        // The rods alone.
+        self.linearize(unknowns, Some(stage));
+        copy_positions(unknowns, &mut self.terms.contact.positions);
+        let stiffness = |nodes: &[usize; 4], weights: &[f64; 4], normal: &Vector3| {
+            let mut stiffness = [0.0, 0.0];
+            let corners = nodes.iter().zip(weights);
+            for (&node, weight) in corners.filter(|(node, _)| self.assembly.is_free(**node)) {
+                let own = self.matrix.of_position(node) * (weight * weight * SHUT);
+                stiffness[0] += normal.dot(&(own * normal));
+                stiffness[1] += 0.5 * (own.trace() - normal.dot(&(own * normal)));
+            }
+            stiffness
+        };
+        let positions = &self.terms.contact.positions;
+        let set = contact.set_active_laws(laws, positions, &stage.positions, stiffness);
+        self.terms.contact.model = Some(contact);
+        set
+    }
+
+    /// Contacts that pressed in the last step, where they do by complementarity.
+    pub(crate) fn pressing(&self) -> Vec<ActiveLaw> {
+        match self.contact() {
+            Some(contact) if self.has_constraints() => contact.pressing(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Takes over the laws for derivatives of another simulation.
+    pub(crate) fn share_active_laws(&mut self, other: &Self) {
+        if let (Some(own), Some(other)) = (&mut self.terms.contact.model, other.contact()) {
+            own.share_active_laws(other.active_laws());
+        }
+    }
+
+    /// Contacts of the last evaluation that rub, as functions of the start of the step.
+    pub(crate) fn dampers(&self, unknowns: &[f64], stage: &Stage) -> Vec<Damper> {
+        let Some(contact) = self.contact() else {
+            return Vec::new();
+        };
+        let mut positions = stage.positions.clone();
+        copy_positions(unknowns, &mut positions);
+        contact.dampers(&positions, &stage.positions, stage.step)
+    }
+
+    /// Derivative of −λ·R over the contact stiffness k, for a virtual motion λ at the last evaluation.
+    pub(crate) fn work_over_contact_stiffness(&self, motion: &[f64]) -> f64 {
+        let work =
+            |contact: &ContactSystem| contact.work_over_stiffness(|node| position(motion, node));
+        self.contact().map_or(0.0, work)
+    }
+
+    /// How the stiffness `adapted` was found from the one `before` at `unknowns`, the prediction of a step, which the last evaluation then is
+    /// that of, without contact; `None` where it was not.
+    pub(crate) fn stiffness_course(
+        &mut self,
+        unknowns: &[f64],
+        stage: &Stage,
+        [before, adapted]: [f64; 2],
+    ) -> Option<StiffnessCourse> {
+        let mut contact = self.terms.contact.model.take()?;
+        let used = contact.stiffness();
+        let jacobian = self.linearize_transposed(unknowns, Some(stage));
+        self.take_forces(unknowns);
+        let Contact {
+            positions, forces, ..
+        } = &self.terms.contact;
+        let found = contact.adaption(positions, forces, before);
+        let course = found.and_then(|(wanted, adaption)| {
+            let bound = if adapted == wanted {
+                None
+            } else {
+                let found = self.stiffness_bound(&mut contact, [before, wanted], unknowns, stage);
+                let (bounded, bound) = found?;
+                let is_same = (bounded - adapted).abs() <= PART * PART * adapted;
+                Some(is_same.then_some(bound)?)
+            };
+            Some(StiffnessCourse {
+                adaption,
+                jacobian,
+                bound,
+            })
+        });
+        contact.set_stiffness(used);
+        self.terms.contact.model = Some(contact);
+        course
+    }
+
+    /// The bound of a rise of the stiffness, k = k₀ + (k₁ − k₀) A/U with the energies A allowed and U made, and its derivatives.
+    fn stiffness_bound(
+        &self,
+        contact: &mut ContactSystem,
+        [before, wanted]: [f64; 2],
+        unknowns: &[f64],
+        stage: &Stage,
+    ) -> Option<(f64, StiffnessBound)> {
+        let places = &self.terms.contact.step_start;
+        let others = MADE * (self.kinetic_energy_at_start(stage) + self.elastic_energy().total());
+        let mut energies = |[before, wanted]: [f64; 2]| {
+            let stored = stored_at_start(contact, before, places);
+            let after = stored_at_start(contact, wanted, places);
+            let allowed = allowed_by_contacts(contact, after) + others;
+            (allowed, after.energy - stored.energy)
+        };
+        let mut bounded = |at: [f64; 2]| {
+            let (allowed, made) = energies(at);
+            at[0] + (at[1] - at[0]) * allowed / made
+        };
+        let stiffness = [0, 1].map(|which| {
+            let mut moved = |part: f64| {
+                let mut at = [before, wanted];
+                at[which] *= 1.0 + part;
+                bounded(at)
+            };
+            (moved(PART) - moved(-PART)) / (2.0 * PART * [before, wanted][which])
+        });
+        let found = bounded([before, wanted]);
+        let (allowed, made) = energies([before, wanted]);
+        if !(made > allowed) {
+            return None;
+        }
+        let per_allowed = (wanted - before) / made;
+        let mut start = vec![0.0; unknowns.len()];
+        for (k, sign) in [(wanted, 1.0), (before, -1.0)] {
+            contact.set_stiffness(k);
+            let factor = -sign * per_allowed * allowed / made;
+            contact.add_gradient_at_start(places, factor, &mut |node, gradient| {
+                for axis in 0..3 {
+                    start[STRIDE * node + axis] += gradient[axis];
+                }
+            });
+        }
+        let momenta = self.assembly.masses.iter().zip(&stage.velocity);
+        let momenta = momenta.zip(&self.assembly.held);
+        let velocity = momenta.map(|((mass, velocity), held)| match held {
+            true => 0.0,
+            false => per_allowed * MADE * mass * velocity,
+        });
+        let velocity = velocity.collect();
+        let mut prediction = vec![0.0; unknowns.len()];
+        let at = self.at(unknowns, Some(stage));
+        let elastic = (self.terms.all().into_iter()).filter(|term| term.kind() == Kind::Elastic);
+        elastic.for_each(|term| term.add_forces(&at, &mut prediction));
+        (prediction.iter_mut()).for_each(|force| *force *= per_allowed * MADE);
+        let bound = StiffnessBound {
+            stiffness,
+            start,
+            velocity,
+            prediction,
+        };
+        Some((found, bound))
+    }
+}
