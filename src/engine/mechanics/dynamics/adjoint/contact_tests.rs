@@ -1,8 +1,9 @@
 //! Derivatives over fields with frictional contact: against differences of whole runs, and against the forward mode.
 
-use super::LARGEST_TRACE;
 use super::tests::{Course, SCHEMES, check_at, course, results};
-use crate::mechanics::contact::ContactModel;
+use super::{LARGEST_TRACE, Recording};
+use crate::mechanics::contact::{ContactModel, FrictionAt};
+use crate::mechanics::dynamics::IntegrationParameters;
 use crate::mechanics::dynamics::sensitivity::{Sensitivity, Variation};
 use crate::mechanics::rigid_body::RigidBody;
 use crate::mechanics::scene::{Motion, Obstacle, Scene};
@@ -143,4 +144,13 @@ fn an_equilibrium_in_contact() {
         println!("equilibrium {model:?} against the forward mode: {error:.1e}");
         assert!(error < 4e-7, "{error:e}");
     }
+}
+
+#[test]
+fn friction_at_surfaces_is_refused() {
+    let mut scene = falling(ContactModel::ImplicitContact);
+    scene.contact.as_mut().unwrap().friction_at = FrictionAt::Surface;
+    let refused = Recording::new(&scene, &IntegrationParameters::default()).err();
+    let refused = refused.unwrap().to_string();
+    assert!(refused.contains("friction_at"), "{refused}");
 }

@@ -71,6 +71,7 @@ use super::report::{SimulationError, SimulationState, StepReport};
 use super::sensitivity::{Replayed, SensitivityError, Taken};
 use super::simulation::Simulation;
 use crate::mechanics::SceneError;
+use crate::mechanics::contact::FrictionAt;
 use crate::mechanics::scene::{ActuatedStrain, Scene};
 use gradient::Sums;
 use step_back::StepBack;
@@ -243,6 +244,11 @@ fn refuse(
         (
             system.has_constraints(),
             "derivatives over fields need contact.model = \"imc\" or \"ipc\"",
+        ),
+        (
+            (scene.contact.as_ref())
+                .is_some_and(|contact| contact.friction_at == FrictionAt::Surface),
+            "derivatives over fields need contact.friction_at = \"centreline\"",
         ),
         (
             scene.fluid.is_some(),
