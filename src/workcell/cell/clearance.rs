@@ -113,3 +113,27 @@ fn movement(
     })
     .sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_that_turn_back_between_two_times_have_moved() {
+        let points = [vec![0.0, 0.0], vec![0.3, -0.1], vec![0.0, -0.2]];
+        let way = Interpolant::new(&[0.0, 1.0, 2.0], &points);
+        let look = |time: f64, posture: &[f64]| Look {
+            time,
+            postures: vec![posture.to_vec(), vec![0.0]],
+            distance: 0.1,
+        };
+        let moved = movement(
+            &look(0.0, &points[0]),
+            &look(2.0, &points[2]),
+            &[vec![0.8, 0.5], vec![3.0]],
+            &[Some(way), None],
+        );
+        // There and back by 0.3 rad at 0.8 m, and by 0.2 rad in all at 0.5 m.
+        assert!((moved - (0.6 * 0.8 + 0.2 * 0.5)).abs() < 1e-12, "{moved}");
+    }
+}

@@ -101,3 +101,64 @@ pub(super) fn within_reach(hand: &Vector3, nodes: &[Vector3], grips: &[Grip]) ->
     let reached = (0..nodes.len()).filter(|node| is_free(node) && is_reached(node));
     reached.min_by(|one, other| away(one).total_cmp(&away(other)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Translation3, UnitQuaternion};
+
+    fn at(place: [f64; 3], turn: Vector3) -> Pose {
+        let rotation = UnitQuaternion::from_scaled_axis(turn);
+        Pose::from_parts(Translation3::from(Vector3::from(place)), rotation)
+    }
+
+    #[test]
+    fn a_grip_moves_with_its_hand_down_to_the_table() {
+        let first = at([0.1, 0.2, 0.3], Vector3::new(0.4, -0.3, 0.9));
+        let mut grip = Grip::new(0, 3, 1, first).stopped_at(0.02);
+        for (height, lowest) in [(0.25, 0.25), (-0.1, 0.02)] {
+            let hand = at([0.3, 0.1, height], Vector3::new(-0.2, 0.7, 0.1));
+            let motion = grip.lead(&hand, [1.0, 1.5]);
+            let (time, way) = motion.translation[1];
+            assert_eq!(time, 1.5);
+            assert!((way - Vector3::new(0.2, -0.1, lowest - 0.3)).norm() < 1e-15);
+            // Whatever was fixed to the first hand turns into what is fixed to this one.
+            let turned = motion.orientation[1].1 * first.rotation;
+            assert!(turned.angle_to(&hand.rotation) < 1e-7);
+            assert_eq!(motion.pivot, Some(first.translation.vector));
+        }
+    }
+
+    #[test]
+    fn a_rod_that_is_handed_over_is_half_way_in_half_of_the_time() {
+        let first = at([0.0, 0.0, 0.5], Vector3::zeros());
+        let hand = at([0.0, 0.4, 0.7], Vector3::x() * 0.6);
+        let mut grip = Grip::new(0, 3, 1, first).handed_by(2.0);
+        for (time, part) in [(0.5, 0.15625), (1.0, 0.5), (2.0, 1.0), (3.0, 1.0)] {
+            let motion = grip.lead(&hand, [0.0, time]);
+            let way = motion.translation[1].1;
+            assert!((way - part * Vector3::new(0.0, 0.4, 0.2)).norm() < 1e-12);
+            assert!((motion.orientation[1].1.angle() - part * 0.6).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_hand_reaches_the_nearest_free_node_between_its_fingers() {
+        let nodes: Vec<Vector3> = (0..11)
+            .map(|k| Vector3::new(0.01 * f64::from(k), 0.0, 0.1))
+            .collect();
+        let reached = |x: f64, y: f64, z: f64, grips: &[Grip]| {
+            within_reach(&Vector3::new(x, y, z), &nodes, grips)
+        };
+        assert_eq!(reached(0.052, 0.0, 0.1, &[]), Some(5));
+        // Between fingers that open by 15 mm to each side.
+        assert_eq!(reached(0.05, 0.014, 0.1, &[]), Some(5));
+        assert_eq!(reached(0.05, -0.016, 0.1, &[]), None);
+        assert_eq!(reached(0.05, 0.0, 0.114, &[]), Some(5));
+        assert_eq!(reached(0.05, 0.0, 0.084, &[]), None);
+        // Another gripper holds the fourth node and takes up two to each side.
+        let other = || Grip::new(1, 4, 2, Pose::identity());
+        assert_eq!(reached(0.052, 0.0, 0.1, &[other()]), None);
+        assert_eq!(reached(0.058, 0.0, 0.1, &[other()]), Some(7));
+    }
+}

@@ -187,3 +187,41 @@ impl RayRequest<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_cells::gantry;
+
+    #[test]
+    fn a_helix_is_turned_about_its_first_tangent() {
+        let cell = gantry();
+        let ray = |roll: f64| Ray {
+            direction: Helix::from([0.6, 0.0, 0.8]),
+            roll,
+            points: Vec::new(),
+            limit: None,
+        };
+        let parts = [0.0, 0.3, 1.0];
+        let chuck = cell.chuck.map_or_else(Pose::identity, |chuck| chuck.pose);
+        let places = |roll: f64| -> Vec<Vector3<f64>> {
+            let places = ray(roll).places(&cell, 0.5, 400, &parts);
+            let in_chuck = places.iter().map(|place| {
+                let place = chuck.inverse_transform_point(&Point3::from(*place));
+                place.coords
+            });
+            in_chuck.collect()
+        };
+        let angle: f64 = 0.7;
+        for (here, there) in places(0.0).iter().zip(places(angle)) {
+            let turned = Vector3::new(
+                here.x,
+                here.y * angle.cos() - here.z * angle.sin(),
+                here.y * angle.sin() + here.z * angle.cos(),
+            );
+            assert!((there - turned).norm() < 1e-12, "{there} {turned}");
+        }
+        // It is bent at its end.
+        assert!(places(0.0)[2].yz().norm() > 0.1);
+    }
+}
