@@ -190,6 +190,7 @@ impl IdentifyArguments {
             keys: requests.collect(),
             loss: self.loss,
             noise: self.noise.iter().cloned().collect(),
+            shared: None,
             windows: self.shooting as usize,
         })
     }

@@ -87,7 +87,7 @@ pub fn closest(
         pairs: Vec::new(),
         given: None,
     };
-    let found = statistics(&problem, &estimate, &weighting, &[all]);
+    let found = statistics(&problem, &estimate, &weighting, &[all], None);
     let directions = found.undetermined.iter();
     Ok(Closest {
         values: problem.values(&estimate.coordinates),

@@ -101,6 +101,7 @@ pub fn measure_hanging(
         keys: keys.into_iter().map(request).collect(),
         loss: Loss::Huber,
         noise: BTreeMap::new(),
+        shared: None,
         windows: 1,
     };
     identify(&task, &CentralDifferences::default(), goes_on, &mut |_| {})

@@ -73,4 +73,5 @@ pub use places::arc_lengths;
 pub use problem::{Experiment, Problem};
 pub use reading::CRITICAL;
 pub use seen::Photograph;
+pub use statistics::Shared;
 pub use task::{Progress, Task, identify};

@@ -284,6 +284,7 @@ impl Rod {
             keys,
             loss: Loss::Huber,
             noise: BTreeMap::new(),
+            shared: None,
             windows: 1,
         };
         identify(&task, &Exact::default(), goes_on, &mut |_| {})

@@ -7,6 +7,9 @@
 //! Residuals that follow each other in a series with correlation ϱ carry less information than independent ones, as where
 //! the model does not fit: σ² counts (1 + ϱ)/(1 − ϱ) times, where ϱ is above its chance value.
 //!
+//! Numbers of an experiment may share errors that are smooth along their series ([`Shared`]), such as those of a traced picture: with the
+//! covariance K of these, in units of the noise, C (JᵀJ + Jᵀ K J) C is that of the estimate.
+//!
 //! Eigenvectors v of JᵀJ with eigenvalue μ are combinations of coordinates with the standard error 1/√μ. Where that exceeds 1,
 //! a factor of e, the data do not determine the combination.
 
@@ -38,6 +41,15 @@ pub struct Group {
     pub pairs: Vec<[usize; 2]>,
     /// Standard deviation of its noise, where it is given; else it is estimated.
     pub given: Option<f64>,
+}
+
+/// Errors that numbers of an experiment share: those of two that are n apart have the correlation exp(−n/N).
+#[derive(Clone, Copy, Debug)]
+pub struct Shared {
+    /// Their standard deviation, in the unit of the numbers.
+    pub deviation: f64,
+    /// N over the numbers of the experiment.
+    pub length: f64,
 }
 
 /// A combination of keys that the data do not determine.
@@ -199,6 +211,7 @@ pub fn statistics(
     estimate: &Estimate,
     weighting: &Weighting<'_>,
     groups: &[Group],
+    shared: Option<Shared>,
 ) -> Statistics {
     let count = estimate.coordinates.len();
     let residuals = weighting.residuals(&estimate.predicted);
@@ -227,6 +240,9 @@ pub fn statistics(
     for (key, _, slope) in prior_rows(problem, &estimate.coordinates) {
         middle[(key, key)] += slope * slope;
     }
+    if let Some(shared) = shared {
+        middle += of_shared(problem, estimate, weighting, shared);
+    }
     let covariance = product(&product(&inverse, &middle), &inverse);
     let floor = ROUND_OFF * directions.first().map_or(0.0, |first| first.0);
     let undetermined = directions.iter().rev().filter_map(|(value, vector)| {
@@ -244,6 +260,41 @@ pub fn statistics(
         covariance,
         freedom: freedom.max(1.0),
     }
+}
+
+/// Jᵀ K J of shared errors.
+fn of_shared(
+    problem: &Problem<'_>,
+    estimate: &Estimate,
+    weighting: &Weighting<'_>,
+    shared: Shared,
+) -> DMatrix<f64> {
+    let keys = estimate.coordinates.len();
+    let mut sum = DMatrix::zeros(keys, keys);
+    let mut first = 0;
+    for experiment in problem.experiments {
+        let count: usize = experiment.files.iter().map(|file| file.data.len()).sum();
+        let rows: Vec<Vec<f64>> = (first..first + count)
+            .map(|number| row(estimate, weighting, number))
+            .collect();
+        let decay = libm::exp(-1.0 / (shared.length * count as f64));
+        let size = |number: usize| shared.deviation / weighting.deviations[first + number];
+        // Σ over all numbers before, with the decay from each.
+        let mut before = vec![0.0; keys];
+        for (number, row) in rows.iter().enumerate() {
+            let own: Vec<f64> = row.iter().map(|one| one * size(number)).collect();
+            for i in 0..keys {
+                for j in 0..keys {
+                    sum[(i, j)] += own[i] * own[j] + own[i] * before[j] + before[i] * own[j];
+                }
+            }
+            for (before, own) in before.iter_mut().zip(&own) {
+                *before = decay * (*before + own);
+            }
+        }
+        first += count;
+    }
+    sum
 }
 
 /// The product of two matrices; that of nalgebra sums in an order that depends on the processor.

@@ -9,7 +9,7 @@ use super::observe::Observation;
 use super::parameter::{Parameter, Request};
 use super::problem::{Experiment, Problem};
 use super::shooting::Followed;
-use super::statistics::{self, Group, noise, statistics};
+use super::statistics::{self, Group, Shared, noise, statistics};
 use crate::experiment;
 use crate::scenario::CaseSet;
 use std::collections::BTreeMap;
@@ -34,6 +34,8 @@ pub struct Task {
     pub loss: Loss,
     /// Standard deviations of the noise by the name of a quantity, `position` or a column.
     pub noise: BTreeMap<String, f64>,
+    /// Errors that the numbers of each experiment share.
+    pub shared: Option<Shared>,
     /// Windows into which motions are divided at first, see [`shooting`](super::shooting); 1 for none.
     pub windows: usize,
 }
@@ -107,6 +109,7 @@ pub fn identify(
 /// The noise of all numbers, as far as it is known.
 struct Scatter {
     loss: Loss,
+    shared: Option<Shared>,
     measured: Vec<f64>,
     /// Standard deviations that the files state.
     stated: Vec<Option<f64>>,
@@ -122,6 +125,7 @@ impl Scatter {
         let groups = groups(problem, &task.noise)?;
         Ok(Self {
             loss: task.loss,
+            shared: task.shared,
             measured: problem.data().map(|(_, datum)| datum.value).collect(),
             stated: problem.data().map(|(_, datum)| datum.deviation).collect(),
             deviations: vec![1.0; groups.len()],
@@ -196,7 +200,7 @@ impl Scatter {
     fn identified(&self, problem: &Problem<'_>, estimate: &Estimate) -> Identified {
         let all = self.spread();
         let weighting = self.weighting(&all);
-        let found = statistics(problem, estimate, &weighting, &self.groups);
+        let found = statistics(problem, estimate, &weighting, &self.groups, self.shared);
         Identified::new(
             problem,
             estimate,

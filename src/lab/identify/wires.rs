@@ -106,6 +106,7 @@ fn fit(wire: &Wire, with_twist: bool) -> (Identified, f64) {
         keys: keys.into_iter().map(request).collect(),
         loss: Loss::Squares,
         noise: BTreeMap::new(),
+        shared: None,
         windows: 1,
     };
     let found = identify(&task, &CentralDifferences::default(), &|| true, &mut |_| {}).unwrap();

@@ -89,7 +89,7 @@ impl PictureTaker {
 }
 
 /// Renders the picture of the camera; `number` is the seed of its noise.
-fn picture(camera: &Camera, scenery: Scenery, number: u64) -> RgbImage {
+pub fn picture(camera: &Camera, scenery: Scenery, number: u64) -> RgbImage {
     let mut options = RenderOptions {
         seed: number,
         ..RenderOptions::default()

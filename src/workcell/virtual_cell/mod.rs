@@ -56,6 +56,8 @@ mod topics;
 
 pub use arm::Response;
 pub use beside::with_cell;
+#[cfg(test)]
+pub(crate) use camera::{Scenery, picture};
 pub use chuck::ChuckedSupply;
 pub use fault::{Fault, FaultKind};
 pub use rod::{RodError, RodSupply};

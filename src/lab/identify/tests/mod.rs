@@ -142,6 +142,7 @@ fn task(experiments: Vec<Experiment>, keys: &[&str]) -> Task {
         keys: keys.iter().map(request).collect(),
         loss: Loss::Squares,
         noise: BTreeMap::new(),
+        shared: None,
         windows: 1,
     }
 }

@@ -4,13 +4,17 @@
 //! |---|---|
 //! | `pose` | the poses, chosen for small error bars |
 //! | `candidate` | what the camera would see of a pose, and what it determines |
+//! | `strand` | the rod, traced in a picture |
 //! | `task` | the steps: take, hold, look, fit |
 //! | `record` | the record |
 
 mod candidate;
 mod pose;
 mod record;
+mod strand;
 mod task;
+#[cfg(test)]
+mod tests;
 
 pub use pose::{HeldPose, HoldRequest};
 pub use record::IdentificationRecord;

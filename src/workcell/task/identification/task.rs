@@ -2,20 +2,18 @@
 
 use super::pose::{HeldPose, HoldRequest};
 use super::record::IdentificationRecord;
-use crate::cell::{Cell, PlanError, sums};
+use super::strand::{directions, strand};
+use crate::cell::{Cell, PlanError};
 use crate::task::error::WorkError;
 use crate::task::stage::Stage;
 use crate::task::step::{Step, Task};
 use crate::task::working_arm::{Grip, WorkingArm};
 use crate::task::workplace::Workplace;
-use image::RgbImage;
 use rodlab_lab::experiment::RodFile;
 use rodlab_lab::identify::{HeldRod, HeldView, ROD, identify_held, write};
 use rodlab_planning::plan::deployment::DeployedRod;
-use rodlab_robot::{JointTrajectory, Pose};
-use rodlab_vision::{
-    Camera, ColourRule, Point, Trace, TraceOptions, encode_picture, overlay, trace,
-};
+use rodlab_robot::JointTrajectory;
+use rodlab_vision::{ColourRule, Point, encode_picture, overlay};
 use std::time::Duration;
 
 const APPROACH: Stage = Stage::new("approach", "going to where the rod is handed over", NOTHING);
@@ -39,8 +37,6 @@ const SWINGING: [Duration; 2] = [Duration::from_secs(2), Duration::from_millis(5
 const STILL: f64 = 0.25;
 /// Most pictures of a pose.
 const PICTURES: usize = 20;
-/// Largest distance of the end of the rod from the hand in the picture, in widths of the rod.
-const AT_HAND: f64 = 6.0;
 
 /// Plan of an identification.
 pub struct IdentificationPlan {
@@ -133,7 +129,7 @@ impl IdentificationTask {
         for _ in 0..PICTURES {
             let picture = at.picture(&format!("look_{number}.png"))?;
             camera.check_size(picture.width(), picture.height())?;
-            let (found, strand) = self.strand(&picture, &camera, &hand)?;
+            let (found, strand) = strand(&picture, &self.plan.colour, &camera, &hand)?;
             if before.is_some_and(|before| apart(&before, &strand) < STILL) {
                 let shown = encode_picture(&overlay(&picture, &found));
                 at.write(&format!("overlay_{number}.png"), &shown)?;
@@ -151,40 +147,6 @@ impl IdentificationTask {
         Err(WorkError::Failed(format!(
             "the rod still moves after {PICTURES} pictures"
         )))
-    }
-
-    /// The rod in a picture, and its centreline from the hand on, pixels.
-    fn strand(
-        &self,
-        picture: &RgbImage,
-        camera: &Camera,
-        hand: &Pose,
-    ) -> Result<(Trace, Vec<Point>), WorkError> {
-        let options = TraceOptions {
-            colour: self.plan.colour.clone(),
-            ..TraceOptions::default()
-        };
-        let found = trace(picture, &options)?;
-        let strand = found.strand(None).filter(|strand| !strand.closed);
-        let strand = strand.ok_or_else(|| WorkError::failed("no rod with two ends is seen"))?;
-        let (mut points, width) = (strand.points.clone(), strand.width());
-        let place = camera.project(hand.translation.vector);
-        let place = place.ok_or_else(|| WorkError::failed("the camera does not see the hand"))?;
-        let away = |point: Option<&Point>| point.map_or(f64::INFINITY, |at| (at - place).norm());
-        if away(points.last()) < away(points.first()) {
-            points.reverse();
-        }
-        if away(points.first()) > AT_HAND * width {
-            return Err(WorkError::failed(
-                "the longest strand in the picture does not begin at the hand; --colour selects the rod",
-            ));
-        }
-        // The ends are seen less exactly than what is between them.
-        let lengths = sums(points.windows(2).map(|pair| (pair[1] - pair[0]).norm()));
-        let whole = lengths[lengths.len() - 1];
-        let inner = points.into_iter().zip(&lengths);
-        let inner = inner.filter(|(_, at)| (width..=whole - width).contains(*at));
-        Ok((found, inner.map(|(point, _)| point).collect()))
     }
 
     fn fit(&mut self, at: &Workplace<'_>) -> Result<(), WorkError> {
@@ -267,16 +229,6 @@ fn one_after_the_other(mut first: JointTrajectory, second: JointTrajectory) -> J
     first.times.extend(times);
     first.points.extend(second.points.into_iter().skip(1));
     first
-}
-
-/// Directions of pixels, X/Z and Y/Z in the axes of the camera.
-fn directions(camera: &Camera, pixels: &[Point]) -> Vec<[f64; 2]> {
-    let directions = pixels
-        .iter()
-        .filter_map(|pixel| camera.lens.direction(*pixel));
-    directions
-        .map(|direction| [direction.x, direction.y])
-        .collect()
 }
 
 /// Mean distance of the points of a curve from those of another one.
