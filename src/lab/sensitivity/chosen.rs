@@ -1,7 +1,7 @@
 //! The columns of probes that are differentiated.
 
 use super::error::SensitivityError;
-use crate::run::probes::Probes;
+use crate::run::probes::{Probes, Quantity};
 use crate::run::{Observer, PreparedRun, Sample};
 use crate::scenario::did_you_mean;
 use rodlab_engine::mechanics::dynamics::{Exchange, Simulation};
@@ -54,10 +54,16 @@ impl Chosen {
         }
         let mut seen = std::collections::BTreeSet::new();
         numbers.retain(|&index| seen.insert(index));
-        Ok(Self {
+        let chosen = Self {
             columns: numbers.iter().map(|&index| all[index].clone()).collect(),
             numbers,
-        })
+        };
+        let is_rigid = (run.scene.contact).is_some_and(|contact| contact.is_complementarity());
+        if is_rigid {
+            let reason = "derivatives of contact forces and energies need contact.model = \"imc\" or \"ipc\"";
+            chosen.check(run, |quantity| !quantity.is_of_contact(), reason)?;
+        }
+        Ok(chosen)
     }
 
     /// Checks that all columns depend only on shapes and velocities.
@@ -65,17 +71,27 @@ impl Chosen {
     /// # Errors
     /// [`SensitivityError::Key`] for the first column that does not.
     pub(super) fn check_shape(&self, run: &PreparedRun) -> Result<(), SensitivityError> {
+        let reason = "derivatives over fields support probes of shapes and velocities; use --to KEY for forces, moments and energies";
+        self.check(run, Quantity::is_of_shape, reason)
+    }
+
+    /// Checks that the quantities of all columns are supported.
+    fn check(
+        &self,
+        run: &PreparedRun,
+        is_supported: fn(&Quantity) -> bool,
+        reason: &str,
+    ) -> Result<(), SensitivityError> {
         let probes = probes_of(run)?;
         let of_columns = probes.quantities().zip(probes.columns_of_each());
         let of_columns = of_columns
-            .flat_map(|(quantity, columns)| columns.into_iter().map(|_| quantity.is_of_shape()));
+            .flat_map(|(quantity, columns)| columns.into_iter().map(|_| is_supported(quantity)));
         let of_columns: Vec<bool> = of_columns.collect();
         for (number, column) in self.numbers.iter().zip(&self.columns) {
             if !of_columns[*number] {
                 return Err(SensitivityError::Key {
                     key: column.clone(),
-                    reason: "derivatives over fields support probes of shapes and velocities; use --to KEY for forces, moments and energies"
-                        .to_owned(),
+                    reason: reason.to_owned(),
                 });
             }
         }

@@ -198,7 +198,16 @@ impl Quantity {
         }
     }
 
+<<<<<<< HEAD
     /// Components and units of the columns.
+=======
+    /// Whether contact forces, or what they do, are part of it.
+    pub fn is_of_contact(&self) -> bool {
+        matches!(self, Self::ContactForce { .. } | Self::Energy { .. })
+    }
+
+    /// Components and units of its columns.
+>>>>>>> 049a9424 (lab: refuse contact forces and energies of rigid contact as results)
     pub fn columns(&self) -> &'static [Part] {
         match self {
             Self::Position { .. } | Self::Displacement { .. } => &LENGTHS,
