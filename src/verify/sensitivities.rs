@@ -4,7 +4,7 @@
 use super::{Check, Expectation, GroupError};
 use rodlab_lab::experiment;
 use rodlab_lab::scenario::{Loaded, ScenarioError};
-use rodlab_lab::sensitivity::{Field, derivatives, differences, field_derivatives};
+use rodlab_lab::sensitivity::{Field, Source, derivatives, differences, field_derivatives};
 use std::path::Path;
 
 const STRAIGHT: &str = include_str!("scenes/straight_rod.toml");
@@ -139,6 +139,8 @@ const OF_ARMS: [(&str, &str); 5] = [
     ("inertia of a body", "bodies.hand.inertia.0"),
     ("offset of a body", "bodies.hand.offset.1"),
 ];
+/// Key of rigid contact for the sliding rod.
+const RIGID: &str = "contact={model=\"complementarity\",friction=0.3}";
 /// Parameters of the sliding rod, with their keys.
 const OF_SLIDING: [(&str, &str); 1] = [("friction", "contact.friction")];
 
@@ -181,14 +183,24 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
         ARC.of("tip over the natural curvature", "m²")
             .relative(0.5, size, 1e-6),
     );
-    checks.extend(against_differences("motion", MOVED, &OF_MOTION, 1e-6)?);
-    checks.extend(against_differences("arms", ARMS, &OF_ARMS, 1e-6)?);
-    checks.extend(against_differences("sliding", SLIDING, &OF_SLIDING, 1e-5)?);
+    for (name, text, keys, bound) in [
+        ("motion", MOVED, &OF_MOTION[..], 1e-6),
+        ("arms", ARMS, &OF_ARMS, 1e-6),
+        ("sliding", SLIDING, &OF_SLIDING, 1e-5),
+    ] {
+        checks.extend(against_differences(name, &source(text, &[]), keys, bound)?);
+    }
+    let rigid = source(SLIDING, &[RIGID]);
+    let name = "sliding by complementarity";
+    checks.extend(against_differences(name, &rigid, &OF_SLIDING, 1e-5)?);
     for (name, field, key) in OF_FIELDS {
-        let error = error_of_field(field, key)?;
+        let error = error_of_field(MOVED, field, key)?;
         let name = format!("motion, tip over the {name} of all nodes: worst sum");
         checks.push(ADJOINT.of(name, "").zero(error, 1e-6));
     }
+    let error = error_of_field(SLIDING, Field::InitialVelocity, "rods.rod.velocity.0")?;
+    let name = "sliding, tip over the initial velocity of all nodes: worst sum";
+    checks.push(ADJOINT.of(name, "").zero(error, 1e-5));
     Ok(checks)
 }
 
@@ -196,16 +208,15 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
 /// fractions of the largest component.
 fn against_differences(
     scene: &str,
-    text: &'static str,
+    source: Source<'_>,
     keys: &[(&str, &str)],
     bound: f64,
 ) -> Result<Vec<Check>, GroupError> {
-    let source = source(text, &[]);
     let of = ["tip".to_owned()];
     let dotted: Vec<String> = keys.iter().map(|(_, key)| (*key).to_owned()).collect();
-    let found = derivatives(&source, &of, &dotted)?;
+    let found = derivatives(source, &of, &dotted)?;
     let row = found.rows.last().ok_or("no outputs")?;
-    let expected = differences(&source, &of, &dotted)?;
+    let expected = differences(source, &of, &dotted)?;
     let of_key = |(index, (name, _)): (usize, &(&str, &str))| {
         let (own, other) = (&row.derivatives[index], &expected[index]);
         let errors = own
@@ -222,8 +233,8 @@ fn against_differences(
 }
 
 /// Error of the derivatives with respect to the first component of a field, summed over all nodes.
-fn error_of_field(field: Field, key: &str) -> Result<f64, GroupError> {
-    let source = source(MOVED, &[]);
+fn error_of_field(text: &'static str, field: Field, key: &str) -> Result<f64, GroupError> {
+    let source = source(text, &[]);
     let of = ["tip".to_owned()];
     let adjoint = field_derivatives(&source, &of, &[field], 1, &|| true)?;
     let forward = derivatives(&source, &of, &[key.to_owned()])?;

@@ -198,16 +198,12 @@ impl Quantity {
         }
     }
 
-<<<<<<< HEAD
-    /// Components and units of the columns.
-=======
-    /// Whether contact forces, or what they do, are part of it.
+    /// Whether contact forces or energies of contact are part of the quantity.
     pub fn is_of_contact(&self) -> bool {
         matches!(self, Self::ContactForce { .. } | Self::Energy { .. })
     }
 
-    /// Components and units of its columns.
->>>>>>> 049a9424 (lab: refuse contact forces and energies of rigid contact as results)
+    /// Components and units of the columns.
     pub fn columns(&self) -> &'static [Part] {
         match self {
             Self::Position { .. } | Self::Displacement { .. } => &LENGTHS,
