@@ -18,14 +18,14 @@ const CAPSTAN: Expectation = Expectation::new(
     "T₂ = T₁ exp(μφ), corrected for EI",
     "Euler; balance of the elastica",
 );
-pub(super) const GRAVITY: f64 = 9.81;
+const GRAVITY: f64 = 9.81;
 
 /// The contact models with their names in scenario files, and the allowed creep speed of sticking
 /// contacts, as a fraction of the slip tolerance.
 ///
 /// With the smoothed law, sticking contacts creep below the slip tolerance; rigid contacts stick
 /// within the tolerance of Newton's method.
-pub(super) const MODELS: [(ContactModel, &str, f64); 3] = [
+const MODELS: [(ContactModel, &str, f64); 3] = [
     (ContactModel::ImplicitContact, "imc", 1.0),
     (ContactModel::IncrementalPotential, "ipc", 1.0),
     (ContactModel::Complementarity, "complementarity", 1e-6),

@@ -75,15 +75,15 @@ pub use rescale::{Scales, rescaled};
 pub use resolve::{END_STATE, read_polyline};
 pub use resolved::{
     Begin, Body, BodyShape, BuilderRod, Clamp, Contact, Continuation, CrossSection, Experiment,
-    Fluid, Handedness, Hold, Inertia, Joint, JointKind, Load, LoadFrame, LoadKind, Material,
-    Movement, NaturalShape, Obstacle, ObstacleShape, Output, Parts, PathMethod, Place, Plane, Pose,
-    Rod, Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Strains, Time,
+    Fluid, FrictionAt, Handedness, Hold, Inertia, Joint, JointKind, Load, LoadFrame, LoadKind,
+    Material, Movement, NaturalShape, Obstacle, ObstacleShape, Output, Parts, PathMethod, Place,
+    Plane, Pose, Rod, Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Strains, Time,
 };
 pub use resolved::{Probe, ProbeKind, StopWhen, Summary};
 pub use sweep::{
     Case, CaseSet, InputFile, Parameter, Portable, Search, SweptDerivatives, earlier_id,
 };
-pub use typed::{FrictionAt, Quantity, SearchMethod, Vector};
+pub use typed::{Quantity, SearchMethod, Vector};
 pub use typed_file::TypedFile;
 pub use units::{angle, metres, parse_any as number_with_unit, seconds};
 

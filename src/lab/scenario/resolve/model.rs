@@ -2,8 +2,8 @@
 
 use super::movement::refuse_motion;
 use crate::scenario::resolved::{
-    Begin, Body, Clamp, Contact, Fluid, Joint, Load, Obstacle, Output, Rod, Scheme, Solver, Step,
-    Time,
+    Begin, Body, Clamp, Contact, Fluid, FrictionAt, Joint, Load, Obstacle, Output, Rod, Scheme,
+    Solver, Step, Time,
 };
 use crate::scenario::section::Section;
 use crate::scenario::tables::{OutputKeys, SolverKeys};
@@ -67,7 +67,7 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
             ],
             "the model \"complementarity\" is rigid and sticks; leave the key out",
         );
-        if friction_at == typed::FrictionAt::Surface {
+        if friction_at == FrictionAt::Surface {
             section.fault(
                 "friction_at",
                 "the model \"complementarity\" allows \"centreline\" only; \"surface\" needs the model \"imc\" or \"ipc\"",

@@ -1,7 +1,26 @@
 //! Resolved contact and fluid models.
 
-use crate::scenario::typed::FrictionAt;
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Where friction acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum FrictionAt {
+    /// On the centrelines.
+    #[default]
+    Centreline,
+    /// On the surfaces.
+    Surface,
+}
+
+impl FrictionAt {
+    /// Whether it is the default, which resolved scenarios omit.
+    fn is_centreline(&self) -> bool {
+        *self == Self::Centreline
+    }
+}
 
 /// Contact between rods and with planes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -17,8 +17,7 @@ mod sweep;
 pub use super::quantity::{Quantity, Vector};
 pub use clamp::Clamp;
 pub use model::{
-    Begin, BuilderRod, Contact, ContactModel, Fluid, FluidModel, FrictionAt, Mode, SchemeChoice,
-    Time,
+    Begin, BuilderRod, Contact, ContactModel, Fluid, FluidModel, Mode, SchemeChoice, Time,
 };
 pub use movement::{Pose, TypedMovement};
 pub use network::{Boundary, Network, NetworkShape};

@@ -1,6 +1,7 @@
 //! Models, time and builders as typed.
 
 use crate::scenario::declaration::keys;
+use crate::scenario::resolved::FrictionAt;
 use crate::scenario::section::{
     DISPLACEMENT_TOLERANCE, FAR_FIELD_ERROR, FRACTION, NON_NEGATIVE, POSITIVE,
 };
@@ -50,25 +51,6 @@ keys! {
         /// Penetration that ends the run, as a fraction of the sum of the two radii, between 0 and 1; not with
         /// "ipc".
         maximum_penetration: number(Dimensionless, FRACTION) default(0.05),
-    }
-}
-
-/// Where friction acts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-#[schemars(inline)]
-pub enum FrictionAt {
-    /// On the centrelines.
-    #[default]
-    Centreline,
-    /// On the surfaces.
-    Surface,
-}
-
-impl FrictionAt {
-    /// Whether it is the default, which resolved scenarios omit.
-    pub(in crate::scenario) fn is_centreline(&self) -> bool {
-        *self == Self::Centreline
     }
 }
 
