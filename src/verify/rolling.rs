@@ -122,7 +122,7 @@ fn on_incline(model: ContactModel, incline: f64, friction: f64) -> Result<[f64; 
 /// Speed at which a rod laid on a belt rolls in the end, m/s.
 fn on_belt(model: ContactModel, speed: f64) -> Result<f64, GroupError> {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-    let corners = corners.map(|[x, y]| Vector3::new(x, y, 0.0)).to_vec();
+    let corners = corners.map(|[x, y]| Vector3::new(x, y - 0.1, 0.0)).to_vec();
     let belt = RigidBody::of_mesh(corners, vec![[0, 1, 2], [0, 2, 3]], false)
         .map_err(|fault| fault.to_string())?;
     let scene = Scene {
@@ -147,7 +147,7 @@ fn on_belt(model: ContactModel, speed: f64) -> Result<f64, GroupError> {
 
 /// Rate of the spin of a rod on pins over that of a rod of a radius (m), or of a roller, that turns under it.
 fn driven(model: ContactModel, by_rod: bool, large: f64) -> Result<f64, GroupError> {
-    let rate = 3.0;
+    let rate = if by_rod { 3.0 } else { -2.0 };
     let pin = |node: usize| Clamp {
         holds_frame: false,
         ..clamp(node)
@@ -166,7 +166,8 @@ fn driven(model: ContactModel, by_rod: bool, large: f64) -> Result<f64, GroupErr
     if by_rod {
         scene.rods.push(RodDescription {
             name: "driver".into(),
-            ..rod_at(0.0, large)
+            radius: large,
+            ..rod_at(0.0, RADIUS)
         });
         scene.clamps.extend([0, 2].map(|node| Clamp {
             rod: 1,
