@@ -133,7 +133,7 @@ impl Shortening {
         let system = &mut simulation.system;
         let unknowns = start.len();
         let mut over = [vec![0.0; unknowns], vec![0.0; unknowns]];
-        // At rest it is no function of them.
+        // At rest it does not depend on them.
         if part > 0.0 {
             let edges = system.assembly.rods.edges.iter();
             let lengths = edges.map(|edge| edge.natural_length);
