@@ -110,7 +110,8 @@ keys! {
         inertia: word(InertiaChoice) default(InertiaChoice::Auto),
         /// Velocity of the rod at time zero. Default: at rest.
         velocity: vector(Velocity) default([0.0; 3]),
-        /// Angular velocity about the rod's centroid at time zero.
+        /// Angular velocity about the rod's centroid at time zero. It moves the nodes; the rod does
+        /// not spin about its own centreline.
         angular_velocity: vector(AngularVelocity) default([0.0; 3]),
     }
 }
