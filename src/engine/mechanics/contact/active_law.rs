@@ -1,4 +1,4 @@
-//! The law of a contact by complementarity near a solution.
+//! Linearised law of a contact of the complementarity model near a solution.
 
 use super::contacts::{CandidatePair, EdgeJacobian};
 use crate::mechanics::Vector3;
@@ -7,18 +7,18 @@ use crate::mechanics::Vector3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum ActiveBodies {
     Pair(CandidatePair),
-    /// A plane, and the node as the surface counts it.
+    /// A plane, and the index of the node among the nodes of the surface.
     Plane {
         plane: usize,
         own: usize,
     },
 }
 
-/// A contact that presses: its law near the solution.
+/// A contact that presses, with its law near the solution.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ActiveLaw {
     pub(super) bodies: ActiveBodies,
-    /// The nodes; of a plane one, four times.
+    /// The four nodes; contact with a plane lists its node four times.
     pub(super) nodes: [usize; 4],
     /// Normal force, N, and friction per normal force.
     pub(super) pressure: f64,
@@ -31,9 +31,10 @@ pub(crate) struct ActiveLaw {
     /// Gap and slip at the solution, m.
     pub(super) gap: f64,
     pub(super) slip: Vector3,
-    /// Length in which the law changes, m.
+    /// Length scale on which the law changes, m.
     pub(super) length: f64,
-    /// Positions of the corners at the solution, and the derivatives of the force on them there, N/m.
+    /// Positions of the corners at the solution, and derivatives of the force with respect to
+    /// them, N/m.
     pub(super) corners: Corners,
     pub(super) over: [EdgeJacobian; 2],
 }

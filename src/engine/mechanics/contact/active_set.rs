@@ -1,4 +1,5 @@
-//! Contact by complementarity near a solution of a step, for its derivatives: the equations of its active set.
+//! Equations of the active set of a step, which give the derivatives of contact by
+//! complementarity.
 //!
 //! Contacts that press are closed, and stick or slide; all others are open, without a force. With the gap g, the normal n, the weights w, and
 //! the slip u = P(n) Σ w_m (x_m − x_mⁿ) of the step across the normal, the equations of a contact are
@@ -8,9 +9,11 @@
 //! slides:  F = w ⊗ λₙ (n − μ u/|u|),   g = 0
 //! ```
 //!
-//! They are written as laws of forces that are those of the solution there, and keep gap and slip what they are by a stiffness K far above that
-//! of the rods: λ − K (n g + u), or λₙ − K g. The motion of the derivative then breaks the equations by the rods' stiffness over K.
-//! Since slips may be far smaller than what the neighbours of a derivative differ by, these laws are linear in positions.
+//! Here they are written as force laws λ − K (n g + u), or λₙ − K g: at the solution they give the
+//! forces of the solution, and a stiffness K far above that of the rods holds gap and slip. The
+//! motion of the derivative then violates the equations by the ratio of the rods' stiffness to K.
+//! Slips may be far smaller than the steps of a finite difference, so the laws are linear in the
+//! positions.
 
 use super::active_law::{ActiveBodies, ActiveLaw, Corners, NOW, START};
 use super::contact_system::ContactSystem;
@@ -21,11 +24,12 @@ use super::friction::tangential;
 use super::nearest_points::NearestPoints;
 use crate::mechanics::Vector3;
 
-/// Part of the disk of friction to which a friction must come to slide, and the slip in units of the threshold that it then must have.
+/// A contact slides if its friction is within this relative margin of the friction disk; its slip
+/// must then be at least the second value, in units of the threshold.
 const DISK: f64 = 1e-6;
 const LEAST_SLIP: f64 = 1e-9;
 const LOST: &str = "a contact ends there, or is with the rim of a tube";
-/// Change of a coordinate over the length in which laws change, for differences of fourth order.
+/// Step of the fourth-order differences, in units of the length on which a law changes.
 const PART: f64 = 1e-3;
 
 /// A law at some positions.
@@ -76,11 +80,12 @@ impl ContactSystem {
         laws
     }
 
-    /// Takes over the laws of a solution at `positions`, of which none are those of derivatives yet, with the stiffness of the rods at some
-    /// nodes with some weights along and across a normal, N/m.
+    /// Completes the laws that [`Self::pressing`] returned, at a solution with `positions`, and
+    /// sets them. `stiffness` gives the stiffness of the rods along and across a normal, N/m, for
+    /// nodes and their weights.
     ///
     /// # Errors
-    /// The reason why the active set is no function of its data there.
+    /// The reason why the active set is not a function of the data at this solution.
     pub(crate) fn set_active_laws(
         &mut self,
         mut laws: Vec<ActiveLaw>,
@@ -123,12 +128,12 @@ impl ContactSystem {
         Ok(())
     }
 
-    /// The laws of derivatives; none outside of them.
+    /// The active laws; empty except while derivatives are computed.
     pub(crate) fn active_laws(&self) -> &[ActiveLaw] {
         &self.active_laws
     }
 
-    /// Takes over the laws of another simulation of the same rods.
+    /// Copies the laws of another simulation of the same rods.
     pub(crate) fn share_active_laws(&mut self, laws: &[ActiveLaw]) {
         self.active_laws.clear();
         self.active_laws.extend_from_slice(laws);
@@ -189,7 +194,8 @@ impl ContactSystem {
         })
     }
 
-    /// Force on the corners of a law, N, which is linear in their positions and has the data of this scene.
+    /// Force on the corners of a law, N, linear in their positions. The constant part is evaluated
+    /// with the data of this scene.
     fn linear_force(&self, law: &ActiveLaw, corners: &Corners) -> Option<[f64; 12]> {
         let mut force = self.force_of(law, &law.corners)?.1;
         for when in [NOW, START] {
@@ -221,7 +227,8 @@ impl ContactSystem {
         Some((at, force))
     }
 
-    /// Derivative of the force on the corners over their positions now, or at the start of the step, N/m.
+    /// Derivative of the force on the corners with respect to their positions at the end or the
+    /// start of the step, N/m.
     fn jacobian(&self, law: &ActiveLaw, corners: &Corners, when: usize) -> Option<EdgeJacobian> {
         let mut jacobian = [[0.0; 12]; 12];
         let change = PART * law.length;
@@ -240,7 +247,7 @@ impl ContactSystem {
         Some(jacobian)
     }
 
-    /// Writes the forces of the laws as contacts.
+    /// Adds the forces of the laws to the contacts.
     pub(super) fn evaluate_active_laws(&mut self, motion: Motion, with_jacobians: bool) {
         for index in 0..self.active_laws.len() {
             let law = self.active_laws[index];
@@ -259,7 +266,8 @@ impl ContactSystem {
             let normal_force = law.pressure;
             match law.bodies {
                 ActiveBodies::Pair(pair) => {
-                    // Without a candidate the matrix has no place for it; its absence is found by the residual.
+                    // A pair that is not a candidate has no entries in the matrix; the residual
+                    // detects the missing force.
                     let Ok(candidate) = self.candidates.pairs().binary_search(&pair) else {
                         continue;
                     };

@@ -5,21 +5,21 @@
 //!
 //! E = −k ((g − δ)/h̄)² ln(g/δ) for 0 < g < δ, and zero beyond.
 //!
-//! Eq. 2.1 prints Δ/(2h + δ) in the logarithm, which stays finite at contact; in the form meant, and here, energy and
-//! force grow beyond all bounds as the surfaces meet. At g = δ the energy vanishes like (δ − g)³, so that it
-//! is twice continuously differentiable. With w = δ/g − 1, the inverse of the gap as it were,
+//! Eq. 2.1 prints Δ/(2h + δ) in the logarithm, which stays finite at contact; in the intended
+//! form, used here, energy and force grow without bound as the surfaces meet. At g = δ the energy
+//! vanishes like (δ − g)³, so it is twice continuously differentiable. With w = δ/g − 1,
 //!
 //! N = k δ/h̄² w/(1 + w) (w + 2 ln(1 + w)), dN/dg = −k/h̄² (w² + 4w + 2 ln(1 + w)).
 //!
-//! The force alone separates the surfaces; that no Newton step jumps over the barrier is the task of
-//! [`step_bound`](super::step_bound).
+//! The force alone separates the surfaces; [`step_bound`](super::step_bound) prevents a Newton
+//! step from jumping over the barrier.
 
 use super::normal_response::NormalResponse;
 
 /// Force N h̄²/(k δ) in the middle of the barrier, x = 1/2: (1 + 2 ln 2)/2.
 const FORCE_IN_THE_MIDDLE: f64 = 0.5 + std::f64::consts::LN_2;
 
-/// Iterations that find the gap of a force, at most.
+/// Maximum number of iterations for the gap of a force.
 const GAP_ITERATIONS: usize = 5;
 /// Change of the logarithm of w after which its square is below rounding error.
 const GAP_CHANGE: f64 = 1e-9;
@@ -68,7 +68,7 @@ pub(super) fn gap_of_force(force: f64, scale: f64, tolerance: f64, stiffness: f6
     } else {
         (relative / 3.0).sqrt()
     };
-    // Newton's method for the logarithms of N and w, between which the slope is 2 to 1: four iterations reach
+    // Newton's method in log N and log w, whose slope lies between 1 and 2: four iterations reach
     // rounding error.
     for _ in 0..GAP_ITERATIONS {
         let sum = nearness + 2.0 * libm::log1p(nearness);
@@ -86,8 +86,9 @@ pub(super) fn gap_of_force(force: f64, scale: f64, tolerance: f64, stiffness: f6
 /// The stiffness k (J) at which a unit force (N) between bodies of mean radius h̄ = `scale` (m) is balanced in the
 /// middle of the barrier.
 ///
-/// A softer barrier carries its loads close to contact, where it is steep; a stiffer one far out, where it
-/// is shallow and its curvature changes most from step to step. Newton's method likes the middle.
+/// A softer barrier carries its loads close to contact, where it is steep; a stiffer one carries
+/// them far out, where it is shallow and its curvature changes most from step to step. Newton's
+/// method converges best in the middle.
 pub(super) fn stiffness_per_force(scale: f64, tolerance: f64) -> f64 {
     scale * scale / (FORCE_IN_THE_MIDDLE * tolerance)
 }

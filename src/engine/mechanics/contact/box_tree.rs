@@ -1,12 +1,12 @@
-//! A tree of axis-aligned boxes: which of many parts are near a place, at the cost of the logarithm of their number.
+//! A tree of axis-aligned boxes that finds the parts near a point in logarithmic time.
 //!
-//! The boxes of each node are split at the median of their centres along the axis on which these spread most. The nodes lie in
-//! the order in which a search visits them, and each holds the place of the node that follows its own subtree, so that a
-//! search needs no stack.
+//! The boxes of each node are split at the median of their centres along the axis of largest
+//! spread. The nodes are stored in the order in which a search visits them, and each holds the
+//! index of the node that follows its subtree, so a search needs no stack.
 
 use crate::mechanics::Vector3;
 
-/// A box along the axes. An empty box contains no point and meets no box.
+/// An axis-aligned box. An empty box contains no point and meets no box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct AlignedBox {
     lower: [f64; 3],
@@ -20,7 +20,7 @@ impl AlignedBox {
         upper: [f64::NEG_INFINITY; 3],
     };
 
-    /// The box around points, with all that is within `distance` of them along an axis.
+    /// The box around points, enlarged by `distance` in every direction.
     pub(crate) fn around(points: impl Iterator<Item = Vector3>, distance: f64) -> Self {
         points.fold(Self::EMPTY, |around, point| {
             around.with(&Self {
@@ -30,12 +30,12 @@ impl AlignedBox {
         })
     }
 
-    /// Whether a point is in it or on its border.
+    /// Whether a point is in the box or on its border.
     pub(crate) fn contains(&self, point: &Vector3) -> bool {
         (0..3).all(|axis| (self.lower[axis]..=self.upper[axis]).contains(&point[axis]))
     }
 
-    /// Whether the two have a point in common.
+    /// Whether two boxes have a point in common.
     fn meets(&self, other: &Self) -> bool {
         (0..3).all(|axis| {
             self.lower[axis] <= other.upper[axis] && other.lower[axis] <= self.upper[axis]
@@ -64,16 +64,16 @@ pub(super) struct BoxTree {
 #[derive(Clone, Debug)]
 struct Node {
     around: AlignedBox,
-    /// The node that follows the subtree of this one.
+    /// Index of the node that follows the subtree of this node.
     next: u32,
-    /// Number of the box of a leaf; [`NO_PART`] of other nodes.
+    /// Index of the box of a leaf; [`NO_PART`] for other nodes.
     part: u32,
 }
 
 const NO_PART: u32 = u32::MAX;
 
 impl BoxTree {
-    /// A tree of boxes, which are numbered as they come.
+    /// A tree of boxes, numbered in the order given.
     pub(crate) fn new(boxes: impl Iterator<Item = AlignedBox>) -> Self {
         let mut parts: Vec<(u32, AlignedBox)> = (0..).zip(boxes).collect();
         let mut tree = Self {

@@ -1,9 +1,10 @@
 //! All pairs of edges of rods whose surfaces are nearer than a clearance, by sweep and prune.
 //!
-//! Every edge gets an axis-aligned box, inflated by its radius and half the clearance. The boxes are sorted
-//! along the axis on which the edges spread most and swept in that order; pairs of boxes that overlap on all
-//! axes are tested for neighbourhood and by their exact distance. The cost is O(N log N) for the sort
-//! plus the pairs that overlap along the one axis, which for rods is a small multiple of N.
+//! Every edge gets an axis-aligned box, inflated by its radius and half the clearance. The boxes
+//! are sorted along the axis on which the edges spread most and swept in that order. Pairs of
+//! boxes that overlap on all axes are tested for neighbourhood and by their exact distance. The
+//! cost is O(N log N) for the sort plus the number of pairs that overlap along the sweep axis,
+//! which for rods is a small multiple of N.
 
 use super::closest_points::edge_distance;
 use super::contacts::CandidatePair;
@@ -36,8 +37,8 @@ impl EdgeBox {
 }
 
 impl BroadPhase {
-    /// Collects in `found` all pairs that may touch with Δ < h_i + h_j + `clearance` (m), with their
-    /// distance Δ, sorted by edges.
+    /// Collects in `found` all pairs that may touch and have Δ < h_i + h_j + `clearance` (m), with
+    /// their distance Δ, sorted by edges.
     pub(crate) fn find(
         &mut self,
         surface: &ContactSurface,
@@ -69,7 +70,7 @@ impl BroadPhase {
         }
     }
 
-    /// Collects in `found` all pairs that may touch and whose boxes around the whole straight paths of their edges from
+    /// Collects in `found` all pairs that may touch if the boxes around their straight paths from
     /// `start` to `end` overlap, sorted by edges.
     pub(crate) fn find_swept(
         &mut self,
@@ -143,7 +144,8 @@ impl BroadPhase {
     }
 }
 
-/// A pair of edges as one number, smaller edge first, which sorts like the pair and much faster.
+/// Encodes a pair of edges, smaller edge first, as one integer: it sorts like the pair, but much
+/// faster.
 fn key_of(a: u32, b: u32) -> u64 {
     u64::from(a.min(b)) << 32 | u64::from(a.max(b))
 }

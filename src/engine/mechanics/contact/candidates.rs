@@ -1,13 +1,14 @@
 //! The candidate set: pairs of edges that may touch, kept over many steps (thesis 2.3.2).
 //!
-//! The candidates are all pairs within a margin beyond the reach of the potential. Two edges approach by
-//! no more than their nodes move, so the set is complete while no node has moved more than half the
-//! margin since it was built. At the start of a step it is rebuilt once some node has used up half of that,
-//! which leaves the other half to the motion within the step. A set that lives long keeps the sparsity
-//! pattern of the Newton system, and with it the symbolic factorisation.
+//! The candidates are all pairs within a margin beyond the reach of the potential. Two edges
+//! approach by at most the motion of their nodes, so the set is complete while no node has moved
+//! more than half the margin since it was built. The set is rebuilt at the start of a step if some
+//! node has moved more than a quarter of the margin; the other quarter is left for the motion
+//! within the step. A long-lived set keeps the sparsity pattern of the Newton system, and with it
+//! the symbolic factorisation.
 //!
-//! The same bound serves as filter: the gap of a pair is at least its gap when the set was built less the
-//! motion of its nodes, so that most candidates need one comparison instead of a distance.
+//! The same bound serves as a filter: the gap of a pair is at least its gap when the set was built
+//! minus the motion of its nodes, so most candidates need one comparison instead of a distance.
 
 use super::broad_phase::BroadPhase;
 use super::contacts::CandidatePair;
@@ -17,9 +18,10 @@ use crate::mechanics::Vector3;
 
 /// Margin of the candidates in radii of the thickest rod that moves.
 ///
-/// A larger margin means fewer rebuilds, a smaller one fewer candidates and so fewer entries in the sparse
-/// factorisation. The flagella of the thesis (radius 1 mm) move by 0.15 mm per step: every fourth step
-/// begins with a rebuild at 2, every second at 1.
+/// A larger margin means fewer rebuilds; a smaller margin means fewer candidates and so fewer
+/// entries in the sparse factorisation. The flagella of the thesis (radius 1 mm) move by 0.15 mm
+/// per step: with a margin of 2 every fourth step begins with a rebuild, with a margin of 1 every
+/// second.
 const MARGIN: f64 = 2.0;
 
 /// Part of the margin that the nodes may have used up at the start of a step.
@@ -36,20 +38,20 @@ pub(super) struct Candidates {
     /// Margin beyond that, m.
     margin: f64,
     pairs: Vec<CandidatePair>,
-    /// Numbers of those that the Newton system couples, sorted.
+    /// Indices of the pairs that the Newton system couples, sorted.
     pub coupled: Vec<usize>,
     /// The pairs before the last build.
     earlier_pairs: Vec<CandidatePair>,
     /// Gap between the surfaces of every pair when the set was built, m.
     gaps: Vec<f64>,
-    /// Positions when the set was built; empty before.
+    /// Positions when the set was built, m; empty before the first build.
     positions: Vec<Vector3>,
     broad_phase: BroadPhase,
     found: Vec<(CandidatePair, f64)>,
 }
 
-/// Values of the pairs of a list, reordered for a newer list; new pairs get the default. Both lists are sorted. Values beyond the
-/// pairs stay behind them.
+/// Reorders the values of a list of pairs for a newer list; new pairs get the default. Both lists
+/// are sorted. Values after those of the pairs stay at the end.
 pub(crate) fn carried_over<T: Copy + Default>(
     old: &[CandidatePair],
     values: &[T],
@@ -67,7 +69,7 @@ pub(crate) fn carried_over<T: Copy + Default>(
 }
 
 impl Candidates {
-    /// No candidates yet, for a potential that reaches `reach` (m) beyond the surfaces.
+    /// Creates an empty set for a potential that reaches `reach` (m) beyond the surfaces.
     pub(crate) fn new(surface: &ContactSurface, reach: f64) -> Self {
         Self {
             reach,
@@ -97,7 +99,7 @@ impl Candidates {
         &self.gaps
     }
 
-    /// Positions when the set was built; empty before.
+    /// Positions when the set was built, m; empty before the first build.
     pub(crate) fn positions(&self) -> &[Vector3] {
         &self.positions
     }
@@ -117,12 +119,13 @@ impl Candidates {
         self.positions.clear();
     }
 
-    /// Whether the nodes have used up so much of the margin that a step should not begin with this set.
+    /// Whether the nodes have used up too much of the margin for a step to begin with this set.
     pub(crate) fn are_worn(&self, positions: &[Vector3]) -> bool {
         !self.is_within(positions, REBUILD_FRACTION)
     }
 
-    /// Builds the set for these positions, an empty one without positions; returns whether it changed.
+    /// Builds the set for these positions and returns whether it changed. Without positions the
+    /// set is empty.
     pub(crate) fn rebuild(
         &mut self,
         surface: &ContactSurface,
@@ -158,13 +161,13 @@ impl Candidates {
         !unchanged
     }
 
-    /// Whether no pair within reach can be missing at these positions.
+    /// Whether the set contains every pair within reach at these positions.
     pub(crate) fn are_complete(&self, positions: &[Vector3]) -> bool {
         self.is_within(positions, COMPLETE_FRACTION)
     }
 
-    /// A fraction of the path `displacements` from `positions` along which the set is complete; 0 where it is not
-    /// complete at `positions`, and may be greater than 1.
+    /// A fraction of the path `displacements` from `positions` along which the set is complete. It
+    /// is 0 if the set is not complete at `positions`, and may exceed 1.
     pub(crate) fn covered_fraction(&self, positions: &[Vector3], displacements: &[Vector3]) -> f64 {
         if self.positions.len() != positions.len() {
             return 0.0;
@@ -204,7 +207,8 @@ impl Candidates {
     }
 }
 
-/// Largest approach of the edges of a pair, given the motion of every node, m. Vertices of obstacles stay.
+/// Largest approach of the edges of a pair for given motions of all nodes, m. Vertices of
+/// obstacles do not move.
 pub(super) fn approach(pair: &CandidatePair, motion: &[f64]) -> f64 {
     let of_node = |node: usize| motion.get(node).copied().unwrap_or(0.0);
     let [a, b, c, d] = pair.nodes.map(of_node);

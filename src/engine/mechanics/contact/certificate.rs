@@ -1,18 +1,22 @@
-//! The certificate of an accepted step: no bodies passed through each other on the way to it.
+//! Certificate that no bodies passed through each other in an accepted step.
 //!
-//! Between the ends of a step the nodes are taken to move along straight lines. At both ends the surfaces overlap by no
-//! more than the fraction p of their distance of touch T = h_i + h_j that the parameters allow, Δ ≥ (1 − p) T. Two edges
-//! whose nodes move by no more than M approach by 2M s in the part s of the step, so that in between
+//! Within a step the nodes are assumed to move along straight lines. At both ends the surfaces
+//! overlap by at most the fraction p of their touching distance T = h_i + h_j that the parameters
+//! allow: Δ ≥ (1 − p) T. Two edges whose nodes move by at most M approach by at most 2M s in the
+//! part s of the step, so that in between
 //!
 //! Δ ≥ max{(1 − p) T − 2M s, (1 − p) T − 2M (1 − s)} ≥ (1 − p) T − M,
 //!
-//! and centrelines keep [`KEPT_PART`] of the distance allowed if M ≤ (1 − [`KEPT_PART`])(1 − p) T: for
-//! most steps of most scenes the certificate costs one comparison per node. Beyond that, the pairs whose paths come near
-//! each other are found by boxes around the whole paths, and tested by continuous collision detection.
+//! and centrelines keep [`KEPT_PART`] of the allowed distance if M ≤ (1 − [`KEPT_PART`])(1 − p) T.
+//! For most steps of most scenes the certificate therefore costs one comparison per node. For
+//! larger M, boxes around the whole paths find the pairs whose paths come near each other, and
+//! continuous collision detection tests these pairs.
 //!
-//! For planes the ends suffice: the distance of a node from a plane is linear in time. Faces of obstacles are passed by a
-//! node that is on the other side of their plane in the end and was within their edges as it met it; a tube is convex, so that what is inside at both ends was so in between.
-//! Rods that touch the rim of a tube keep their distance from it.
+//! For planes the two ends suffice, since the distance of a node from a plane is linear in time. A
+//! node has passed through a face of an obstacle if it ends on the other side of the plane of the
+//! face and was within the edges of the face when it crossed the plane. A tube is convex, so a
+//! node that is inside at both ends stays inside. Rods that touch the rim of a tube keep their
+//! distance from it.
 
 use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
@@ -22,17 +26,18 @@ use super::foot::crossing;
 use super::rim::{RimPoint, fraction_beyond_rim};
 use crate::mechanics::Vector3;
 
-/// Part of the least distance allowed at the ends of a step that centrelines keep within it. Zero would be enough to distinguish
-/// passing from not passing; a half leaves continuous collision detection few advances, and costs no step whose nodes move
-/// by less than 0.95 radii.
+/// Fraction of the least distance allowed at the ends of a step that centrelines must keep within
+/// the step. Zero would be enough to detect passing through. One half needs only a few advances of
+/// continuous collision detection, and none if the nodes move by less than 0.95 radii.
 const KEPT_PART: f64 = 0.5;
 
-/// A tenth of the distance kept: how much nearer than needed a pair may be certified.
+/// Tolerance of the certificate: a pair may come nearer than required by a tenth of the kept
+/// distance.
 const TOLERANCE: f64 = 0.1;
 
 impl ContactSystem {
-    /// Two edges that pass through each other, or nearly so, where all nodes move along straight lines from `start` to
-    /// `end`, m; `None` where it is certain that there are none.
+    /// Finds two edges that pass, or nearly pass, through each other if all nodes move along
+    /// straight lines from `start` to `end`, m; `None` if there are certainly none.
     ///
     /// At `start` and `end` no surfaces may overlap by more than `maximum_penetration`.
     pub(crate) fn passage(&mut self, start: &[Vector3], end: &[Vector3]) -> Option<ContactPair> {
@@ -131,7 +136,7 @@ mod tests {
         (contact, positions)
     }
 
-    /// Least distance of centrelines that may touch over that at which they do.
+    /// Least ratio of the distance of centrelines to the distance at which their surfaces touch.
     fn least_ratio(contact: &ContactSystem, positions: &[Vector3]) -> f64 {
         let edges = contact.surface().edges();
         let pairs = (0..edges.len()).flat_map(|i| (i + 1..edges.len()).map(move |j| [i, j]));

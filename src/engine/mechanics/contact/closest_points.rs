@@ -1,34 +1,37 @@
-//! Closest points of two segments, and which of their features they lie on.
+//! Closest points of two segments, and the features (ends or interiors) that contain them.
 //!
 //! Minimises the convex quadratic
 //!
 //! ½‖x_i + β_i e_i − x_j − β_j e_j‖² + ½ c [(β_i − ½)² + (β_j − ½)²]
 //!
-//! over the unit square of contact ratios: with c = 0 these are the closest points (thesis Eq. 2.3; Lumelsky 1985;
-//! Ericson 2005, section 5.1.9). The minimum over the lines is computed from a triple product with e_i × e_j,
-//! which stays accurate for edges that are nearly parallel, where the usual difference of dot products cancels.
+//! over the unit square of contact ratios. With c = 0 these are the closest points (thesis Eq.
+//! 2.3; Lumelsky 1985; Ericson 2005, section 5.1.9). The minimum over the lines is computed from a
+//! triple product with e_i × e_j. This stays accurate for nearly parallel edges, where the usual
+//! difference of dot products cancels.
 //!
-//! Where edges turn through parallel the closest points jump from one end of the stretch along which they face each
-//! other to the other end, and the torque of the contact force with them. Parallel rods in contact come to rest
-//! just there, in between, where Newton's method finds no force that would hold them. With a smoothing c the points pass
-//! through the middle of that stretch, within an angle of about c/(2 Δ ‖e‖). The distance is then the root of twice
-//! the minimum, so that its gradient at fixed ratios still is the whole one; it is larger than that of the edges by
-//! at most c/(4 Δ).
+//! When edges turn through parallel, the closest points jump from one end of the stretch along
+//! which the edges face each other to the other end, and the torque of the contact force jumps
+//! with them. Parallel rods in contact come to rest in between, where Newton's method finds no
+//! force that balances them. With a smoothing c the points pass through the middle of that stretch
+//! within an angle of about c/(2 Δ ‖e‖). The distance is then the root of twice the minimum, so
+//! its gradient at fixed ratios is still the full gradient; it exceeds the distance of the edges
+//! by at most c/(4 Δ).
 
 use crate::mechanics::Vector3;
 
 /// Edges with a smaller sine of the angle between them count as parallel.
 ///
-/// The points of parallel edges that face each other are equally near. Where the sine is smaller the
-/// closest points are unstable and the curvature of the distance, which grows like its inverse square,
-/// is of no use to Newton's method. At 1e-6 and edges of a few radii the distance that is lost by taking
-/// the middle instead of the true minimum is 1e-12 of the radius; at 1e-4 it would already be noticeable.
+/// On parallel edges all points that face each other are equally near. For a smaller sine the
+/// closest points are unstable, and the curvature of the distance, which grows like the inverse
+/// square of the sine, is useless to Newton's method. At 1e-6 and edges of a few radii, taking the
+/// middle instead of the true minimum costs 1e-12 of the radius in distance; at 1e-4 the error
+/// would already be noticeable.
 const PARALLEL_SINE: f64 = 1e-6;
 
 /// Contact ratios that are free to move along their edges, [first edge, second edge].
 ///
-/// The number of free ratios is the class of the contact: none is point–point (Eq. 2.4), one is
-/// point–edge (Eq. 2.5), two is edge–edge (Eq. 2.6).
+/// The number of free ratios is the class of the contact: none for point–point (Eq. 2.4), one for
+/// point–edge (Eq. 2.5), two for edge–edge (Eq. 2.6).
 pub(super) type FreeRatios = [bool; 2];
 
 /// The closest points c_i = x_i + β_i e_i and c_j = x_j + β_j e_j of two edges.
@@ -40,10 +43,11 @@ pub(super) struct ClosestPoints {
     pub free: FreeRatios,
     /// c_i − c_j, m.
     pub separation: Vector3,
-    /// Smoothing c with which they were found, m².
+    /// Smoothing c used for these points, m².
     pub smoothing: f64,
-    /// Whether the first body is held within a distance of the second, as in a tube around its axis: the distance then counts
-    /// as negative, the normal points inwards, and all derivatives follow from that.
+    /// Whether the first body is confined to a distance of the second, as in a tube around its
+    /// axis. The distance then counts as negative, the normal points inwards, and all derivatives
+    /// follow from that.
     pub inside: bool,
 }
 
@@ -63,7 +67,8 @@ impl ClosestPoints {
         );
         let cross = edge_i.cross(&edge_j);
         let determinant = cross.norm_squared() + smoothing * (square_i + square_j - smoothing);
-        // An edge without length is a point, which has no parallels, at its first node.
+        // An edge without length is treated as a point at its first node, which is never parallel
+        // to an edge.
         let is_point = square_i == smoothing || square_j == smoothing;
         if is_point || determinant <= PARALLEL_SINE * PARALLEL_SINE * square_i * square_j {
             return Self::of_parallel_edges(nodes);
@@ -73,9 +78,10 @@ impl ClosestPoints {
         let (along_i, along_j) = (offset.dot(&edge_i), offset.dot(&edge_j));
         let (inverse_i, inverse_j) = (1.0 / square_i, 1.0 / square_j);
 
-        // The minimum over the lines, cut to the first edge; the nearest point of the second edge; and, for
-        // the case that this was cut too, the nearest point of the first edge to it. Without a
-        // cut the last two have no effect; computing them without branches is faster. Ratios count from the middles.
+        // Minimum over the lines, clamped to the first edge; then the nearest point of the second
+        // edge; then, in case this was clamped too, the nearest point of the first edge to it.
+        // Without clamping the last two steps have no effect; computing them without branches is
+        // faster. Ratios are measured from the middles.
         let over_lines = offset.cross(&edge_j).dot(&cross) + smoothing * along_i;
         let start = (over_lines / determinant).clamp(-0.5, 0.5);
         let ratio_j = ((start * mixed - along_j) * inverse_j).clamp(-0.5, 0.5);
@@ -94,7 +100,7 @@ impl ClosestPoints {
         let edge_j = nodes[3] - nodes[2];
         let (length_i, length_j) = (edge_i.norm_squared(), edge_j.norm_squared());
         if length_j == 0.0 {
-            // A point, which has no parallels.
+            // A point is never parallel to an edge.
             let ratio_i = project(&nodes[2], &nodes[0], &edge_i, length_i).clamp(0.0, 1.0);
             return Self::at(nodes, [ratio_i, 0.0], [is_inside(ratio_i), false]);
         }
@@ -124,14 +130,15 @@ impl ClosestPoints {
         }
     }
 
-    /// The point of an axis (`nodes[2]`, `nodes[3]`) that is nearest to a point within a tube around it, which is given twice;
-    /// `None` beyond the ends of the tube and on the axis, where there is no direction to its wall.
+    /// Nearest point of the axis (`nodes[2]`, `nodes[3]`) of a tube to a point in the tube, which
+    /// is given twice (`nodes[0]`, `nodes[1]`). `None` beyond the ends of the tube, and on the
+    /// axis, where the direction to the wall is undefined.
     pub(crate) fn in_tube(nodes: &[Vector3; 4]) -> Option<Self> {
         let closest = Self::within_tube(nodes);
         closest.filter(|closest| closest.separation != Vector3::zeros())
     }
 
-    /// The same on the axis, too, where there is a distance but no normal.
+    /// Like `in_tube`, but also for points on the axis, where there is a distance but no normal.
     pub(crate) fn within_tube(nodes: &[Vector3; 4]) -> Option<Self> {
         let closest = Self::of_parallel_edges(nodes);
         closest.free[1].then_some(Self {
@@ -187,7 +194,7 @@ mod tests {
         prop::array::uniform4(prop::array::uniform3(coordinate).prop_map(Vector3::from))
     }
 
-    /// The smallest distance by its optimality conditions: either an unconstrained minimum inside the
+    /// The smallest distance by its optimality conditions: the unconstrained minimum inside the
     /// square of ratios, or one of the four ends against the other edge.
     fn distance_by_enumeration(nodes: &[Vector3; 4]) -> f64 {
         let point_to_segment = |p: &Vector3, a: &Vector3, b: &Vector3| {
@@ -349,7 +356,7 @@ mod tests {
         let nodes = [Vector3::zeros(), Vector3::x(), point, point];
         assert_eq!(edge_distance(&nodes), 2.0);
         assert_eq!(edge_distance(&[point; 4]), 0.0);
-        // The other edge has a nearest point, smoothed or not.
+        // The other edge has a unique nearest point, smoothed or not.
         for smoothing in [0.0, 1e-3] {
             let found = ClosestPoints::smoothed(&[point, point, nodes[0], nodes[1]], smoothing);
             assert_eq!(found.weights(), [1.0, 0.0, -0.75, -0.25]);

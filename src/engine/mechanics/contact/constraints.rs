@@ -1,12 +1,12 @@
-//! Contacts as constraints on the motion: what the complementarity model needs of the geometry (thesis 3.3).
+//! Contacts as constraints on the motion: geometry for the complementarity model (thesis 3.3).
 //!
 //! Near a configuration q the gap and the slip of a contact are linear in the displacements of its nodes,
 //!
 //! w_n = g + n·Σ w_m δx_m,   w_t = t·Σ w_m (x_m − x_mⁿ + δx_m),
 //!
-//! with the weights w of the contact points, which are also those by which a force at the contact points acts on the
-//! nodes. The forces that the model has found stay as they are, in direction and weights, until it
-//! finds new ones.
+//! with the weights w of the contact points, which also distribute a force at the contact points
+//! to the nodes. The forces found by the model keep their direction and weights until the model
+//! computes new ones.
 
 use super::candidates::approach;
 use super::contact_system::ContactSystem;
@@ -19,12 +19,14 @@ use super::nearest_points::{NearestPoints, separation};
 use super::normal_law::NormalLaw;
 use crate::mechanics::Vector3;
 
-/// Part of a relative tangential motion that may close a gap, because normals turn. Contacts that this misses are found overlapping.
+/// Part of a relative tangential motion that may close a gap, because normals turn. Contacts
+/// missed by this estimate are later found as overlaps.
 const SIDEWAYS: f64 = 0.1;
 
 impl ContactSystem {
-    /// Lists the contacts that `motions` of the nodes from `positions` may close, m, or bring to within `margin` (m) of that, and
-    /// those among `earlier` ones at any distance, starting with their forces there, or else in the last step.
+    /// Lists the contacts that `motions` (m) of the nodes from `positions` may close, or bring to
+    /// within `margin` (m) of closing. Contacts in `earlier` are listed at any distance. Each
+    /// contact starts with its force in `earlier`, or else with that of the last step.
     pub(crate) fn list_constraints(
         &mut self,
         positions: &[Vector3],
@@ -104,12 +106,12 @@ impl ContactSystem {
         self.warm_start(earlier);
     }
 
-    /// Forces of constraints before iterations, N.
+    /// Sets the initial forces of the constraints, N.
     fn warm_start(&mut self, earlier: &[ContactConstraint]) {
         let mut constraints = std::mem::take(&mut self.constraints);
         let mut known = earlier.iter().peekable();
         for constraint in &mut constraints {
-            // Both lists are in the order of candidates, then planes with their nodes.
+            // Both lists are ordered by candidates, then by planes and their nodes.
             while known
                 .next_if(|other| other.order() < constraint.order())
                 .is_some()
@@ -135,7 +137,7 @@ impl ContactSystem {
         self.constraints = constraints;
     }
 
-    /// Largest motion of rods that are candidates relative to each other, for motions of all nodes, m.
+    /// Largest relative motion of two rods that have candidates, for motions of all nodes, m.
     pub(crate) fn largest_relative_motion(&self, motions: &[Vector3]) -> f64 {
         let pairs = self.candidates.pairs().iter();
         pairs
@@ -151,7 +153,7 @@ impl ContactSystem {
         }
     }
 
-    /// Loads the listed contacts with the forces that iterations begin with.
+    /// Applies the initial forces to the listed contacts.
     pub(crate) fn load_begun_forces(&mut self) {
         let mut constraints = std::mem::take(&mut self.constraints);
         for constraint in &mut constraints {
@@ -163,7 +165,7 @@ impl ContactSystem {
         self.constraints = constraints;
     }
 
-    /// Starts the iterations with forces of the listed contacts, N, and with none at others.
+    /// Starts the iterations with the forces of the listed contacts, N, and with zero elsewhere.
     pub(crate) fn begin_with_forces(&mut self, forces: &[Vector3]) {
         self.multipliers.begin_without();
         for (index, force) in forces.iter().enumerate() {
@@ -196,10 +198,11 @@ impl ContactSystem {
         law.gap_of_force(force) + standoff
     }
 
-    /// Derivative of the forces of a listed contact, at constant size, over the positions of its nodes as it turns, N/m.
+    /// Derivative of the forces of a listed contact with respect to the positions of its nodes,
+    /// N/m, for a force of constant size that turns with the contact.
     ///
-    /// Without friction and for edges that touch between their ends this is minus the stiffness N Δ Q⁻¹ of
-    /// `distance`, which grows as edges turn through parallel.
+    /// Without friction, and for edges that touch between their ends, this is minus the stiffness
+    /// N Δ Q⁻¹ of `distance`, which grows as edges turn through parallel.
     pub(crate) fn turning(
         &self,
         constraint: &ContactConstraint,
@@ -211,7 +214,7 @@ impl ContactSystem {
         };
         let pair = &self.candidates.pairs()[candidate];
         let points = self.obstacles.points(positions);
-        // ∂n and, node by node, w, a and ∂β.
+        // ∂n, and for each node w, a and ∂β.
         let (turns, weights, rates, moves) =
             match NearestPoints::of(&self.surface, pair, &points, 0.0) {
                 Some(NearestPoints::Edges(closest)) => {
@@ -246,8 +249,9 @@ impl ContactSystem {
         &self.constraints
     }
 
-    /// Gives the listed contacts their forces, N, and drops those that never had any in this step. One that had stays: left out
-    /// where it has opened, it would be found overlapping and listed again, in a cycle.
+    /// Sets the forces of the listed contacts, N, and drops contacts that had no force in this
+    /// step. A contact that had a force stays listed even if it has opened: without it the
+    /// surfaces would overlap and it would be listed again, in a cycle.
     pub(crate) fn load_constraints(&mut self, forces: &[Vector3]) {
         for (constraint, force) in self.constraints.iter_mut().zip(forces) {
             constraint.force = *force;
@@ -321,20 +325,20 @@ fn turn(constraints: &mut [ContactConstraint], levers: &Levers, positions: &[Vec
     }
 }
 
-/// Largest motion of a point of the one edge relative to one of the other, m.
+/// Largest motion of a point of one edge relative to a point of the other, m.
 fn largest_relative_motion(pair: &CandidatePair, motions: &[Vector3]) -> f64 {
     let corners = relative_motions(pair, motions).map(|motion| motion.norm_squared());
     corners.into_iter().fold(0.0, f64::max).sqrt()
 }
 
-/// The same against the normal, m: what the gap closes by at most.
+/// Largest relative motion against the normal, m: an upper bound on how far the gap closes.
 fn largest_approach(pair: &CandidatePair, motions: &[Vector3], normal: &Vector3) -> f64 {
     let corners = relative_motions(pair, motions).map(|motion| -motion.dot(normal));
     corners.into_iter().fold(0.0, f64::max)
 }
 
-/// Motions of the ends of the one edge relative to those of the other, m; that of a point of the one relative to a point of the
-/// other lies between them. Vertices of obstacles stay.
+/// Motions of the ends of one edge relative to the ends of the other, m; the relative motion of
+/// any two points of the edges is between these. Vertices of obstacles do not move.
 fn relative_motions(pair: &CandidatePair, motions: &[Vector3]) -> [Vector3; 4] {
     let [a, b, c, d] = pair
         .nodes

@@ -21,16 +21,17 @@ use crate::mechanics::rotation::Pose;
 /// Implicit contact with Coulomb friction (thesis 2.2–2.3) of all rods and planes of a scene, by the
 /// potential of the implicit contact model or by the barrier of incremental potential contact.
 ///
-/// In a time step: [`update_candidates`](Self::update_candidates), then per Newton iteration
-/// [`evaluate`](Self::evaluate) and per trial of the line search [`evaluate_forces`](Self::evaluate_forces),
-/// no farther along a straight path than `largest_step` allows;
-/// after it, `candidates_are_complete`,
-/// `excessive_penetration` and `passage`.
+/// In a time step: [`update_candidates`](Self::update_candidates); then
+/// [`evaluate`](Self::evaluate) in each Newton iteration, and
+/// [`evaluate_forces`](Self::evaluate_forces) in each trial of the line search, which goes at most
+/// as far along a straight path as `largest_step` allows; after the step,
+/// `candidates_are_complete`, `excessive_penetration` and `passage`.
 ///
-/// The distance of two edges has kinks where several pairs of points are equally near: joints of a rod, and
-/// parallel edges, whose closest points the implicit contact model smooths. Newton's method may need its line search
-/// there. Every model guarantees at the end of a step: no surfaces overlap beyond the bound, and no bodies have passed
-/// through anything else.
+/// The distance of two edges has kinks where several pairs of points are equally near: at the
+/// joints of a rod, and on parallel edges, whose closest points the implicit contact model
+/// smooths. Newton's method may need its line search there. Every model guarantees at the end of a
+/// step that no surfaces overlap beyond the bound, and that no bodies have passed through each
+/// other.
 #[derive(Clone, Debug)]
 pub struct ContactSystem {
     pub(super) parameters: ContactParameters,
@@ -44,7 +45,7 @@ pub struct ContactSystem {
     pub(super) carried_tractions: Tractions,
     pub(super) stiffness: f64,
     pub(super) least_stiffness: f64,
-    /// Least stiffness of contacts of each node; empty where it is the same for all.
+    /// Least contact stiffness of each node; empty if it is the same for all.
     pub(super) least_of_nodes: Vec<f64>,
     pub(super) iterate: Iterate,
     /// Displacement of every node since the candidates were built, m; scratch.
@@ -55,23 +56,23 @@ pub struct ContactSystem {
     /// Positions along a step that is searched for collisions, m; scratch.
     pub(super) scratch_positions: Vec<Vector3>,
     pub(super) contacts: Vec<ActiveContact>,
-    /// Friction per normal force of the contacts.
+    /// Friction per normal force of the edge contacts.
     pub(super) tractions: Vec<Vector3>,
     pub(super) jacobians: Vec<EdgeJacobian>,
-    /// Corrections of the forces to those of the linear laws, N.
+    /// Differences between the forces of the linear laws and the present forces, N.
     pub(super) linear_corrections: Vec<[f64; 12]>,
     pub(super) plane_contacts: Vec<PlaneContact>,
     /// Friction per normal force of the plane contacts.
     pub(super) plane_tractions: Vec<Vector3>,
     pub(super) plane_jacobians: Vec<PlaneJacobian>,
     pub(super) plane_linear_corrections: Vec<[f64; 3]>,
-    /// How the surfaces of rods turn, where friction acts at them.
+    /// Rotation of the surfaces of rods, if friction acts at them.
     pub(super) surface_turns: Option<SurfaceTurns>,
-    /// The contacts that turn edges, of pairs first.
+    /// Contacts that turn edges; those of pairs come first.
     pub(super) turned: Vec<TurnedContact>,
     /// Contacts of the complementarity model.
     pub(super) constraints: Vec<ContactConstraint>,
-    /// In their place, for derivatives.
+    /// Active laws that replace the constraints while derivatives are computed.
     pub(super) active_laws: Vec<ActiveLaw>,
     pub(super) energy: f64,
     pub(super) contact_count: usize,
@@ -82,8 +83,8 @@ pub struct ContactSystem {
 }
 
 impl ContactSystem {
-    /// `least_stiffness` is the contact stiffness k at the start and the least that
-    /// `Self::adapt_stiffness` chooses; that of the force scale EI/L² suits.
+    /// `least_stiffness` is the initial contact stiffness k, and the least value that
+    /// `Self::adapt_stiffness` chooses; that of the force scale EI/L² is suitable.
     pub fn new(
         parameters: ContactParameters,
         surface: ContactSurface,
@@ -144,15 +145,16 @@ impl ContactSystem {
 
     /// Sets the margin of the candidates, m (two radii of the thickest moving rod otherwise), and discards them.
     ///
-    /// A larger margin means fewer rebuilds, a smaller one fewer candidates and so fewer entries in the
-    /// Newton system. To be called before the first update, and again before a restart.
+    /// A larger margin means fewer rebuilds; a smaller margin means fewer candidates and so fewer
+    /// entries in the Newton system. Call this before the first update, and again before a
+    /// restart.
     #[cfg(test)]
     pub(crate) fn set_candidate_margin(&mut self, margin: f64) {
         self.candidates.set_margin(margin);
     }
 
-    /// Rebuilds the candidates where some node has moved more than a quarter of the margin since they
-    /// were last built; returns whether the set changed. To be called at the start of a step.
+    /// Rebuilds the candidates if some node has moved more than a quarter of the margin since they
+    /// were last built; returns whether the set changed. Call this at the start of a step.
     pub fn update_candidates(&mut self, positions: &[Vector3]) -> bool {
         if self.obstacles.moved || self.candidates.are_worn(positions) {
             self.renew_candidates(positions)
@@ -161,7 +163,7 @@ impl ContactSystem {
         }
     }
 
-    /// Moves an obstacle to where it is at the end of a step; candidates are out of date then.
+    /// Moves an obstacle to its pose at the end of a step; this invalidates the candidates.
     pub(crate) fn place_obstacle(&mut self, obstacle: usize, pose: Pose) {
         self.obstacles.place(&self.surface, obstacle, pose);
     }
@@ -171,18 +173,20 @@ impl ContactSystem {
         self.obstacles.commit();
     }
 
-    /// Displacement of a vertex of an obstacle in the step, m; vertices are counted on from the nodes of the rods.
+    /// Displacement of a vertex of an obstacle in the step, m; vertices are numbered after the
+    /// nodes of the rods.
     pub(crate) fn vertex_motion(&self, vertex: usize) -> Vector3 {
         let now = self.obstacles.points(&[]).vertices[vertex - self.node_count];
         now - self.obstacles.points_at_start(&[]).vertices[vertex - self.node_count]
     }
 
-    /// Whether a number is that of a node of a rod, and not of a vertex of an obstacle.
+    /// Whether an index belongs to a node of a rod, not to a vertex of an obstacle.
     pub(crate) fn is_of_rod(&self, node: usize) -> bool {
         node < self.node_count
     }
 
-    /// Builds the candidates for `positions` within the iterations of a step; returns whether the set changed.
+    /// Builds the candidates for `positions` during the iterations of a step; returns whether the
+    /// set changed.
     pub(super) fn renew_candidates(&mut self, positions: &[Vector3]) -> bool {
         let changed = self
             .candidates
@@ -201,8 +205,8 @@ impl ContactSystem {
         self.renumber_contacts();
     }
 
-    /// Reorders the contacts of the last evaluation by the new candidates; the Jacobians, of which the
-    /// Newton system has the old pattern, are removed.
+    /// Reorders the contacts of the last evaluation by the new candidates. The Jacobians are
+    /// removed, since the Newton system has their old pattern.
     fn renumber_contacts(&mut self) {
         let (old, new) = (self.candidates.earlier_pairs(), self.candidates.pairs());
         let numbers: Vec<Option<usize>> = self
@@ -237,13 +241,14 @@ impl ContactSystem {
         super::surface_turns::renumber(&mut self.turned, old, new);
     }
 
-    /// Rebuilds the candidates for these positions in any case; without positions there are none.
+    /// Rebuilds the candidates for these positions unconditionally; without positions the set is
+    /// empty.
     pub(super) fn rebuild_candidates(&mut self, positions: &[Vector3]) {
         self.candidates
             .rebuild(&self.surface, &self.obstacles, positions);
     }
 
-    /// Positions for which the candidates were built; empty before the first time.
+    /// Positions for which the candidates were built, m; empty before the first build.
     pub(super) fn candidate_positions(&self) -> &[Vector3] {
         self.candidates.positions()
     }
@@ -253,20 +258,21 @@ impl ContactSystem {
         self.candidates.pairs()
     }
 
-    /// Whether no contact can be missing from the candidates at these positions: no node has moved more
-    /// than half the margin since they were built. To be asked when a step has converged; where it is
+    /// Whether the candidates contain every contact at these positions: no node has moved more
+    /// than half the margin since they were built. Check this when a step has converged; if it is
     /// false, update the candidates and continue iterating if the set changed.
     pub(crate) fn candidates_are_complete(&self, positions: &[Vector3]) -> bool {
         !self.obstacles.moved && self.candidates.are_complete(positions)
     }
 
-    /// Starts the Newton iterations of a step: until [`Self::commit_multipliers`] or
-    /// [`Self::abandon_multipliers`] the Jacobians are those of the force law linearised at the normal forces
-    /// and tractions as unknowns of the iteration, which begin with those of the last step. `mobilities` is how far a
-    /// unit force moves each node within the step by inertia alone, m/N: zero where it is held.
+    /// Starts the Newton iterations of a step. Until [`Self::commit_multipliers`] or
+    /// [`Self::abandon_multipliers`], normal forces and tractions are unknowns of the iteration
+    /// that begin with their values of the last step, and the Jacobians are those of the force law
+    /// linearised at them. `mobilities` are the displacements of each node under a unit force
+    /// within the step by inertia alone, m/N; zero for held nodes.
     pub(crate) fn begin_iterations(&mut self, mobilities: &[f64]) {
         if self.parameters.is_complementarity() {
-            // Each step begins with what a checkpoint holds.
+            // Each step begins with the data that a checkpoint contains.
             self.constraints.clear();
             return;
         }
@@ -285,18 +291,20 @@ impl ContactSystem {
         self.carried_tractions.begin(self.slots());
     }
 
-    /// Whether the contact forces at the prediction differ much from those of the last step, and are so many that a
-    /// prediction of all of them pays among so many rods: to be asked after the first linearisation of a step.
+    /// Whether the contact forces at the prediction differ much from those of the last step, and
+    /// predicting all of them is worth its cost for this number of rods. Call this after the first
+    /// linearisation of a step.
     pub(crate) fn is_surprised(&self, rods: usize) -> bool {
         self.iterate.is_surprised(rods)
     }
 
-    /// Whether the Jacobians are those of the carried normal forces.
+    /// Whether the Jacobians are linearised at the multipliers.
     pub(crate) fn uses_multipliers(&self) -> bool {
         self.multipliers.in_use()
     }
 
-    /// Sets whether the last correction was small against the radii; otherwise Jacobians omit the rotation of contacts.
+    /// Sets whether the last correction was small compared with the radii; otherwise Jacobians
+    /// omit the rotation of contacts.
     pub(crate) fn set_moved_slightly(&mut self, slightly: bool) {
         self.iterate.moved_slightly = slightly;
     }
@@ -306,11 +314,11 @@ impl ContactSystem {
         self.multipliers.abandon();
     }
 
-    /// Takes over the normal forces of the last evaluation as those of an accepted step.
+    /// Commits the normal forces of the last evaluation as those of an accepted step.
     pub(crate) fn commit_multipliers(&mut self) {
         let slots = self.slots();
         let reach = self.parameters.reach();
-        // Contacts that opened stay listed where their multipliers bore force.
+        // Contacts that opened stay listed if their multipliers carried a force.
         let pairs = self
             .contacts
             .iter()
@@ -319,7 +327,7 @@ impl ContactSystem {
             .plane_contacts
             .iter()
             .filter(|c| c.distance - c.threshold < reach);
-        // A slot has the size of a force, which its pair may count against others.
+        // A slot holds the magnitude of a force; the force of a counter-pair is negative.
         let of_pairs = pairs.clone().map(|c| (c.candidate, c.normal_force.abs()));
         let of_planes = planes
             .clone()
@@ -381,8 +389,8 @@ impl ContactSystem {
             .fold(0.0, f64::max)
     }
 
-    /// Steepest change of the friction of any contact with its slip speed in the last accepted step, N s/m; zero where
-    /// friction is not smoothed.
+    /// Largest slope of the friction of any contact with respect to its slip speed in the last
+    /// accepted step, N s/m; zero if friction is not smoothed.
     pub(crate) fn steepest_friction(&self) -> f64 {
         let coefficient = self.largest_friction();
         self.parameters.friction_slope(coefficient) * self.largest_normal_force()
@@ -402,8 +410,9 @@ impl ContactSystem {
         &self.jacobians
     }
 
-    /// Corrections from the forces of [`Self::contacts`] and [`Self::plane_contacts`] to those of the linearised laws at
-    /// the present gaps, N: the right-hand side that goes with the Jacobians. Zero without multipliers.
+    /// Differences between the forces of the linearised laws at the present gaps and those of
+    /// [`Self::contacts`] and [`Self::plane_contacts`], N: the right-hand side for the Jacobians.
+    /// Zero without multipliers.
     pub(crate) fn linear_corrections(&self) -> ForceCorrections<'_> {
         ForceCorrections {
             edges: &self.linear_corrections,
@@ -421,7 +430,8 @@ impl ContactSystem {
         &self.plane_jacobians
     }
 
-    /// Contacts (with planes too) of the last evaluation within the distance tolerance δ (Eq. 2.17).
+    /// Contacts of the last evaluation, including planes, within the distance tolerance δ (Eq.
+    /// 2.17).
     pub(crate) fn contact_count(&self) -> usize {
         self.contact_count
     }

@@ -8,7 +8,8 @@ pub type EdgeJacobian = [[f64; 12]; 12];
 /// Derivative of the force of a plane on a node with respect to the node's position, N/m.
 pub type PlaneJacobian = [[f64; 3]; 3];
 
-/// A contact as a linear function of the coordinates of its four nodes; a plane has one, the first.
+/// A contact as a linear function of the coordinates of its four nodes; contact with a plane uses
+/// only the first.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Linearised<J> {
     /// Derivative of its force, N/m.
@@ -22,9 +23,9 @@ pub(super) struct Linearised<J> {
 /// How a contact moves with the coordinates of its four nodes, to first order.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContactMotion {
-    /// Weights of the nodes in the motion at the contact.
+    /// Weights of the four nodes in the motion at the contact.
     pub weights: [f64; 4],
-    /// Derivatives of these, 1/m.
+    /// Derivatives of the weights, 1/m.
     pub weight_rates: [[f64; 12]; 4],
     /// Normal, from the second body to the first.
     pub normal: Vector3,
@@ -51,15 +52,17 @@ impl ContactMotion {
 
 /// Side of a pair of two edges.
 pub(super) const EDGE: i8 = 0;
-/// Side of a pair of a node and the axis of a tube around it; the node is listed twice among the four.
+/// Side of a pair of a node and the axis of a tube around it; the pair lists the node twice.
 pub(super) const TUBE: i8 = 2;
-/// Side of a pair of a piece of a rod around a node and the rim of a tube; of the piece before the middle of the first edge, and of that
-/// behind the middle of the last: three nodes, then the centre of the rim.
+/// Sides of a pair of a piece of a rod and the rim of a tube: for a piece around a node, for the
+/// piece before the middle of the first edge, and for the piece behind the middle of the last
+/// edge. The pair lists three nodes, then the centre of the rim.
 pub(super) const RIM: i8 = 3;
 pub(super) const RIM_START: i8 = 4;
 pub(super) const RIM_END: i8 = 5;
-/// Side of a pair that counts against those with the same rim: of the middle of an edge where two pieces meet, by the first two and by the
-/// last two of its nodes, and of a node in the tube, which is listed three times.
+/// Sides of counter-pairs at the same rim: for the middle of an edge where two pieces meet, given
+/// by the first two or by the last two of its nodes, and for a node in the tube, which is listed
+/// three times.
 pub(super) const RIM_JOINT: i8 = 6;
 pub(super) const RIM_JOINT_END: i8 = 7;
 pub(super) const RIM_NODE: i8 = 8;
@@ -67,19 +70,20 @@ pub(super) const RIM_NODE: i8 = 8;
 /// A pair of edges, or of an edge of a rod and a part of an obstacle, that may touch before the candidates are next updated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct CandidatePair {
-    /// The edges i < j, indices into [`ContactSurface::edges`](super::ContactSurface::edges); faces of obstacles are
-    /// counted on from there.
+    /// The edges i < j, indices into [`ContactSurface::edges`](super::ContactSurface::edges);
+    /// faces of obstacles are numbered after these.
     pub edges: [usize; 2],
-    /// The nodes x_i, x_{i+1}, x_j, x_{j+1}; of a face the node of the rod and the three
-    /// vertices, of a tube the node twice and the ends of the axis, of a rim three nodes of the rod and the end of the axis.
+    /// The nodes x_i, x_{i+1}, x_j, x_{j+1}. For a face: the node of the rod and the three
+    /// vertices; for a tube: the node twice and the ends of the axis; for a rim: three nodes of
+    /// the rod and the end of the axis.
     pub nodes: [usize; 4],
-    /// Kind of the second body: 0 for an edge, 2 for a tube around it, 3 to 8 for its rim, or the side of a face on which
-    /// the node is, 1 or −1.
+    /// Kind of the second body: 0 for an edge, 2 for a tube around the first body, 3 to 8 for the
+    /// rim of a tube; 1 or −1 for a face, by the side on which the node is.
     pub side: i8,
 }
 
 impl CandidatePair {
-    /// Nodes of the first body among the four.
+    /// Number of nodes that belong to the first body.
     pub(super) fn first_body(&self) -> usize {
         match self.side {
             EDGE | TUBE => 2,
@@ -89,7 +93,7 @@ impl CandidatePair {
         }
     }
 
-    /// Whether the first body is a single node: over a face or in a tube.
+    /// Whether the first body is a single node, over a face or in a tube.
     pub(crate) fn is_of_node(&self) -> bool {
         matches!(self.side, TUBE | RIM_NODE) || self.is_with_face()
     }
@@ -109,7 +113,8 @@ impl CandidatePair {
         (RIM..=RIM_NODE).contains(&self.side)
     }
 
-    /// 1, or −1 for a pair that is subtracted so that no energy counts twice: see [`super::rim`].
+    /// 1, or −1 for a counter-pair, which is subtracted so that no energy counts twice: see
+    /// [`super::rim`].
     pub(super) fn sign(&self) -> f64 {
         if (RIM_JOINT..=RIM_NODE).contains(&self.side) {
             -1.0
@@ -126,17 +131,20 @@ pub struct ActiveContact {
     pub candidate: usize,
     /// The nodes of the candidate.
     pub nodes: [usize; 4],
-    /// Centreline distance Δ, of two rods, or the distance of the centreline from the surface of an obstacle, m.
+    /// Centreline distance Δ of two rods, or distance of the centreline from the surface of an
+    /// obstacle, m.
     pub distance: f64,
-    /// Distance at which the surfaces touch, h_i + h_j, or h at an obstacle, m.
+    /// Distance at which the surfaces touch: h_i + h_j, or h at an obstacle, m.
     pub threshold: f64,
-    /// Normal, from the second edge to the first; of unit length, but shorter by some 1e-5 where closest points are smoothed.
+    /// Normal from the second edge to the first. Its length is 1, or shorter by about 1e-5 if
+    /// closest points are smoothed.
     pub normal: Vector3,
-    /// Normal force of one edge on the other per length of the normal, N; negative for a pair that counts against others.
+    /// Normal force of one edge on the other, N, as the factor of the normal; negative for a
+    /// counter-pair.
     pub normal_force: f64,
     /// Force on the four nodes, friction included, N.
     pub force: [f64; 12],
-    /// Nodes of the first body among the four: two of an edge, one over a face, three on a rim.
+    /// Number of nodes of the first body: two for an edge, one over a face, three on a rim.
     pub first_body: usize,
 }
 
@@ -170,7 +178,7 @@ pub struct PlaneContact {
 pub(super) enum Bodies {
     /// Index of the candidate pair of edges.
     Edges(usize),
-    /// Index of the plane, under the first node.
+    /// Index of the plane that the first node touches.
     Plane(usize),
 }
 
@@ -187,7 +195,7 @@ pub enum ConstraintPlace {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactConstraint {
     pub(super) bodies: Bodies,
-    /// The nodes; a plane has one, four times.
+    /// The four nodes; contact with a plane lists its node four times.
     pub nodes: [usize; 4],
     /// Weights of the nodes in the motion at the contact.
     pub weights: [f64; 4],
@@ -201,14 +209,15 @@ pub struct ContactConstraint {
     pub(super) threshold: f64,
     /// Force on the first body, N.
     pub force: Vector3,
-    /// The edges that it turns where friction acts at the surfaces: with how far these slide on each other per turn, m/rad.
+    /// Edges that the contact turns if friction acts at the surfaces, with the slip of the
+    /// surfaces per turn, m/rad.
     pub turns: [Option<(usize, Vector3)>; 2],
-    /// Whether it has carried a force since the step began.
+    /// Whether the contact has carried a force since the step began.
     pub(super) touched: bool,
 }
 
 impl ContactConstraint {
-    /// Its place among all constraints.
+    /// Position in the order of all constraints.
     pub(super) fn order(&self) -> (bool, usize, usize) {
         match self.bodies {
             Bodies::Edges(candidate) => (false, candidate, 0),
@@ -224,7 +233,7 @@ impl ContactConstraint {
         }
     }
 
-    /// A constraint without force yet.
+    /// Creates a constraint without a force.
     pub(super) fn new(
         bodies: Bodies,
         nodes: [usize; 4],
@@ -253,17 +262,17 @@ impl ContactConstraint {
             .sum()
     }
 
-    /// What the turns of edges add to that at the surfaces, m.
+    /// Slip at the surfaces due to the turns of edges, m.
     pub(crate) fn turned_motion(&self, of_edge: impl Fn(usize) -> f64) -> Vector3 {
         let turns = self.turns.iter().flatten();
         turns.map(|(edge, slide)| slide * of_edge(*edge)).sum()
     }
 }
 
-/// Corrections of the forces of all contacts of an evaluation, N.
+/// Corrections to the forces of all contacts of an evaluation, N.
 #[derive(Clone, Copy, Debug)]
 pub struct ForceCorrections<'a> {
-    /// One per contact of two edges, node after node.
+    /// Corrections of the contacts of two edges, node after node.
     pub edges: &'a [[f64; 12]],
     /// One per plane contact.
     pub planes: &'a [[f64; 3]],
@@ -272,8 +281,9 @@ pub struct ForceCorrections<'a> {
 /// Two bodies that meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactPair {
-    /// Two edges, or an edge of a rod and an edge or a face of an obstacle: indices into
-    /// [`ContactSurface::edges`](super::ContactSurface::edges), and beyond them for faces.
+    /// Two edges, or an edge of a rod and an edge or a face of an obstacle. Indices into
+    /// [`ContactSurface::edges`](super::ContactSurface::edges); faces are numbered after the
+    /// edges.
     Edges([usize; 2]),
     /// A node and a plane.
     NodeAndPlane {
@@ -289,14 +299,14 @@ pub enum ContactPair {
 pub struct Proximity {
     /// The bodies.
     pub pair: ContactPair,
-    /// Distance of the centrelines, or of the rod's from the surface of the plane or obstacle, m.
+    /// Distance of two centrelines, or of a centreline from the surface of a plane or obstacle, m.
     pub distance: f64,
     /// The distance at which the surfaces touch: h_i + h_j, or h at a plane or an obstacle, m.
     pub threshold: f64,
 }
 
 impl Proximity {
-    /// Distance over threshold: 1 where the surfaces touch.
+    /// Ratio of distance to threshold: 1 where the surfaces touch.
     pub fn ratio(&self) -> f64 {
         self.distance / self.threshold
     }

@@ -1,38 +1,42 @@
 //! Continuous collision detection for two moving edges, by conservative advancement.
 //!
-//! The nodes move along straight lines, x_m + t v_m. For any unit vector n the distance of the edges is at
-//! least the width of the slab that separates them along n (an edge is between its ends),
+//! The nodes move along straight lines, x_m + t v_m. For any unit vector n the distance of the
+//! edges is at least the width of the slab that separates them along n, since every point of an
+//! edge is between its ends:
 //!
 //! Δ(t) ≥ min over i, j of n·(x_i + t v_i) − n·(x_j + t v_j), i in {0, 1}, j in {2, 3},
 //!
-//! and at t = 0 equal to it for the direction n of the closest points. So the edges may move until
-//! this slab has become too thin; there the closest points are computed again, and so on (Mirtich 1996; Li et al.
-//! 2021, "Codimensional incremental potential contact", advance by the speed of the nodes instead, the
-//! largest over all directions, and are slower). Edges that slide along each other need one slab, where a bound by speed
-//! would advance by a fraction of the gap at a time. The bound does not depend on which features are nearest
-//! (point–point, point–edge, edge–edge), and an error of the closest points makes the slab thinner
-//! than need be, never too thick.
+//! At t = 0 the two sides are equal for the direction n of the closest points. So the edges may
+//! move until this slab has become too thin; then the closest points are computed again, and so
+//! on. (Mirtich 1996. Li et al. 2021, "Codimensional incremental potential contact", advance by
+//! the largest speed of the nodes over all directions instead, which is slower.) Edges that slide
+//! along each other need one slab, whereas a bound by speed would advance by a fraction of the gap
+//! at a time. The bound does not depend on the features that are nearest (point–point, point–edge,
+//! edge–edge). An error of the closest points makes the slab thinner than necessary, never too
+//! thick.
 
 use super::closest_points::ClosestPoints;
 use crate::mechanics::Vector3;
 
 /// Part of a gap that a step must leave.
 ///
-/// A barrier grows like the inverse of the gap, so that this allows its force to grow tenfold in a step. More
-/// would let a step that is far too long end in a state from which Newton's method needs many to
-/// return; less would make more steps when a force rises by orders of magnitude.
+/// A barrier grows like the inverse of the gap, so a step may increase its force tenfold. With a
+/// smaller part, an overlong step could end in a state from which Newton's method needs many steps
+/// to return; a larger part would need more steps when a force rises by orders of magnitude.
 pub(super) const KEPT_GAP: f64 = 0.1;
-/// An advance that uses up the slack to this fraction of the kept gap is the last.
+/// The search ends after an advance that leaves at most this fraction of the kept gap as slack.
 const USED_UP: f64 = 0.1;
-/// Most advances; after them the path so far is the answer, which is safe.
+/// Maximum number of advances. After these the search returns the path so far, which is safe.
 ///
-/// A few do, but a pair of edges of length L that turn together by an angle θ needs θL over the gap, since the slabs do not
-/// turn: hundreds in the largest steps of a turning bundle.
+/// Usually a few are enough. A pair of edges of length L that turn together by an angle θ needs θL
+/// divided by the gap, since the slabs do not turn: hundreds in the largest steps of a turning
+/// bundle.
 const ADVANCES: usize = 1000;
 
-/// The largest fraction t of the path `displacements`, up to `longest`, along which the centrelines of the edges
-/// (`nodes[0]`, `nodes[1]`) and (`nodes[2]`, `nodes[3]`) keep a distance of `threshold` (m) and of the gap between
-/// it and their distance now a tenth. Zero for edges that are nearer than `threshold` already.
+/// The largest fraction t of the path `displacements`, at most `longest`, along which the
+/// centrelines of the edges (`nodes[0]`, `nodes[1]`) and (`nodes[2]`, `nodes[3]`) stay farther
+/// apart than `threshold` (m) plus a tenth of their present gap beyond it. Zero for edges that are
+/// already nearer than `threshold`.
 pub(super) fn safe_fraction(
     nodes: &[Vector3; 4],
     displacements: &[Vector3; 4],
@@ -49,8 +53,9 @@ pub(super) fn safe_fraction(
     advance(closest, nodes, displacements, [kept, tolerance], longest)
 }
 
-/// The largest fraction of the path `displacements`, up to `longest`, along which the centrelines of the edges are certain
-/// to be farther apart than the first of `bounds` (m): all of it where they never come within the second of that.
+/// The largest fraction of the path `displacements`, at most `longest`, along which the
+/// centrelines of the edges are certain to be farther apart than the first of `bounds` (m). The
+/// whole path if they never come within the second of `bounds` of that distance.
 pub(super) fn fraction_beyond(
     nodes: &[Vector3; 4],
     displacements: &[Vector3; 4],
@@ -66,7 +71,7 @@ pub(super) fn fraction_beyond(
     )
 }
 
-/// The same from given closest points.
+/// Like [`fraction_beyond`], from given closest points.
 fn advance(
     mut closest: ClosestPoints,
     nodes: &[Vector3; 4],
@@ -77,7 +82,8 @@ fn advance(
     let (mut fraction, mut moved) = (0.0, *nodes);
     for _ in 0..ADVANCES {
         let normal = closest.separation / closest.distance();
-        // Heights are measured from a node, so that the distance from the origin does not matter to rounding.
+        // Heights are measured from a node, so that rounding errors do not depend on the distance
+        // from the origin.
         let height = |m: usize| (moved[m] - moved[0]).dot(&normal);
         let speed = |m: usize| displacements[m].dot(&normal);
         let mut advance = longest - fraction;
@@ -110,7 +116,7 @@ mod tests {
 
     const THRESHOLD: f64 = 1.0;
 
-    /// Least distance on the path up to `fraction`, sampled densely.
+    /// Least distance on the path up to `fraction`, from dense samples.
     fn least_distance(nodes: &[Vector3; 4], displacements: &[Vector3; 4], fraction: f64) -> f64 {
         const SAMPLES: u32 = 400;
         (0..=SAMPLES)
@@ -121,7 +127,8 @@ mod tests {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Free fraction of the path for a distance of `kept`, by advancing with the speed of the nodes.
+    /// Free fraction of the path for a distance of `kept`, found by advances bounded by the speed
+    /// of the nodes.
     fn safe_fraction_by_speed(
         nodes: &[Vector3; 4],
         displacements: &[Vector3; 4],
@@ -145,7 +152,7 @@ mod tests {
         displacements: [Vector3; 4],
     }
 
-    /// Random pairs, some nearly parallel, apart by gaps of many decades, in motions of many decades.
+    /// Random pairs, some nearly parallel, with gaps and motions of many orders of magnitude.
     fn flights(count: usize) -> Vec<Flight> {
         let mut random = Random::new(23);
         let mut flights = Vec::new();
@@ -159,7 +166,7 @@ mod tests {
                 [random.vector() * 3.0, random.vector() * 3.0]
             };
             let mut nodes = [first[0], first[1], second[0], second[1]];
-            // Along the closest points, or across parallel edges, to the wanted gap.
+            // Moves along the closest points, or across parallel edges, to the wanted gap.
             let closest = ClosestPoints::of(&nodes);
             let edge = nodes[1] - nodes[0];
             let away = if parallel {

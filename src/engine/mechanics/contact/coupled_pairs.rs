@@ -1,25 +1,26 @@
 //! The pairs of edges that the Newton system couples: those in contact.
 //!
-//! Candidates that are kept over many steps are four or five times as many as the contacts among them, and every pair that the
-//! system couples fills its factors. Only those are coupled in which a contact force has acted since the candidates were built.
+//! There are four or five times as many candidates, which are kept over many steps, as contacts,
+//! and every coupled pair adds entries to the factors of the system. So the system couples only
+//! pairs with a contact force since the candidates were built.
 
 use super::contact_system::ContactSystem;
 use super::contacts::Bodies;
 
 impl ContactSystem {
-    /// Numbers of the candidates of two rods that the Newton system couples, in order.
+    /// Indices of the candidates of two rods that the Newton system couples, sorted.
     pub(crate) fn coupled_pairs(&self) -> &[usize] {
         &self.candidates.coupled
     }
 
-    /// Couples the contacts of the last evaluation too; returns whether some were not.
+    /// Couples the contacts of the last evaluation as well; returns whether any were new.
     pub(crate) fn couple_contacts(&mut self) -> bool {
         let contacts = self.contacts.iter().map(|contact| contact.candidate);
         let new = self.uncoupled(contacts);
         self.couple(new)
     }
 
-    /// Couples the constraints that were listed last too; returns whether some were not.
+    /// Couples the constraints that were listed last as well; returns whether any were new.
     pub(crate) fn couple_constraints(&mut self) -> bool {
         let candidates = self.constraints.iter().filter_map(|one| match one.bodies {
             Bodies::Edges(candidate) => Some(candidate),
@@ -29,7 +30,7 @@ impl ContactSystem {
         self.couple(new)
     }
 
-    /// Candidates among those given that are of two rods and not coupled yet.
+    /// The given candidates that join two rods and are not coupled yet.
     fn uncoupled(&self, candidates: impl Iterator<Item = usize>) -> Vec<usize> {
         let is_of_rods = |one: &usize| self.is_of_rod(self.candidates.pairs()[*one].nodes[3]);
         let is_new = |one: &usize| self.coupled_pairs().binary_search(one).is_err();
@@ -52,7 +53,7 @@ mod tests {
     use super::*;
     use crate::mechanics::Vector3;
 
-    /// Two rods of three edges across each other; the edges in their middles touch, others are candidates.
+    /// Two crossing rods of three edges; the middle edges touch, other pairs are candidates only.
     #[test]
     fn what_touches_is_coupled_and_stays_so_until_other_candidates_come() {
         let mut surface = ContactSurface::new();

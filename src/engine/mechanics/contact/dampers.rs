@@ -1,6 +1,8 @@
-//! Contact forces as functions of what a step begins with: friction of where the nodes were, all of them of the contact stiffness k.
+//! Derivatives of contact forces with respect to the data at the start of a step: friction depends
+//! on the positions of the nodes there, and all forces depend on the contact stiffness k.
 //!
-//! Friction N t(u) acts on the slip u of v = Σ w_m (x_m − x_mⁿ)/Δt, so that it depends on the start x_mⁿ of the step as a damper does:
+//! Friction N t(u) acts on the slip u of the velocity v = Σ w_m (x_m − x_mⁿ)/Δt, so it depends on
+//! the positions x_mⁿ at the start of the step as a damper does:
 //!
 //! ∂F_k/∂x_mⁿ = −w_k w_m D,  D = N ∂t/∂v /Δt.
 
@@ -10,18 +12,19 @@ use super::friction::{FrictionLaw, slip};
 use super::nearest_points::NearestPoints;
 use crate::mechanics::{Matrix3, Vector3};
 
-/// A contact that rubs, as a damper between its nodes.
+/// A contact with friction, as a damper between its nodes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Damper {
     nodes: [usize; 4],
-    /// Zero for what no step begins with: vertices of obstacles.
+    /// Zero for vertices of obstacles, which are not unknowns at the start of a step.
     weights: [f64; 4],
     /// D, N/m.
     damping: Matrix3,
 }
 
 impl Damper {
-    /// Adds, for the nodes at the start of the step, the derivative of the work −Σ F·λ in a virtual motion of the nodes at its end.
+    /// Adds the derivative of the work −Σ F·λ with respect to the node positions at the start of
+    /// the step, for a virtual motion λ of the nodes at its end.
     pub(crate) fn add_to_start(
         &self,
         of_node: impl Fn(usize) -> Vector3,
@@ -38,7 +41,7 @@ impl Damper {
 }
 
 impl ContactSystem {
-    /// The contacts of the last evaluation, at `positions`, that rub.
+    /// The contacts of the last evaluation, at `positions`, that have friction.
     pub(crate) fn dampers(
         &self,
         positions: &[Vector3],
@@ -93,9 +96,10 @@ impl ContactSystem {
         of_pairs.chain(of_planes).collect()
     }
 
-    /// Derivative over k of the work Σ F·λ of the contacts of the last evaluation in a virtual motion, m per unit of its motion.
+    /// Derivative of the work Σ F·λ of the contacts of the last evaluation with respect to k, in a
+    /// virtual motion λ, m per unit of its motion.
     ///
-    /// Forces are proportional to k, where it is not below the least stiffness of their own bodies.
+    /// Forces are proportional to k where k is not below the least stiffness of the two bodies.
     pub(crate) fn work_over_stiffness(&self, of_node: impl Fn(usize) -> Vector3) -> f64 {
         let follows =
             |first: usize, second: usize| self.stiffness_between(first, second) <= self.stiffness;

@@ -1,34 +1,37 @@
 //! Derivatives of the centreline distance Δ of two edges, of its direction and of the contact ratios.
 //!
-//! With the weights w = (1−β_i, β_i, −(1−β_j), −β_j) on the nodes x = (x_i, x_{i+1}, x_j, x_{j+1}) the
-//! separation is r = Σ w_m x_m, and with the smoothing c of [`ClosestPoints`] the distance Δ is given by
-//! Δ² = ‖r‖² + c Σ_k (β_k − ½)² and n = r/Δ, a unit vector where c = 0. The contact ratios minimise Δ, so that
+//! The weights w = (1−β_i, β_i, −(1−β_j), −β_j) on the nodes x = (x_i, x_{i+1}, x_j, x_{j+1}) give
+//! the separation r = Σ w_m x_m. With the smoothing c of [`ClosestPoints`] the distance Δ is given
+//! by Δ² = ‖r‖² + c Σ_k (β_k − ½)², and n = r/Δ is a unit vector if c = 0. The contact ratios
+//! minimise Δ, so that
 //!
 //! ∇Δ = w ⊗ n
 //!
-//! in every class of contact. Which ratios are free to move makes the second derivative. Let s_i = e_i and
-//! s_j = −e_j be the derivatives of r with respect to the ratios, a_i = (−1, 1, 0, 0) and
-//! a_j = (0, 0, 1, −1) those of w, and Q_kl = s_k·s_l + c δ_kl over the free ratios. Then, from the optimality
-//! condition r·s_k + c (β_k − ½) = 0,
+//! in every class of contact. The second derivative depends on the ratios that are free to move.
+//! Let s_i = e_i and s_j = −e_j be the derivatives of r with respect to the ratios, a_i = (−1, 1,
+//! 0, 0) and a_j = (0, 0, 1, −1) those of w, and Q_kl = s_k·s_l + c δ_kl over the free ratios.
+//! Then, from the optimality condition r·s_k + c (β_k − ½) = 0,
 //!
 //! - ∂β_k = −Σ_l Q⁻¹_kl (w ⊗ s_l + Δ a_l ⊗ n),
 //! - ∂n = T (w ⊗ ·)/Δ − Σ_kl Q⁻¹_kl s_k (a_l ⊗ n)ᵀ, with T = 1 − n nᵀ − Σ_kl Q⁻¹_kl s_k s_lᵀ,
 //! - ∇²Δ = Σ_k (a_k ⊗ n) ∂β_kᵀ + w ⊗ ∂n.
 //!
-//! Where c = 0, T projects on what is normal to n and to all free s_k: the tangent plane for point–point, one line
-//! for point–edge, zero for edge–edge. These are then the second derivatives of thesis Eqs. 2.4, 2.5 and 2.6
-//! (the tests take those as printed), without their cross products and quotients.
+//! If c = 0, T projects onto the directions normal to n and to all free s_k: the tangent plane for
+//! point–point, one line for point–edge, nothing for edge–edge. These are then the second
+//! derivatives of thesis Eqs. 2.4, 2.5 and 2.6 (the tests use those as printed), without their
+//! cross products and quotients.
 //!
-//! The thesis multiplies all lengths by 1/h before (Eq. 2.15). Relative rounding errors do not depend on the
-//! unit of length, so that here only the potential is scaled.
+//! The thesis first multiplies all lengths by 1/h (Eq. 2.15). Relative rounding errors do not
+//! depend on the unit of length, so here only the potential is scaled.
 
 use super::closest_points::ClosestPoints;
 use crate::mechanics::{Matrix3, Vector3};
 
-/// Derivatives of the weights: node m has ∂w_m/∂β_k = `WEIGHT_RATES[m]` for k = m/2 and none for the other.
+/// Derivatives of the weights: ∂w_m/∂β_k is `WEIGHT_RATES[m]` for k = m/2, and zero for the other
+/// ratio.
 pub(super) const WEIGHT_RATES: [f64; 4] = [-1.0, 1.0, 1.0, -1.0];
 
-/// First derivatives of what a contact force depends on.
+/// First derivatives of the quantities that determine a contact force.
 ///
 /// Rows of 12 are derivatives with respect to the coordinates of the four nodes, node after node.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +49,7 @@ pub(super) struct DistanceDerivatives {
 impl DistanceDerivatives {
     /// Derivatives for the edges (`nodes[0]`, `nodes[1]`) and (`nodes[2]`, `nodes[3]`).
     ///
-    /// `closest` must have been found for these nodes, with a distance that is not zero.
+    /// `closest` must belong to these nodes and have a nonzero distance.
     pub(crate) fn of(nodes: &[Vector3; 4], closest: &ClosestPoints) -> Self {
         let distance = closest.distance();
         let normal = closest.separation / distance;

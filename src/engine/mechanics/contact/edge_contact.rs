@@ -1,7 +1,7 @@
 //! Force and Jacobian of one contact between two edges, with friction (thesis Eqs. 2.7–2.14).
 //!
-//! The normal force N(Δ) and the friction act at the contact points, and on the nodes by the weights w of
-//! [`DistanceDerivatives`]:
+//! The normal force N(Δ) and the friction act at the contact points, and are distributed to the
+//! nodes by the weights w of [`DistanceDerivatives`]:
 //!
 //! F = N w ⊗ d, d = n + t(n, v), v = Σ w_m (x_m − x_mⁿ)/Δt,
 //!
@@ -40,10 +40,11 @@ impl Sliding {
     }
 }
 
-/// Force on four nodes with the weights of a contact, of a normal force and a friction `traction` per normal force, N.
+/// Force on the four nodes of a contact with given weights, N, from a normal force and the
+/// friction `traction` per normal force.
 ///
-/// The normal of smoothed closest points is shorter than 1 by some 1e-5, and so is the force N n along it: friction is that
-/// of the force as it is.
+/// The normal of smoothed closest points is shorter than 1 by about 1e-5, and so is the force N n
+/// along it; friction follows this actual force.
 pub(super) fn contact_force(
     weights: &[f64; 4],
     normal: &Vector3,
@@ -54,15 +55,18 @@ pub(super) fn contact_force(
     std::array::from_fn(|row| normal_force * weights[row / 3] * direction[row % 3])
 }
 
-/// Derivative of [`contact_force`] with respect to the coordinates of the four nodes, N/m, for the friction law linearised
-/// at the slip given with `sliding` (m/s); without that of normal and contact points unless the contact `turns`.
+/// Derivative of [`contact_force`] with respect to the coordinates of the four nodes, N/m, for the
+/// friction law linearised at the slip given with `sliding` (m/s). The derivatives of normal and
+/// contact points are included only if the contact `turns`.
 ///
-/// The contribution of turning is of the order of N/Δ and of either sign. While forces and contact points are still those
-/// of a guess it is harmful: a force that is far too large makes the system indefinite. Without it the Jacobian of frictionless
-/// contact is positive. Where edges are nearly parallel it is necessary, though, even while corrections still move them far: the
-/// contact points run along them as they turn.
+/// The contribution of turning is of the order of N/Δ and of either sign. It is harmful while
+/// forces and contact points are only guesses: a force that is far too large makes the system
+/// indefinite. Without it the Jacobian of frictionless contact is positive. For nearly parallel
+/// edges, however, it is necessary even while corrections still move them far, since the contact
+/// points run along the edges as they turn.
 ///
-/// Only the part of the first edge is written where the second is of an obstacle, which is where it is put.
+/// If the second edge belongs to an obstacle, only the part of the first edge is written, because
+/// only that part is assembled.
 pub(super) fn edge_jacobian(
     nodes: &[Vector3; 4],
     closest: &ClosestPoints,
@@ -78,7 +82,7 @@ pub(super) fn edge_jacobian(
     }
 }
 
-/// [`edge_jacobian`] over the first `COORDINATES`.
+/// [`edge_jacobian`] restricted to the first `COORDINATES` coordinates.
 fn jacobian_over<const COORDINATES: usize>(
     nodes: &[Vector3; 4],
     closest: &ClosestPoints,
@@ -124,7 +128,7 @@ fn jacobian_over<const COORDINATES: usize>(
     }
 }
 
-/// d = n + |n| t, ∂d and ∂t, over the first `COORDINATES`.
+/// d = n + |n| t, ∂d and ∂t, for the first `COORDINATES` coordinates.
 fn direction_with_friction<const COORDINATES: usize>(
     distance: &DistanceDerivatives,
     sliding: &Sliding,

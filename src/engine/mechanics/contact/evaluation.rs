@@ -21,8 +21,8 @@ use super::turned_contacts::{Turned, with_turning};
 use super::turning::Turning;
 use crate::mechanics::Vector3;
 
-/// Least gap at which a barrier is evaluated while forces are carried along, in units of δ: its force is then some 10⁴
-/// times that of contacts at rest, and no balance possible.
+/// Least gap at which a barrier is evaluated while multipliers are in use, in units of δ. The
+/// force there is about 10⁴ times that of contacts at rest, so no balance is possible.
 const COUNTED_PART: f64 = 1e-4;
 
 /// The positions at which contact is evaluated.
@@ -38,7 +38,7 @@ impl Motion<'_> {
         (self.positions[node] - self.previous[node]) / self.time_step
     }
 
-    /// The law where there is friction and time for it.
+    /// The friction law, if the coefficient is positive and the time step finite.
     pub(crate) fn friction(&self, coefficient: f64, slip_tolerance: f64) -> Option<FrictionLaw> {
         (coefficient > 0.0 && self.time_step.is_finite()).then_some(FrictionLaw {
             coefficient,
@@ -47,7 +47,7 @@ impl Motion<'_> {
     }
 }
 
-/// A candidate pair within reach of each other.
+/// A candidate pair whose bodies are within reach of each other.
 struct TouchingPair {
     candidate: usize,
     nodes: [Vector3; 4],
@@ -56,7 +56,7 @@ struct TouchingPair {
     law: NormalLaw,
     response: NormalResponse,
     sliding: Option<Sliding>,
-    /// How the surfaces turn, where friction acts at them.
+    /// Rotation of the surfaces, if friction acts at them.
     turning: Option<Turning>,
     /// Relative velocity of the contact points along the surfaces, m/s; zero without friction.
     slip: Vector3,
@@ -64,13 +64,13 @@ struct TouchingPair {
     traction: Vector3,
     /// Force on the four nodes, N.
     force: [f64; 12],
-    /// −1 where it counts against others.
+    /// Sign: −1 for a counter-pair.
     sign: f64,
 }
 
 /// Initial values of the linearised laws of a contact.
 pub(super) struct Touch<'a> {
-    /// How the surfaces turn, where friction acts at them, and the positions of all nodes, m.
+    /// Rotation of the surfaces, if friction acts at them, and the positions of all nodes, m.
     pub turning: Option<(&'a Turning, &'a [Vector3])>,
     pub gap: f64,
     pub law: NormalLaw,
@@ -85,16 +85,16 @@ pub(super) struct Touch<'a> {
 impl ContactSystem {
     /// Finds the active contacts at `positions` and evaluates energy, forces and Jacobians.
     ///
-    /// Friction acts on the velocity (`positions` − `previous`)/`time_step`, and not at all where
+    /// Friction acts on the velocity (`positions` − `previous`)/`time_step`, and is omitted if
     /// `time_step` is infinite (statics).
     ///
-    /// Centrelines that cross (Δ = 0) have no direction of separation: the forces are not numbers there, for
-    /// the line search to refuse.
+    /// Centrelines that cross (Δ = 0) have no direction of separation. Their forces are NaN, and
+    /// the line search rejects them.
     pub fn evaluate(&mut self, positions: &[Vector3], previous: &[Vector3], time_step: f64) {
         self.evaluate_contacts(positions, previous, time_step, true);
     }
 
-    /// The same without Jacobians, for line searches; `Self::jacobians` and
+    /// Like [`Self::evaluate`] but without Jacobians, for line searches; `Self::jacobians` and
     /// `Self::plane_jacobians` are empty afterwards.
     pub fn evaluate_forces(&mut self, positions: &[Vector3], previous: &[Vector3], time_step: f64) {
         self.evaluate_contacts(positions, previous, time_step, false);
@@ -152,7 +152,8 @@ impl ContactSystem {
         for candidate in 0..self.candidates.pairs().len() {
             let earlier = self.candidates.gaps()[candidate];
             let loaded = with_jacobians && self.multipliers.is_loaded(candidate);
-            // Most candidates are out of reach for any displacement of their nodes so far.
+            // Most candidates are out of reach whatever the direction in which their nodes have
+            // moved so far.
             if !loaded && earlier - farthest >= reach {
                 continue;
             }
@@ -218,7 +219,7 @@ impl ContactSystem {
             self.contacts.push(ActiveContact {
                 candidate,
                 nodes: pair.nodes,
-                // What is reported is the true distance, without smoothing.
+                // The reported distance is the true one, without smoothing.
                 distance: true_distance(&pair, &nodes, &nearest) - core,
                 threshold,
                 normal,
@@ -265,7 +266,8 @@ impl ContactSystem {
         std::array::from_fn(|k| (nodes[k] - before.at(pair.nodes[k])) / motion.time_step)
     }
 
-    /// Adds the Jacobian of a pair, and the difference between the force of its laws and that of the linearised ones.
+    /// Adds the Jacobian of a pair, and the difference between its force and that of the
+    /// linearised laws.
     fn linearize_pair(&mut self, pair: &TouchingPair, positions: &[Vector3]) {
         let slot = pair.candidate;
         let sliding = pair.sliding.as_ref();
@@ -355,7 +357,8 @@ impl ContactSystem {
         ));
     }
 
-    /// The laws of a slot, linearised where its multipliers are; `moved` are the displacements of its nodes.
+    /// Linearises the laws of a slot at its multipliers; `moved` are the displacements of its
+    /// nodes.
     pub(super) fn linear_laws(
         &self,
         slot: usize,
@@ -397,7 +400,7 @@ impl ContactSystem {
         (pressure, friction)
     }
 
-    /// Counts by how much the force of a slot, on so many rods, has changed since the last step.
+    /// Records the change of the force of a slot since the last step, with the number of its rods.
     pub(super) fn compare_with_last(
         &mut self,
         slot: usize,
@@ -414,8 +417,9 @@ impl ContactSystem {
             .compare(rods, before, (pressure.tangent.force, friction.value));
     }
 
-    /// The gap at which forces are evaluated, m: iterations that carry forces along may pass a barrier on their way to
-    /// the solution before it, where no number would be left.
+    /// The gap at which forces are evaluated, m. Iterations with multipliers may pass through a
+    /// barrier before they reach the solution in front of it, and the force there would not be
+    /// finite.
     pub(super) fn counted_gap(&self, gap: f64) -> f64 {
         if self.parameters.is_barrier() && self.multipliers.in_use() {
             gap.max(COUNTED_PART * self.parameters.distance_tolerance)
@@ -433,7 +437,7 @@ fn true_distance(pair: &CandidatePair, nodes: &[Vector3; 4], nearest: &NearestPo
     }
 }
 
-/// The Jacobian of a contact of one node as that of four, of which the others are prescribed.
+/// The Jacobian of a contact of one node, padded to four nodes; the other three are prescribed.
 fn of_first_node(of_node: Linearised<[[f64; 3]; 3]>) -> Linearised<EdgeJacobian> {
     let mut jacobian = [[0.0; 12]; 12];
     for (row, entries) in of_node.jacobian.iter().enumerate() {

@@ -2,7 +2,8 @@
 
 use crate::mechanics::Vector3;
 
-/// All positions: of the nodes of rods, and of the vertices of obstacles, which are numbered from there on.
+/// Positions of the nodes of rods and of the vertices of obstacles, which are numbered after the
+/// nodes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Points<'a> {
     pub nodes: &'a [Vector3],
@@ -18,7 +19,7 @@ impl Points<'_> {
         }
     }
 
-    /// Positions of some of them.
+    /// Positions of several nodes or vertices, m.
     pub(crate) fn of<const N: usize>(&self, nodes: [usize; N]) -> [Vector3; N] {
         nodes.map(|node| self.at(node))
     }
@@ -29,15 +30,15 @@ impl Points<'_> {
 pub(super) struct Foot {
     /// Unit normal of the face, on the side given.
     pub normal: Vector3,
-    /// Distance from the plane of the face on that side, m.
+    /// Distance from the plane of the face, positive on that side, m.
     pub distance: f64,
-    /// Weights of the three vertices in the foot of the perpendicular.
+    /// Weights of the three vertices at the foot of the perpendicular.
     pub weights: [f64; 3],
 }
 
 impl Foot {
-    /// The foot of a node on the triangle of the last three points, whose normal points to the given `side`, 1 or −1; `None`
-    /// where it is outside of the triangle.
+    /// The foot of a node (first point) on the triangle of the last three points, whose normal
+    /// points to the given `side`, 1 or −1; `None` if the foot is outside the triangle.
     pub(crate) fn of(points: &[Vector3; 4], side: f64) -> Option<Self> {
         let foot = Self::in_plane(points, side)?;
         foot.weights
@@ -46,7 +47,8 @@ impl Foot {
             .then_some(foot)
     }
 
-    /// The same in the plane of the triangle, inside of it or outside; `None` for a triangle without area.
+    /// Like `of`, but the foot may be outside the triangle in its plane; `None` for a triangle
+    /// without area.
     pub(crate) fn in_plane([node, a, b, c]: &[Vector3; 4], side: f64) -> Option<Self> {
         let [ab, ac, an] = [b - a, c - a, node - a];
         let area = ab.cross(&ac);
@@ -64,15 +66,15 @@ impl Foot {
         })
     }
 
-    /// Weights of node and vertices in the separation of node and foot.
+    /// Weights of the node and the vertices in the separation of the node from its foot.
     pub(crate) fn all_weights(&self) -> [f64; 4] {
         let [a, b, c] = self.weights;
         [1.0, -a, -b, -c]
     }
 }
 
-/// Part of the straight path of a node, and of the corners of a triangle, from `start` to `end` after which the node passes
-/// through the triangle; `None` where it does not.
+/// Fraction of the straight path from `start` to `end` of a node and the corners of a triangle at
+/// which the node passes through the triangle; `None` if it does not.
 pub(super) fn crossing(start: &[Vector3; 4], end: &[Vector3; 4]) -> Option<f64> {
     let (before, after) = (Foot::in_plane(start, 1.0)?, Foot::in_plane(end, 1.0)?);
     if before.distance * after.distance > 0.0 || before.distance == after.distance {

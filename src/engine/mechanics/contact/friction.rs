@@ -1,7 +1,7 @@
 //! Coulomb friction, smoothed near zero slip (thesis Eqs. 2.9–2.11).
 //!
-//! The friction on a surface that moves with the velocity v relative to the other one and is pressed against
-//! it by the normal force N along the unit normal n is
+//! A surface moves with the velocity v relative to another one and is pressed against it by the
+//! normal force N along the unit normal n. The friction on it is
 //!
 //! F = −μ N γ(ρ) u/ρ, u = v − (v·n) n, ρ = ‖u‖, γ(ρ) = 2/(1 + exp(−K₂ρ)) − 1 = tanh(K₂ρ/2), K₂ = 15/ν.
 //!
@@ -9,9 +9,9 @@
 //! −μ N γ ρ is never positive. There is no true sticking: a load of a fraction f of μN creeps at the
 //! slip speed ln((1+f)/(1−f)) ν/15.
 //!
-//! As in the thesis, v is the velocity of the centrelines and the force acts on them: the spin of a rod about its
-//! centreline neither slips nor is driven, so that rods do not roll. Where friction acts at the surfaces they do: see
-//! [`super::turning`].
+//! As in the thesis, v is the velocity of the centrelines and the force acts on them. The spin of
+//! a rod about its centreline causes no slip and is not driven by friction, so rods do not roll.
+//! They do roll if friction acts at the surfaces: see [`super::turning`].
 
 use crate::mechanics::{Matrix3, Vector3};
 
@@ -20,10 +20,10 @@ const SLOPE: f64 = 15.0;
 
 /// Iterations of [`FrictionLaw::resolved`], which mostly takes two or three.
 const RESOLVING_ITERATIONS: usize = 30;
-/// Relative change of the speed that ends them: its square is below what matters.
+/// Relative change of the speed at which the iterations end: its square is negligible.
 const RESOLVED_CHANGE: f64 = 1e-6;
 
-/// Slope of the friction per normal force over the slip speed where it is steepest, at rest: μ K₂/2, s/m.
+/// Largest slope of the friction per normal force over the slip speed, at rest: μ K₂/2, s/m.
 pub(super) fn steepest_slope(coefficient: f64, slip_tolerance: f64) -> f64 {
     0.5 * coefficient * SLOPE / slip_tolerance
 }
@@ -61,7 +61,7 @@ impl FrictionLaw {
         slip * (-self.coefficient * factor)
     }
 
-    /// The slip (m/s) of a friction per normal force below μ.
+    /// The slip (m/s) at which the friction per normal force has a given value below μ.
     #[cfg(test)]
     pub(crate) fn slip_of_traction(&self, traction: &Vector3) -> Vector3 {
         let relative = traction.norm() / self.coefficient;
@@ -78,7 +78,7 @@ impl FrictionLaw {
         if size == 0.0 {
             return Vector3::zeros();
         }
-        // μ tanh(kρ) + c ρ = ‖sum‖ is concave in ρ: from below Newton's method is monotone.
+        // μ tanh(kρ) + c ρ = ‖sum‖ is concave in ρ, so Newton's method is monotone from below.
         let rate = 0.5 * SLOPE / self.slip_tolerance;
         let stiffest = self.coefficient * rate + resistance;
         let mut speed = ((size - self.coefficient) / resistance).max(size / stiffest);
@@ -100,8 +100,8 @@ impl FrictionLaw {
         (Matrix3::identity() * factor + slip * slip.transpose() * factor_rate) * -self.coefficient
     }
 
-    /// Friction at `at`, a slip (m/s), with the derivatives there; how the slip changes with velocity and normal is
-    /// that of the present `velocity`.
+    /// Friction at the slip `at` (m/s) with its derivatives there; the dependence of the slip on
+    /// velocity and normal is that of the present `velocity`.
     pub(crate) fn traction_derivatives(
         &self,
         normal: &Vector3,
@@ -126,8 +126,8 @@ impl FrictionLaw {
         let half_rate = 0.5 * SLOPE / self.slip_tolerance;
         let z = half_rate * speed;
         let z2 = z * z;
-        // tanh(z)/z and its derivative divided by z; below 0.02 by their power series, whose next terms are
-        // below rounding error, since the difference of the closed form cancels.
+        // tanh(z)/z and its derivative divided by z. Below 0.02 the closed form of the derivative
+        // cancels, so their power series are used, whose next terms are below rounding error.
         let (ratio, ratio_rate) = if z < 0.02 {
             (
                 1.0 - z2 * (1.0 / 3.0 - z2 * (2.0 / 15.0 - z2 * (17.0 / 315.0))),
@@ -149,8 +149,9 @@ pub(super) fn slip(normal: &Vector3, velocity: &Vector3) -> Vector3 {
 
 /// The part of a vector across a normal of any length.
 ///
-/// The normal of smoothed closest points is shorter than 1 by some 1e-5. An approach of 0.05 m/s would leave 5e-7 m/s of it
-/// in a slip that took the normal for a unit vector, and at slips of that size friction is steep.
+/// The normal of smoothed closest points is shorter than 1 by about 1e-5. If it were treated as a
+/// unit vector, an approach of 0.05 m/s would leave 5e-7 m/s in the slip, and at slips of that
+/// size friction is steep.
 pub(super) fn tangential(normal: &Vector3, vector: &Vector3) -> Vector3 {
     vector - normal * (vector.dot(normal) / normal.norm_squared())
 }

@@ -5,7 +5,8 @@ use super::surface::ContactSurface;
 use crate::mechanics::Vector3;
 
 impl ContactSurface {
-    /// The face of an obstacle whose plane is nearest to a point inside, as a body, with the distance of that plane, m.
+    /// The face of an obstacle with the plane nearest to a point inside, as a body, and the
+    /// distance of that plane, m.
     pub(super) fn nearest_face(
         &self,
         obstacle: usize,
@@ -21,8 +22,8 @@ impl ContactSurface {
         distances.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Whether a point lies within a closed obstacle, by the solid angle under which its faces are seen from there (van
-    /// Oosterom and Strackee 1983): 4π inside, 0 outside.
+    /// Whether a point is within a closed obstacle, from the solid angle that its faces subtend at
+    /// the point (van Oosterom and Strackee 1983): 4π inside, 0 outside.
     pub(super) fn is_inside(&self, obstacle: usize, point: &Vector3, points: &Points) -> bool {
         let faces = self.faces().iter().filter(|face| face.obstacle == obstacle);
         let seen: f64 = faces

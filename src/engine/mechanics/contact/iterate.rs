@@ -3,17 +3,21 @@
 use super::multipliers::Moved;
 use crate::mechanics::Vector3;
 
-/// Resistance of bodies that are held on both sides, N/m: any finite one, since they do not move.
+/// Resistance of bodies that are held on both sides, N/m. Any finite value will do, since they do
+/// not move.
 const HELD: f64 = 1.0;
 
-/// Rods and contacts from which on a prediction of all their forces may pay. Ten rods of a pile take 3.3 iterations a step
-/// with it and 4.0 without, in the same time; two flagella that touch take a sixth more time for the same iterations.
+/// Least numbers of rods and contacts for which a prediction of all forces may pay. Ten rods of a
+/// pile take 3.3 iterations a step with it and 4.0 without, in the same time; two touching
+/// flagella take a sixth more time for the same number of iterations.
 const MANY_RODS: usize = 16;
 const MANY_CONTACTS: usize = 8;
-/// Contacts on a rod, in the mean, up to which it does: every one of them moves the whole rod in every sweep, while the cost of
-/// an iteration grows with the number of rods that contacts join. A pile has ten, a knot forty.
+/// Largest mean number of contacts per rod for which the prediction may pay. Every contact moves
+/// its whole rod in every sweep, whereas the cost of an iteration grows with the number of rods
+/// that contacts join. A pile has ten contacts per rod, a knot forty.
 const MOST_PER_ROD: usize = 24;
-/// Part of their forces by which these must change for it, from the last step to the linear laws at the prediction.
+/// Least relative change of the forces for the prediction, from the last step to the linear laws
+/// at the predicted positions.
 const SURPRISE: f64 = 0.05;
 
 /// The configuration of the last linearisation.
@@ -24,14 +28,17 @@ pub(super) struct Iterate {
     mobilities: Vec<f64>,
     /// Positions, m; empty before the first linearisation of a step.
     positions: Vec<Vector3>,
-    /// Contacts of the first linearisation that carry or carried a force, the sum of these forces, and that of their changes, N.
+    /// Number of contacts in the first linearisation that carry or carried a force; below, the sum
+    /// of these forces and the sum of their changes, N.
     contacts: usize,
-    /// Rods that those press on that bore force, each as often as it is pressed on: where rods overlap in the prediction, many
-    /// neighbours of each true contact count.
+    /// Number of rods under the contacts that carried a force, each counted once per contact.
+    /// Where rods overlap in the prediction, each true contact has many neighbours, which count
+    /// too.
     pressed: usize,
     forces: f64,
     changes: f64,
-    /// Whether the last correction was small: against the radius, so that directions of contacts hardly turned.
+    /// Whether the last correction was small compared with the radius, so that the directions of
+    /// contacts hardly turned.
     pub moved_slightly: bool,
 }
 
@@ -45,8 +52,8 @@ impl Iterate {
         self.forget_changes();
     }
 
-    /// Counts the force of a contact with so many rods in the first linearisation: normal force (N) and traction, in the
-    /// last step and now.
+    /// Records the force of a contact with `rods` rods in the first linearisation: normal force
+    /// (N) and traction, in the last step and now.
     pub(crate) fn compare(&mut self, rods: usize, before: (f64, Vector3), now: (f64, Vector3)) {
         if !self.positions.is_empty() {
             return;
@@ -59,7 +66,8 @@ impl Iterate {
         self.changes += (now.0 - before.0).abs() + (now.1 * now.0 - before.1 * before.0).norm();
     }
 
-    /// Whether many contacts have other forces than in the last step, and not too many for so many rods.
+    /// Whether the forces differ much from those of the last step, with many contacts, but not too
+    /// many for the number of rods.
     pub(crate) fn is_surprised(&self, rods: usize) -> bool {
         let are_many = rods >= MANY_RODS && self.contacts >= MANY_CONTACTS;
         let suits = are_many && self.pressed <= MOST_PER_ROD * rods;
@@ -72,18 +80,20 @@ impl Iterate {
         (self.forces, self.changes) = (0.0, 0.0);
     }
 
-    /// Takes over the positions of a linearisation.
+    /// Stores the positions of a linearisation.
     pub(crate) fn linearised_at(&mut self, positions: &[Vector3]) {
         self.positions.clear();
         self.positions.extend_from_slice(positions);
     }
 
-    /// Displacement of a node, now at `position`, since then; `None` before the first linearisation.
+    /// Displacement of a node, now at `position`, since the last linearisation; `None` before the
+    /// first.
     pub(crate) fn moved_by(&self, node: usize, position: &Vector3) -> Option<Vector3> {
         Some(position - self.positions.get(node)?)
     }
 
-    /// Displacements of the nodes of a contact, now at `positions`, since then, and their weighted resistance.
+    /// Displacements of the nodes of a contact, now at `positions`, since the last linearisation,
+    /// and their weighted resistance.
     pub(crate) fn moved<const N: usize>(
         &self,
         nodes: &[usize; N],
@@ -112,7 +122,8 @@ impl Iterate {
 mod tests {
     use super::*;
 
-    /// An iterate that has seen so many contacts with two rods each, whose force has changed by this factor.
+    /// An iterate with a number of contacts between two rods each, whose force has changed by this
+    /// factor.
     fn seen(contacts: usize, factor: f64) -> Iterate {
         let mut iterate = Iterate::default();
         iterate.begin(&[]);

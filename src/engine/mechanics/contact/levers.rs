@@ -1,13 +1,14 @@
-//! What turns the surfaces at a contact: the edges of rods around which they lie, and at which radii.
+//! Edges of rods that turn the surfaces at a contact, and the radii of these surfaces.
 //!
-//! A capsule around an edge turns with its edge. A node on a plane or a face, or in a tube, turns with the mean of the edges that
-//! meet there, and so does a ball with the edge behind it, or before it at the end of a rod. At the rim of a tube the two edges of a
-//! piece count by where on the piece it touches.
+//! A capsule around an edge turns with its edge. A node on a plane or a face, or in a tube, turns
+//! with the mean of the edges that meet there. A ball turns with the edge behind it, or with the
+//! edge before it at the end of a rod. At the rim of a tube the two edges of a piece are weighted
+//! by the position of the contact along the piece.
 
 use super::contacts::{CandidatePair, RIM_END, RIM_JOINT, RIM_JOINT_END, RIM_START};
 use super::surface::ContactSurface;
 
-/// Place of a node or an edge that is not there.
+/// Index of a missing node or edge.
 pub(crate) const NONE: usize = usize::MAX;
 
 /// An edge with which a surface turns.
@@ -15,29 +16,30 @@ pub(crate) const NONE: usize = usize::MAX;
 pub(crate) struct Lever {
     /// The node at which the edge starts, which numbers its angle.
     pub edge: usize,
-    /// Its nodes, by their places among those of [`Levers`].
+    /// Nodes of the edge, as indices into the nodes of [`Levers`].
     pub ends: [usize; 2],
-    /// Distance of the contact point from the centreline that turns with the edge, m.
+    /// Distance of the contact point from the centreline of the edge, m.
     pub arm: f64,
 }
 
 /// The unknowns that a contact moves and turns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Levers {
-    /// The nodes of rods; [`NONE`] where there are fewer.
+    /// The nodes of rods; unused entries are [`NONE`].
     pub nodes: [usize; 4],
-    /// Place among them of each of the four nodes of the contact; `None` for what is not of a rod.
+    /// For each of the four nodes of the contact, its index among these nodes; `None` if it does
+    /// not belong to a rod.
     pub places: [Option<usize>; 4],
     /// The edges.
     pub edges: [Option<Lever>; 2],
 }
 
-/// The two edges that meet at each node of a rod, the one before it and the one behind it, by their nodes.
+/// The edges before and behind each node of a rod, identified by their nodes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EdgesAtNodes(Vec<[Option<[usize; 2]>; 2]>);
 
 impl EdgesAtNodes {
-    /// Those of the rods of a surface.
+    /// Collects the edges of the rods of a surface.
     pub(crate) fn of(surface: &ContactSurface) -> Self {
         let mut edges = vec![[None; 2]; surface.node_count()];
         for edge in surface.rod_edges() {
@@ -50,7 +52,7 @@ impl EdgesAtNodes {
         Self(edges)
     }
 
-    /// Levers of a node whose sphere has a radius, m.
+    /// Levers of a node with a sphere of a given radius, m.
     pub(crate) fn of_node(&self, node: usize, radius: f64) -> Levers {
         let [before, behind] = self.0[node];
         let share = match (before, behind) {
@@ -76,7 +78,8 @@ impl EdgesAtNodes {
         }
     }
 
-    /// Levers of an edge of a rod, or of a ball: its nodes, and the lever with places counted from `first`.
+    /// Levers of an edge of a rod, or of a ball: its nodes, and the lever with indices counted
+    /// from `first`.
     fn of_edge(&self, surface: &ContactSurface, edge: usize, first: usize) -> ([usize; 2], Lever) {
         let own = &surface.edges()[edge];
         let [start, end] = own.nodes;
@@ -95,7 +98,7 @@ impl EdgesAtNodes {
         }
     }
 
-    /// Levers of an edge or a ball at an obstacle, without places.
+    /// Levers of an edge or a ball at an obstacle, without indices of nodes.
     pub(crate) fn at_obstacle(&self, surface: &ContactSurface, edge: usize) -> Levers {
         let ([a, b], lever) = self.of_edge(surface, edge, 0);
         Levers {
@@ -105,7 +108,8 @@ impl EdgesAtNodes {
         }
     }
 
-    /// Levers of a pair; those at a rim are shared as for a point in the middle of its piece.
+    /// Levers of a pair. At a rim the radius is shared as for a contact in the middle of the
+    /// piece.
     pub(crate) fn of_pair(&self, surface: &ContactSurface, pair: &CandidatePair) -> Levers {
         let [first, second] = pair.edges;
         let radius = surface.edges()[first].radius;
@@ -141,8 +145,8 @@ impl EdgesAtNodes {
 }
 
 impl Levers {
-    /// Shares the radius at a rim between the two edges of a piece: `along` is where on the piece it touches, from 0 to 1, where it may
-    /// touch anywhere.
+    /// Shares the radius at a rim between the two edges of a piece; `along` is the position of the
+    /// contact on the piece, from 0 to 1, if it may be anywhere on the piece.
     pub(crate) fn share_at(&mut self, side: i8, along: Option<f64>, radius: f64) {
         let second = match side {
             RIM_END | RIM_JOINT_END => 1.0,

@@ -1,4 +1,4 @@
-//! Data of contact for a restart.
+//! Contact data of a checkpoint, for a restart.
 
 use super::contact_system::ContactSystem;
 use crate::mechanics::Vector3;
@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 /// State that influences future contact forces; part of a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactMemory {
-    /// Positions of all nodes when the candidates were last built, m; empty before the first time.
+    /// Positions of all nodes when the candidates were last built, m; empty before the first
+    /// build.
     pub candidate_positions: Vec<[f64; 3]>,
     /// Candidates that the Newton system couples.
     pub coupled: Vec<usize>,
@@ -15,11 +16,12 @@ pub struct ContactMemory {
     pub stiffness: f64,
     /// Normal force of every candidate in the last step, N.
     pub normal_forces: Vec<f64>,
-    /// Friction per normal force of every candidate in the last step; none where there was no contact.
+    /// Friction per normal force of every candidate in the last step; `None` for pairs that were
+    /// not in contact.
     pub tractions: Vec<Option<[f64; 3]>>,
 }
 
-/// A memory of another scene.
+/// Error: the memory belongs to another scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("contact memory of {found} nodes in a scene of {expected}")]
 pub(crate) struct MismatchedMemory {
@@ -43,10 +45,10 @@ impl ContactSystem {
         }
     }
 
-    /// Continues from a checkpoint of the same scene: candidates and stiffness are as they were.
+    /// Restores candidates and stiffness from a checkpoint of the same scene.
     ///
     /// # Errors
-    /// If the memory is that of a scene with another number of nodes.
+    /// If the memory has another number of nodes.
     pub(crate) fn restore(&mut self, memory: &ContactMemory) -> Result<(), MismatchedMemory> {
         let stored = memory.candidate_positions.iter();
         let positions: Vec<Vector3> = stored.map(|&position| position.into()).collect();
@@ -54,13 +56,13 @@ impl ContactSystem {
         if found != 0 && found != expected {
             return Err(MismatchedMemory { expected, found });
         }
-        // They follow from the positions alone, where obstacles do not move.
+        // Unless obstacles move, the candidates follow from the positions alone.
         let is_same =
             self.surface.obstacles().is_empty() && positions == self.candidate_positions();
         if !is_same {
             self.rebuild_candidates(&positions);
         }
-        // Those of the last evaluation have the numbers of other candidates.
+        // The indices of the last evaluation refer to other candidates.
         self.clear_results();
         self.constraints.clear();
         self.candidates.coupled.clone_from(&memory.coupled);

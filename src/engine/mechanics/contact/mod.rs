@@ -1,6 +1,7 @@
 //! Contact between rods, with planes and with obstacles: broad phase, distances, three contact models, friction.
 //!
-//! [`ContactSystem`] holds all contacts of a scene; the other files follow the chain from geometry to force:
+//! [`ContactSystem`] holds all contacts of a scene; the other files follow the steps from geometry
+//! to force:
 //!
 //! | file | contents |
 //! |---|---|

@@ -1,36 +1,41 @@
-//! Normal forces that Newton's method carries along as unknowns of their own.
+//! Normal forces as additional unknowns of Newton's method.
 //!
-//! Every candidate pair of edges has a slot, and after them every node over every plane (see [`super::slots`]).
+//! Every candidate pair of edges has a slot; the slots of every node over every plane come after
+//! these (see [`super::slots`]).
 //!
-//! The contact force falls to a third within δ/30 of gap, a distance that rods cross many times within one
-//! time step. Newton's method on the gap alone finds no force a little too far out, and one that is out
-//! by orders of magnitude a little too far in; it then needs an iteration for every factor of e. So each
-//! pair keeps its normal force λ from the last step, and Newton's method is that for the pair of equations
+//! The contact force falls to a third within δ/30 of gap, a distance that rods cross many times
+//! within one time step. For Newton's method on the gap alone, an iterate slightly too far out has
+//! no force at all, and one slightly too far in has a force that is orders of magnitude too large;
+//! it then needs an iteration for every factor of e. So each pair keeps its normal force λ from
+//! the last step, and Newton's method solves the pair of equations
 //!
 //! ```text
 //! R(q, λ) = 0,   λ = N(g(q)),
 //! ```
 //!
-//! with λ eliminated: the matrix has the same pattern, and the solution is the same. Interior point methods treat their
-//! barriers so. After an iteration λ has the value of the linear law at the displacements that the linear system has
-//! found, which omits the curvature of the gap g. The two need not agree. The law is next linearised between them, at
-//! the force λ* and the gap g* with
+//! with λ eliminated: the matrix has the same pattern, and the solution is the same. Interior
+//! point methods treat their barriers in this way. After an iteration λ has the value of the
+//! linear law at the displacements from the linear system, which omits the curvature of the gap g,
+//! so λ and N(g) may differ. The law is next linearised between them, at the force λ* and the gap
+//! g* with
 //!
 //! ```text
 //! λ* = N(g*),   λ* − ρ g* = λ − ρ g,
 //! ```
 //!
-//! with the inertia ρ = 1/Σ(w² h²/m) of the two bodies at their contact points: as large a gap as this force opens within a
-//! step. This is a step of the primal–dual active set method (Hintermüller, Ito and Kunisch 2002, Eq. 2.3): a contact
-//! presses where λ > ρ g, in whatever state the last iteration had it, with a force of the size that removes the overlap, and
-//! is open where not.
+//! with the inertia ρ = 1/Σ(w² h²/m) of the two bodies at their contact points: the force λ opens
+//! a gap of λ/ρ within a step. This is a step of the primal–dual active set method (Hintermüller,
+//! Ito and Kunisch 2002, Eq. 2.3). A contact presses if λ > ρ g, whatever its state in the last
+//! iteration, with a force of the size that removes the overlap; otherwise it is open.
 //!
-//! The first iteration of a step has no linear law to come from. Where the prediction is good, its gaps give the new forces
-//! to second order in the step, and the law is linearised there; where the force at the predicted gap is not of the size of
-//! the last step's, gaps are not accurate enough for that, and the step above begins with the last force.
+//! The first iteration of a step has no previous linear law. If the prediction is good, its gaps
+//! give the new forces to second order in the step, and the law is linearised there. If the force
+//! at the predicted gap is not of the size of the last step's force, gaps are not accurate enough
+//! for that, and the step above begins with the last force.
 //!
-//! Active sets may cycle, release a contact, find it crossed, and close it again. A contact that opens therefore keeps the
-//! part [`KEPT_PART`] of its force for an iteration, until corrections are small.
+//! Active sets may cycle: release a contact, find it crossed, and close it again. A contact that
+//! opens therefore keeps the part [`KEPT_PART`] of its force for one iteration, until corrections
+//! are small.
 
 use super::candidates::carried_over;
 use super::contacts::CandidatePair;
@@ -39,27 +44,31 @@ use super::normal_response::NormalResponse;
 use super::slots::{SlotValues, Slots};
 use crate::mechanics::Vector3;
 
-/// Part of its force that a contact keeps in the iteration in which it opens.
+/// Part of the force that a contact keeps in the iteration in which it opens.
 ///
-/// Without any, some steps of a pile cycle through active sets; a contact that truly opens should be gone within two or three
-/// iterations.
+/// With zero, some steps of a pile cycle through active sets. A contact that truly opens should
+/// lose its force within two or three iterations.
 const KEPT_PART: f64 = 0.02;
 
-/// Largest ratio of the force at the predicted gap and that of the last step at which the first is taken.
+/// Largest ratio between the force at the predicted gap and that of the last step for which the
+/// first linearisation uses the predicted gap.
 ///
-/// Chosen by trial in knots that are pulled tight, where 2 saves most of the iterations that 4 does, and 100 no more.
+/// Chosen by trial in knots that are pulled tight: 2 saves most of the iterations that 4 saves,
+/// and 100 saves no more.
 const TRUSTED_RATIO: f64 = 4.0;
 
-/// Largest ratio of two forces of a slot in a row at which it is accurate enough to include the rotation of its contact.
+/// Largest ratio of two successive forces of a slot for which the rotation of its contact is
+/// included.
 ///
-/// Where edges are nearly parallel, iterations without that alternate along them without end, though the force has long
-/// been found. Chosen by trial: in piles of 60 and of 200 rods other steps fail with 1.1, 1.5 and 4, few with each.
+/// Without this rotation, the iterations for nearly parallel edges alternate along them without
+/// end, though the force is already correct. Chosen by trial: in piles of 60 and of 200 rods other
+/// steps fail with 1.1, 1.5 and 4, but few with each value.
 const KNOWN_RATIO: f64 = 1.1;
 
 /// Displacements of the nodes of a contact since the last linearisation, m, and their resistance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moved {
-    /// Displacements of the four nodes; a plane has one, the first.
+    /// Displacements of the four nodes; contact with a plane uses only the first.
     pub displacements: [Vector3; 4],
     /// Inertia ρ of the contact points, N/m.
     pub inertia: f64,
@@ -100,7 +109,7 @@ struct Tangent {
 }
 
 impl Tangent {
-    /// A force that no displacement changes.
+    /// Creates a force that does not depend on displacements.
     fn constant(force: f64) -> Self {
         Self {
             value: force,
@@ -116,7 +125,7 @@ pub(super) struct Multipliers {
     in_use: bool,
     /// Forces at the end of the last accepted step, N, one per slot.
     committed: Vec<f64>,
-    /// Linear laws of the last linearisation; those without are without force.
+    /// Linear laws of the last linearisation; slots without a law have no force.
     tangents: SlotValues<Tangent>,
 }
 
@@ -133,7 +142,7 @@ impl Multipliers {
         self.in_use = true;
     }
 
-    /// Force that iterations begin with at a slot, N.
+    /// Initial force of the iterations at a slot, N.
     pub(crate) fn begun(&self, slot: usize) -> f64 {
         self.force(slot)
     }
@@ -148,7 +157,8 @@ impl Multipliers {
         self.tangents.set(slot, Tangent::constant(force));
     }
 
-    /// Takes over the forces of an accepted step, slot by slot; those not given are zero.
+    /// Commits the forces of an accepted step, slot by slot; slots that are not given are set to
+    /// zero.
     pub(crate) fn commit(&mut self, slots: Slots, forces: impl Iterator<Item = (usize, f64)>) {
         self.committed.clear();
         self.committed.resize(slots.count(), 0.0);
@@ -169,7 +179,7 @@ impl Multipliers {
         &self.committed
     }
 
-    /// Continues from stored forces.
+    /// Restores stored forces.
     pub(crate) fn restore(&mut self, committed: &[f64]) {
         self.committed = committed.to_vec();
         self.in_use = false;
@@ -195,8 +205,8 @@ impl Multipliers {
         self.in_use && self.force(slot) > 0.0
     }
 
-    /// Whether a force (N) at which a slot is to be linearised is about that of the last linearisation, or of those that
-    /// iterations begin with.
+    /// Whether the force (N) for the linearisation of a slot is close to that of the last
+    /// linearisation, or before that to the initial force of the iterations.
     pub(crate) fn is_known(&self, slot: usize, force: f64) -> bool {
         self.in_use && are_alike(force, self.force(slot), KNOWN_RATIO)
     }
@@ -233,7 +243,8 @@ impl Multipliers {
         }
     }
 
-    /// Keeps the linear law of a slot, whose gap changes with the displacements by `gradient`.
+    /// Stores the linear law of a slot; `gradient` is the derivative of its gap with respect to
+    /// the displacements.
     pub(crate) fn keep(&mut self, slot: usize, law: &LinearLaw, gradient: &[f64; 12]) {
         let tangent = Tangent {
             value: law.force,
@@ -306,7 +317,7 @@ mod tests {
         })
     }
 
-    /// Two bodies on a line that resist by `inertia`, N/m.
+    /// Two bodies on a line with the resistance `inertia`, N/m.
     fn moved(by: f64, inertia: f64) -> Moved {
         let mut displacements = [Vector3::zeros(); 4];
         displacements[0].x = by;
@@ -318,8 +329,8 @@ mod tests {
         }
     }
 
-    /// Iterations that find the gap of a mass with inertia `inertia`, that would be at `free` without contact and bore
-    /// `force` in the last step.
+    /// Number of iterations to find the gap of a mass with inertia `inertia`, which would be at
+    /// `free` without contact and carried `force` in the last step.
     fn iterations(law: &NormalLaw, inertia: f64, free: f64, force: f64) -> usize {
         let mut multipliers = Multipliers::default();
         multipliers.restore(&[force]);
@@ -388,11 +399,11 @@ mod tests {
             let mut multipliers = Multipliers::default();
             multipliers.restore(&[2.0]);
             multipliers.begin(slots(1));
-            // At the gap of the force itself nothing is to be moved.
+            // A gap that matches the force needs no correction.
             let gap = law.gap_of_force(2.0);
             let linear = multipliers.linear_law(0, gap, &law, &moved(0.0, 10.0));
             assert!((linear.tangent.force - 2.0).abs() < 1e-9 && (linear.force - 2.0).abs() < 1e-9);
-            // One that is far apart opens, at first not wholly.
+            // A contact that is far apart opens, at first only in part.
             let opening = multipliers.linear_law(0, 1.0, &law, &moved(0.0, 10.0));
             assert!((opening.tangent.force / (KEPT_PART * 2.0) - 1.0).abs() < 1e-9);
             let slightly = Moved {

@@ -21,8 +21,9 @@ pub(super) enum NearestPoints {
 }
 
 impl NearestPoints {
-    /// Nearest points of a pair at `points`, smoothed over parallel edges by c (m²); `None` where the node of a pair with a face is not over
-    /// it, or not within the ends of a tube, and where a rim does not act.
+    /// Nearest points of a pair at `points`, smoothed over parallel edges by c (m²). `None` if the
+    /// node of a pair is not over its face or not within the ends of its tube, or if a rim does
+    /// not act.
     pub(crate) fn of(
         surface: &ContactSurface,
         pair: &CandidatePair,
@@ -40,7 +41,7 @@ impl NearestPoints {
         }
     }
 
-    /// Distance, m; negative for a node on the other side of a face, and in a tube.
+    /// Distance, m; negative for a node in a tube or on the other side of a face.
     pub(crate) fn distance(&self) -> f64 {
         match self {
             Self::Edges(closest) => closest.distance(),
@@ -67,7 +68,8 @@ impl NearestPoints {
         }
     }
 
-    /// How the contact moves with nodes at these places; normal and contact points stay unless it `turns`.
+    /// Motion of the contact with its nodes at these positions; normal and contact points are
+    /// fixed unless it `turns`.
     pub(crate) fn motion(&self, nodes: &[Vector3; 4], turns: bool) -> ContactMotion {
         let mut motion = ContactMotion {
             weights: self.weights(),
@@ -98,7 +100,8 @@ impl NearestPoints {
         motion
     }
 
-    /// Where on a piece of a rod a rim touches, from 0 to 1, where that may be anywhere on it.
+    /// Position of a rim contact on the piece of a rod, from 0 to 1, if it may be anywhere on the
+    /// piece.
     pub(crate) fn along_piece(&self) -> Option<f64> {
         match self {
             Self::Rim(point) => Some(point.all_rates()[2]),
@@ -107,8 +110,9 @@ impl NearestPoints {
     }
 }
 
-/// Distance of the centrelines of two rods, or of that of a rod from the surface of an obstacle, m; `None` where a node is not
-/// over its face, or not within the ends of its tube, and where a rim does not act.
+/// Distance of the centrelines of two rods, or of the centreline of a rod from the surface of an
+/// obstacle, m. `None` if a node is not over its face or not within the ends of its tube, or if a
+/// rim does not act.
 pub(super) fn separation(
     surface: &ContactSurface,
     pair: &CandidatePair,

@@ -1,4 +1,5 @@
-//! The normal force law of one contact: that of the contact model, for its size and the present stiffness.
+//! Normal force law of one contact: the law of the contact model at the size of the contact and
+//! the present stiffness.
 
 use super::normal_response::NormalResponse;
 use super::parameters::{ContactModel, ContactParameters};
@@ -9,12 +10,12 @@ const RIGID: &str = "the forces of rigid contact are constraints, not functions 
 
 /// Iterations of [`NormalLaw::resolved`], which mostly takes one or two.
 const RESOLVING_ITERATIONS: usize = 30;
-/// Largest change of the logarithm of the force in one of them.
+/// Largest change of the logarithm of the force in one iteration.
 const LARGEST_CHANGE: f64 = 4.0;
-/// Change of the logarithm of the force after which its square is below what matters.
+/// Change of the logarithm of the force at which the iterations end: its square is negligible.
 const RESOLVED_CHANGE: f64 = 1e-3;
-/// Part of the unit k δ/h̄² of forces below which a force counts as none: far below what matters, and far from where the inverse
-/// of the law overflows.
+/// Threshold below which a force counts as zero, in units of k δ/h̄²: far below any force of
+/// interest, and far from where the inverse of the law overflows.
 const LEAST_PART: f64 = 1e-30;
 
 /// A normal force law N(g).
@@ -40,7 +41,7 @@ impl NormalLaw {
         }
     }
 
-    /// Force (N) below which a force counts as none.
+    /// Force (N) below which a force counts as zero.
     pub(crate) fn least_force(&self) -> f64 {
         LEAST_PART * self.stiffness * self.tolerance / (self.scale * self.scale)
     }
@@ -73,12 +74,13 @@ impl NormalLaw {
         }
     }
 
-    /// The force λ* (N) and the gap g* (m) with λ* = N(g*) and λ* − ρ g* = `force` − ρ `gap`, for ρ = `inertia` (N/m); no
-    /// force where it cannot be distinguished from zero.
+    /// The force λ* (N) and the gap g* (m) with λ* = N(g*) and λ* − ρ g* = `force` − ρ `gap`, for
+    /// ρ = `inertia` (N/m); the force is 0 if it cannot be distinguished from zero.
     pub(crate) fn resolved(&self, force: f64, gap: f64, inertia: f64) -> (f64, f64) {
         let sum = force - inertia * gap;
         let least = self.least_force();
-        // Convex in the logarithm of λ: Newton's method from above is monotone, and from the right size quick.
+        // The equation is convex in the logarithm of λ: Newton's method is monotone from above,
+        // and fast from a start of the right size.
         let mut found = force.max(sum);
         if found <= 0.0 {
             let open = -sum / inertia;

@@ -1,6 +1,6 @@
 //! Response of a normal force law to a gap.
 
-/// Energy of a gap and its derivatives.
+/// Energy of a contact at a gap, and its derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NormalResponse {
     /// Energy E, J.

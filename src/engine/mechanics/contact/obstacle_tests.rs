@@ -11,8 +11,8 @@ const RADIUS: f64 = 1e-2;
 const GAP: f64 = 1e-4;
 const NODES: usize = 6;
 
-/// A ball, a rounded box, a sharp tetrahedron that is turned, and a tube around them all; the surface of each passes through
-/// places near the origin.
+/// A ball, a rounded box, a sharp turned tetrahedron, and a tube around them all; every surface
+/// passes near the origin.
 fn body(kind: usize) -> RigidBody {
     let down = |depth: f64| Vector3::new(0.003, -0.002, -depth);
     match kind {
@@ -51,7 +51,7 @@ fn body(kind: usize) -> RigidBody {
 
 const KINDS: usize = 6;
 
-/// A rod whose nodes are at random places, at an obstacle with friction.
+/// A rod with nodes at random positions, at an obstacle with friction.
 fn system(kind: usize, model: ContactModel, positions: &[Vector3]) -> ContactSystem {
     let mut surface = ContactSurface::new();
     surface.add_rod(0, positions, false, RADIUS, false);
@@ -70,7 +70,8 @@ fn wavy(random: &mut Random) -> Vec<Vector3> {
         .collect()
 }
 
-/// The rod moved along z to where its least gap is a part of the reach of the forces; `None` where it cannot be.
+/// Moves the rod along z until its least gap is a given part of the reach of the forces; `None` if
+/// this is impossible.
 fn at_reach(kind: usize, model: ContactModel, random: &mut Random) -> Option<Vec<Vector3>> {
     let placed = wavy(random);
     let part = GAP * 0.4 * (1.0 + 0.5 * random.symmetric());
@@ -84,7 +85,7 @@ fn at_reach(kind: usize, model: ContactModel, random: &mut Random) -> Option<Vec
         let nearest = contact.nearest(&positions);
         nearest.map_or(f64::INFINITY, |near| near.distance - near.threshold)
     };
-    // From afar until it is near enough, then bisection.
+    // Approaches from afar, then bisects.
     let mut height = 0.08;
     while gap(height) > 2.0 * part {
         height -= 2e-3;
@@ -198,7 +199,8 @@ fn forces_and_jacobians_are_derivatives() {
     }
 }
 
-/// Least gap over the threshold of the rod's surface from that of the obstacle by brute force, of samples along all edges.
+/// Least gap between the surfaces of rod and obstacle over the threshold, by brute force from
+/// samples along all edges.
 fn least_gap(kind: usize, positions: &[Vector3]) -> f64 {
     let body = body(kind);
     let distance = |x: &Vector3| {

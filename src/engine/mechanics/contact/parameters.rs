@@ -2,16 +2,19 @@
 
 use super::{barrier, friction, potential};
 
-/// Most that the smoothing of closest points adds to a gap, in units of δ.
+/// Largest increase of a gap by the smoothing of closest points, in units of δ.
 ///
-/// The contact force at a gap then changes by at most 1.5 %. A reef knot whose straight tails become parallel in contact
-/// takes 2.1 iterations a step with a tenth of this and with 30 times as much, and without any it does not advance.
+/// The contact force at a gap then changes by at most 1.5 %. A reef knot with straight tails that
+/// become parallel in contact takes 2.1 iterations a step with a tenth of this value and with 30
+/// times this value; without smoothing it does not advance.
 const SMOOTHING: f64 = 5e-4;
 
-/// The same for a barrier, which begins that much outside the surfaces so that they never touch.
+/// Largest increase of a gap by smoothing with a barrier, in units of δ. The barrier begins that
+/// much outside the surfaces, so that they never touch.
 ///
-/// Without any, steps get as small as the smallest where rods that press on each other become parallel: the
-/// closest points of edges jump as they turn through parallel, and so do the forces on the nodes.
+/// Without smoothing, time steps fall to the minimum when rods that press on each other become
+/// parallel: the closest points of edges jump as they turn through parallel, and the forces on the
+/// nodes jump with them.
 const BARRIER_SMOOTHING: f64 = 5e-3;
 
 /// Contact models, all with Coulomb friction (thesis Eqs. 2.7–2.14).
@@ -41,8 +44,8 @@ pub enum FrictionAt {
 pub struct ContactParameters {
     /// The model.
     pub model: ContactModel,
-    /// Distance tolerance δ, m: force acts within δ of the surfaces (Eqs. 2.1, 2.2).
-    /// Smaller is more exact and stiffer; the thesis uses 1e-5 m for a radius of 1 mm.
+    /// Distance tolerance δ, m: contact forces act within δ of the surfaces (Eqs. 2.1, 2.2). A
+    /// smaller value is more exact and stiffer; the thesis uses 1e-5 m for a radius of 1 mm.
     pub distance_tolerance: f64,
     /// Friction coefficient μ.
     pub friction: f64,
@@ -53,13 +56,14 @@ pub struct ContactParameters {
     /// Factor s of the adaptive contact stiffness. The implicit contact model has k = s max‖F‖ (Eq. 2.19),
     /// the default; the barrier carries the force s max‖F‖ at a gap of δ/2, for which 1 is suitable.
     pub stiffness_factor: f64,
-    /// Penetration that ends the run, as a fraction of the sum of the two radii; without effect on
-    /// incremental potential contact, which allows none.
+    /// Penetration that ends the run, as a fraction of the sum of the two radii. Ignored by
+    /// incremental potential contact, which allows no penetration.
     pub maximum_penetration: f64,
 }
 
 impl ContactParameters {
-    /// Contact stiffness k per force near contact (J/N), for surfaces of radius `radius` (m).
+    /// Ratio of the contact stiffness k to the force near contact (J/N), for surfaces of radius
+    /// `radius` (m).
     pub(crate) fn stiffness_per_force(&self, radius: f64) -> f64 {
         let factor = self.stiffness_factor;
         match self.model {
@@ -83,7 +87,7 @@ impl ContactParameters {
 
     /// Smoothing c of the closest points of edges that touch at the distance `threshold` (m), m².
     ///
-    /// None for complementarity, whose contacts have no gap.
+    /// Zero for complementarity, whose contacts have no gap.
     pub(super) fn smoothing(&self, threshold: f64) -> f64 {
         let part = match self.model {
             ContactModel::ImplicitContact => SMOOTHING,
@@ -95,8 +99,9 @@ impl ContactParameters {
 
     /// Distance between the surfaces of two edges at which the gap of the force law is zero, m.
     ///
-    /// The smoothed distance Δ of [`ClosestPoints`](super::closest_points::ClosestPoints) is larger than the true one d by
-    /// at most c/(4 d), so that with a barrier at Δ = h_i + h_j + c/(4 (h_i + h_j)) surfaces never touch. Penalties have none.
+    /// The smoothed distance Δ of [`ClosestPoints`](super::closest_points::ClosestPoints) exceeds
+    /// the true distance d by at most c/(4 d), so with a barrier at Δ = h_i + h_j + c/(4 (h_i +
+    /// h_j)) surfaces never touch. Penalties have no such offset.
     pub(super) fn standoff(&self) -> f64 {
         match self.model {
             ContactModel::IncrementalPotential => BARRIER_SMOOTHING * self.distance_tolerance,
@@ -104,7 +109,7 @@ impl ContactParameters {
         }
     }
 
-    /// Steepest change of friction with the slip speed, per normal force, s/m, where friction is smoothed; zero for
+    /// Largest slope of smoothed friction over the slip speed, per normal force, s/m; zero for
     /// complementarity. `coefficient` is that of the surfaces.
     pub(crate) fn friction_slope(&self, coefficient: f64) -> f64 {
         match self.model {
@@ -115,12 +120,13 @@ impl ContactParameters {
         }
     }
 
-    /// Whether the model keeps surfaces from ever touching.
+    /// Whether the model prevents surfaces from ever touching.
     pub fn is_barrier(&self) -> bool {
         self.model == ContactModel::IncrementalPotential
     }
 
-    /// Whether contact forces are not functions of the gap, but solved together for a whole step.
+    /// Whether contact forces are solved together for a whole step instead of being functions of
+    /// the gap.
     pub fn is_complementarity(&self) -> bool {
         self.model == ContactModel::Complementarity
     }

@@ -1,8 +1,9 @@
-//! Positions of the obstacles, and their parts near a rod.
+//! Positions of the obstacles, and search for their parts near a rod.
 //!
-//! Each obstacle has a tree of boxes around its segments and faces in the frame of its own, which never changes: edges of rods
-//! are carried into it by the pose of the obstacle. So a search costs the logarithm of the size of a mesh for every edge of a
-//! rod, whether the mesh moves or not.
+//! Each obstacle has a tree of boxes around its segments and faces in its own frame. The tree
+//! never changes; edges of rods are transformed into the frame by the pose of the obstacle. So the
+//! cost of a search per edge of a rod is logarithmic in the size of the mesh, whether the mesh
+//! moves or not.
 
 use super::box_tree::{AlignedBox, BoxTree};
 use super::closest_points::{ClosestPoints, edge_distance};
@@ -13,15 +14,15 @@ use super::surface::{ContactFace, ContactNode, ContactSurface};
 use crate::mechanics::Vector3;
 use crate::mechanics::rotation::{Pose, to_vector};
 
-/// The obstacles at the end of the step that is made, and at its start.
+/// The obstacles at the start and the end of the present step.
 #[derive(Clone, Default)]
 pub(super) struct PlacedObstacles {
     vertices: Vec<Vector3>,
     vertices_at_start: Vec<Vector3>,
     placed: Vec<Placed>,
-    /// Pieces of rods that may touch the rim of a tube; none without tubes.
+    /// Pieces of rods that may touch the rim of a tube; empty without tubes.
     pieces: Vec<RodPiece>,
-    /// Whether one has moved since the candidates were built.
+    /// Whether an obstacle has moved since the candidates were built.
     pub moved: bool,
 }
 
@@ -29,11 +30,12 @@ pub(super) struct PlacedObstacles {
 struct Placed {
     pose: Pose,
     pose_at_start: Pose,
-    /// Start of its vertices, segments and faces among those of all obstacles; segments among all edges.
+    /// Indices of its first vertex, segment and face among those of all obstacles; segments are
+    /// counted among all edges.
     first_vertex: usize,
     first_edge: usize,
     first_face: usize,
-    /// Boxes around its segments, then around its faces, in its own frame.
+    /// Boxes around its segments, and boxes around its faces, in its own frame.
     tree: BoxTree,
 }
 
@@ -106,7 +108,7 @@ impl PlacedObstacles {
         around.contains(&placed.pose.back_of(point))
     }
 
-    /// Takes the present poses as the start of the next step.
+    /// Stores the present poses as the start of the next step.
     pub(crate) fn commit(&mut self) {
         let changed = |placed: &Placed| placed.pose != placed.pose_at_start;
         if !self.placed.iter().any(changed) {
@@ -118,7 +120,7 @@ impl PlacedObstacles {
         }
     }
 
-    /// Nodes of rods with the present vertices.
+    /// Nodes of rods, and the present vertices.
     pub(crate) fn points<'a>(&'a self, nodes: &'a [Vector3]) -> Points<'a> {
         Points {
             nodes,
@@ -126,7 +128,7 @@ impl PlacedObstacles {
         }
     }
 
-    /// Nodes of rods with the vertices at the start of the step.
+    /// Nodes of rods, and the vertices at the start of the step.
     pub(crate) fn points_at_start<'a>(&'a self, nodes: &'a [Vector3]) -> Points<'a> {
         Points {
             nodes,
@@ -134,7 +136,7 @@ impl PlacedObstacles {
         }
     }
 
-    /// Largest move of a vertex in the step, m.
+    /// Largest displacement of a vertex in the step, m.
     pub(crate) fn largest_move(&self) -> f64 {
         let changed = |placed: &Placed| placed.pose != placed.pose_at_start;
         if !self.placed.iter().any(changed) {
@@ -147,8 +149,9 @@ impl PlacedObstacles {
         largest.sqrt()
     }
 
-    /// Adds all pairs of an edge or node of a rod and a part of an obstacle whose surfaces are nearer than `clearance` (m),
-    /// with the distance of the edge or node from the surface of the obstacle.
+    /// Adds all pairs of an edge or node of a rod and a part of an obstacle with surfaces nearer
+    /// than `clearance` (m), together with the distance of the edge or node from the surface of
+    /// the obstacle.
     pub(crate) fn find(
         &self,
         surface: &ContactSurface,
@@ -213,8 +216,9 @@ impl PlacedObstacles {
         }
     }
 
-    /// Adds all such pairs whose paths from `start` to `end`, along straight lines as seen from the obstacle, come near each
-    /// other.
+    /// Adds all pairs of an edge or node of a rod and a part of an obstacle whose paths from
+    /// `start` to `end` come near each other. Paths are straight lines in the frame of the
+    /// obstacle.
     pub(crate) fn find_swept(
         &self,
         surface: &ContactSurface,
@@ -336,7 +340,7 @@ impl Placed {
         }
     }
 
-    /// Adds the nodes in a tube that are near its wall. What is outside passes by.
+    /// Adds the nodes in a tube that are near its wall. Nodes outside do not touch the wall.
     fn find_in_tube(
         &self,
         surface: &ContactSurface,

@@ -1,7 +1,8 @@
 //! Force and Jacobian of a node on a rigid plane, with friction.
 //!
-//! The potential is that of two edges (thesis Eq. 2.15) with the gap of the node's sphere over the plane,
-//! (x − p)·n − h, in place of Δ − 2h, and friction is that of Eqs. 2.9–2.11 against the resting plane:
+//! The potential is that of two edges (thesis Eq. 2.15) with the gap (x − p)·n − h of the node's
+//! sphere over the plane in place of Δ − 2h. Friction is that of Eqs. 2.9–2.11 against the plane
+//! at rest:
 //!
 //! F = N (n + t(n, v)), ∂F = (dN/dΔ) (n + t) nᵀ + N (∂t/∂v)/Δt, v = (x − xⁿ)/Δt.
 
@@ -23,7 +24,7 @@ pub(super) struct NodeSliding {
 }
 
 impl NodeSliding {
-    /// The same as that of four nodes, of which the others are at rest.
+    /// The sliding as that of four nodes, three of them at rest.
     pub(crate) fn of_first_node(&self) -> Sliding {
         let rest = Vector3::zeros();
         Sliding {
@@ -34,7 +35,7 @@ impl NodeSliding {
     }
 }
 
-/// Force on the node of a normal force and a friction `traction` per normal force, N.
+/// Force on the node, N, from a normal force and the friction `traction` per normal force.
 pub(super) fn plane_force(normal: &Vector3, normal_force: f64, traction: &Vector3) -> [f64; 3] {
     ((normal + traction) * normal_force).into()
 }

@@ -95,8 +95,8 @@ impl ContactSystem {
         }
     }
 
-    /// Adds the Jacobian of a node over a plane, with its slot, and the difference between the force of its laws and that of the
-    /// linearised ones.
+    /// Adds the Jacobian of a node over a plane with its slot, and the difference between its
+    /// force and that of the linearised laws.
     fn linearize_plane(
         &mut self,
         [slot, node]: [usize; 2],

@@ -4,28 +4,29 @@
 //!
 //! E = k [ln(1 + exp(K₁(2 − Δ/h̄)))/K₁]².
 //!
-//! For surfaces of one radius h̄ = h and this is Eq. 2.15. For others the threshold 2h̄ = h_i + h_j; at a
-//! plane h̄ = h, and the gap takes the place of Δ − 2h.
+//! For surfaces of equal radius h̄ = h, this is Eq. 2.15. Otherwise the threshold 2h̄ is h_i +
+//! h_j; at a plane h̄ = h, and the gap replaces Δ − 2h.
 //!
-//! Eq. 2.15 prints the square (2 − Δ̄)² below 2 − δ̄, to keep the exponential from overflowing, and zero above
-//! 2 + δ̄. Here the logarithm is written so that it does not overflow and holds on the whole line, which
-//! makes the energy smooth for Newton's method. The two differ by 2e⁻¹⁵/15 = 4e-8 of the energy and e⁻¹⁵ = 3e-7
-//! of the force at the lower joint, and by the jump to zero, 2e-13 of the energy at touch, at the upper one. The
-//! potential ends at [`REACH`], where the force has fallen below rounding error.
+//! Eq. 2.15 prints the square (2 − Δ̄)² below 2 − δ̄, to keep the exponential from overflowing,
+//! and zero above 2 + δ̄. Here the logarithm is written in a form that does not overflow and is
+//! used on the whole line, which makes the energy smooth for Newton's method. At the lower joint
+//! the two differ by 2e⁻¹⁵/15 = 4e-8 of the energy and e⁻¹⁵ = 3e-7 of the force, and at the upper
+//! one by the jump to zero, 2e-13 of the energy at touch. The potential ends at [`REACH`], where
+//! the force has fallen below rounding error.
 
 use super::normal_response::NormalResponse;
 
 /// Distance between the surfaces, in units of δ, beyond which there is no force.
 ///
-/// The force falls like exp(−30 gap/δ): at δ, where Eq. 2.15 cuts it off, it is 1e-8 of what the adaptive
-/// stiffness (s = 1e5, δ = h/100) aims at, which for a tight Newton tolerance is still a jump; at 1.5 δ
-/// it is 4e-15 of it.
+/// The force falls like exp(−30 gap/δ). At δ, where Eq. 2.15 cuts it off, it is 1e-8 of the force
+/// for which the adaptive stiffness (s = 1e5, δ = h/100) is designed, which for a tight Newton
+/// tolerance is still a jump; at 1.5 δ it is 4e-15 of that force.
 const REACH: f64 = 1.5;
 
 /// Slope of the energy curve: K₁ δ/h̄ (Eq. 2.16).
 const SLOPE: f64 = 15.0;
 
-/// Iterations that find the gap of a force, at most.
+/// Maximum number of iterations for the gap of a force.
 const GAP_ITERATIONS: usize = 5;
 /// Change of the exponent after which its square is below rounding error.
 const GAP_CHANGE: f64 = 1e-9;
@@ -40,7 +41,8 @@ pub(super) fn normal_response(
 ) -> NormalResponse {
     let rate = SLOPE / tolerance;
     let exponent = -rate * gap;
-    // ln(1 + eᵗ) and its derivative, the logistic function, both by the decaying exponential.
+    // ln(1 + eᵗ) and its derivative, the logistic function, both computed from the decaying
+    // exponential.
     let decay = libm::exp(-exponent.abs());
     let softplus = exponent.max(0.0) + libm::log1p(decay);
     let logistic = if exponent > 0.0 { 1.0 } else { decay } / (1.0 + decay);

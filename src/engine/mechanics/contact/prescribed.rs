@@ -1,22 +1,23 @@
-//! Contacts whose points are both prescribed: of nodes that clamps hold, of held rods, and of obstacles.
+//! Contacts with two prescribed points: of nodes held by clamps, of held rods, and of obstacles.
 //!
-//! A contact force cannot move such points, and so no law determines it: any force is balanced by what holds
-//! them. Every model sets it to zero. Overlaps due to their clamps are still checked.
+//! A contact force cannot move such points, so no law determines it: the constraints that hold
+//! them balance any force. Every model sets the force to zero. Overlaps due to moving clamps are
+//! still checked.
 //!
-//! The weight of a free node in a contact goes to zero as the contact point comes to the end of an edge that is held, and the
-//! force on that node with it. So forces on free nodes do not jump.
+//! As the contact point approaches a held end of an edge, the weight of its free node in the
+//! contact goes to zero, and the force on that node with it. So forces on free nodes do not jump.
 
 use super::contact_system::ContactSystem;
 use super::contacts::Proximity;
 
 impl ContactSystem {
-    /// Sets for every node of the rods whether its position is prescribed.
+    /// Sets whether the position of each node of the rods is prescribed.
     pub(crate) fn set_prescribed(&mut self, prescribed: impl Iterator<Item = bool>) {
         self.prescribed.clear();
         self.prescribed.extend(prescribed);
     }
 
-    /// Whether the position of a node is prescribed; vertices of obstacles are.
+    /// Whether the position of a node is prescribed; always true for vertices of obstacles.
     pub(super) fn is_prescribed(&self, node: usize) -> bool {
         match self.prescribed.get(node) {
             Some(prescribed) => *prescribed,
@@ -30,7 +31,7 @@ impl ContactSystem {
         corners.all(|(node, weight)| *weight == 0.0 || self.is_prescribed(*node))
     }
 
-    /// Prescribed points that touched at the last evaluation, without a force.
+    /// Contacts of prescribed points that touched at the last evaluation, without a force.
     pub(super) fn touching_without_force(&self) -> impl Iterator<Item = Proximity> {
         self.without_force.iter().copied()
     }

@@ -1,4 +1,4 @@
-//! Proximity of bodies: the least distance, penetration, overlaps of a new scene.
+//! Proximity of bodies: least distance, penetration, and overlaps of a new scene.
 
 use super::broad_phase::BroadPhase;
 use super::candidates::approach;
@@ -10,14 +10,14 @@ use crate::mechanics::Vector3;
 /// Surfaces that touch to rounding error do not count as overlapping.
 const TOUCHING: f64 = 1e-9;
 
-/// The deepest of some contacts, where it exceeds the penetration `allowed`.
+/// The deepest of several contacts, if it exceeds the penetration `allowed`.
 fn deepest_beyond(allowed: f64, contacts: impl Iterator<Item = Proximity>) -> Option<Proximity> {
     contacts
         .filter(|proximity| proximity.penetration() > allowed)
         .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
 }
 
-/// Part of the penetration allowed from which on a contact is better made stiffer at once.
+/// Fraction of the allowed penetration above which a contact is made stiffer at once.
 const DEEP: f64 = 0.2;
 
 impl ContactSystem {
@@ -29,8 +29,8 @@ impl ContactSystem {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// The bodies that are nearest to touching at `positions` (m): of all candidates, and of all nodes and planes, those
-    /// with the least ratio of the distance to that at which their surfaces touch.
+    /// The bodies nearest to touching at `positions` (m): of all candidates, and all nodes at
+    /// planes, those with the least ratio of the distance to that at which their surfaces touch.
     pub(crate) fn nearest(&self, positions: &[Vector3]) -> Option<Proximity> {
         let edges = self.candidates().iter().filter_map(|pair| {
             Some(Proximity {
@@ -67,7 +67,7 @@ impl ContactSystem {
         edges.chain(planes)
     }
 
-    /// Every node of the surface before every plane.
+    /// Pairs every node of the surface with every plane.
     fn nodes_and_planes(&self, positions: &[Vector3]) -> impl Iterator<Item = Proximity> {
         self.planes
             .iter()
@@ -91,7 +91,7 @@ impl ContactSystem {
         separation(&self.surface, pair, &self.obstacles.points(positions))
     }
 
-    /// Nodes inside of closed obstacles, with minus their distance from the nearest face.
+    /// Nodes inside closed obstacles; the distance is minus that from the nearest face.
     fn within_obstacles<'a>(
         &'a self,
         positions: &'a [Vector3],
@@ -118,7 +118,7 @@ impl ContactSystem {
         })
     }
 
-    /// The deepest penetration at the last evaluation, where it exceeds `maximum_penetration`.
+    /// The deepest penetration at the last evaluation, if it exceeds `maximum_penetration`.
     pub(crate) fn excessive_penetration(&self) -> Option<Proximity> {
         let allowed = self.parameters().maximum_penetration;
         deepest_beyond(allowed, self.touching())
@@ -130,7 +130,7 @@ impl ContactSystem {
         deepest_beyond(allowed, self.bearing()).is_some()
     }
 
-    /// Whether surfaces touch or overlap at the last evaluation that a barrier should have kept apart.
+    /// Whether, at the last evaluation, surfaces touch or overlap despite a barrier.
     pub(crate) fn touches_barrier(&self) -> bool {
         self.parameters().is_barrier()
             && self
@@ -138,8 +138,8 @@ impl ContactSystem {
                 .any(|proximity| proximity.distance <= proximity.threshold)
     }
 
-    /// The deepest penetration at `positions` (m), where it exceeds `maximum_penetration`. The candidates must be
-    /// complete there.
+    /// The deepest penetration at `positions` (m), if it exceeds `maximum_penetration`. The
+    /// candidates must be complete at `positions`.
     pub(crate) fn excessive_penetration_at(&mut self, positions: &[Vector3]) -> Option<Proximity> {
         let allowed = 1.0 - self.parameters.maximum_penetration;
         self.candidates.motion(positions, &mut self.motion);
@@ -162,8 +162,8 @@ impl ContactSystem {
             .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
 
-    /// All pairs whose surfaces overlap at `positions`, or with incremental potential contact are not beyond where the
-    /// barrier is infinite, sorted; a scene must not start so.
+    /// All pairs whose surfaces overlap at `positions`, sorted. With incremental potential contact
+    /// also pairs at which the barrier is infinite. A scene must not start with such pairs.
     pub(crate) fn initial_overlaps(&self, positions: &[Vector3]) -> Vec<Proximity> {
         let is_barrier = self.parameters().is_barrier();
         let clearance = if is_barrier {
@@ -175,7 +175,7 @@ impl ContactSystem {
         BroadPhase::default().find(self.surface(), positions, clearance, &mut found);
         self.obstacles
             .find(self.surface(), positions, clearance, &mut found);
-        // A rim does not act on rods that pass by outside of the tube, though it may be near them.
+        // A rim does not act on rods that pass outside the tube, though they may be near it.
         let is_felt = |pair: &CandidatePair| {
             !pair.is_with_rim() || self.separation(pair, positions).is_some()
         };

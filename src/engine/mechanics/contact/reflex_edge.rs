@@ -1,10 +1,14 @@
-//! Edges of a mesh in a valley, which no rod can touch alone.
+//! Reflex edges of a mesh, at the bottom of a valley: a rod that touches such an edge also touches
+//! a face or another edge.
 //!
-//! Where two faces make an angle of less than π on the side of a rod, a point that is near their common edge is nearer still to one of
-//! the faces: with the directions b₁ and b₂ in which the faces leave the edge e, and the direction d from the edge to the point,
-//! d = α b₁ + β b₂ up to a part along e with positive α and β, so that d·b₁ > 0 or d·b₂ > 0. The least distance of a straight edge of a rod
-//! from the mesh is then that of one of its ends from a face, or that from another edge: what keeps those apart keeps apart all. This holds
-//! for the ends of such an edge as well: where all edges at a vertex lie in a valley, the free space around it is convex.
+//! Suppose that two faces make an angle of less than π on the side of a rod. A point near their
+//! common edge is nearer still to one of the faces: with the directions b₁ and b₂ in which the
+//! faces leave the edge e, and the direction d from the edge to the point, d = α b₁ + β b₂ up to a
+//! part along e with positive α and β, so that d·b₁ > 0 or d·b₂ > 0. The least distance of a
+//! straight edge of a rod from the mesh is then the distance of one of its ends from a face, or
+//! its distance from another edge; contact with those faces and edges suffices. This also holds
+//! for the ends of such an edge: if all edges at a vertex are reflex, the free space around it is
+//! convex.
 
 use super::contacts::{CandidatePair, EDGE};
 use super::foot::Points;
@@ -12,7 +16,8 @@ use super::surface::ContactSurface;
 use crate::mechanics::Vector3;
 
 impl ContactSurface {
-    /// Whether a pair is of an edge of a rod and a reflex edge of an obstacle, seen along the `direction` from this to that.
+    /// Whether a pair consists of an edge of a rod and a reflex edge of an obstacle, seen along
+    /// the `direction` from the obstacle's edge to the rod's.
     pub(super) fn is_at_reflex_edge(
         &self,
         pair: &CandidatePair,
@@ -34,7 +39,8 @@ impl ContactSurface {
     }
 }
 
-/// Whether a direction, seen along an edge, lies between two others on the side where they make an angle of less than π.
+/// Whether a direction, seen along an edge, is between two others on the side where they make an
+/// angle of less than π.
 fn is_between(direction: &Vector3, edge: &Vector3, [first, second]: &[Vector3; 2]) -> bool {
     let turn = |from: &Vector3, to: &Vector3| edge.dot(&from.cross(to));
     let whole = turn(first, second);
@@ -85,7 +91,7 @@ mod tests {
             ClosestPoints::of(&[self.rod[0], self.rod[1], a, b]).distance()
         }
 
-        /// Whether the common edge is ignored, and the distance from it.
+        /// Whether the common edge is ignored, and its distance from the edge of the rod.
         fn common_edge(&self) -> (bool, f64) {
             let edges = self.surface.edges();
             let common = (1..edges.len()).find(|edge| self.surface.opposite(*edge).is_some());
@@ -105,7 +111,7 @@ mod tests {
             (hidden, closest.distance())
         }
 
-        /// The least distance from all that is not the common edge.
+        /// The least distance from all features except the common edge.
         fn other_distance(&self) -> f64 {
             let rims = [[0, 2], [2, 1], [0, 3], [3, 1]].map(|ends| self.distance(ends));
             let faces = [[0, 2, 1], [0, 1, 3]].map(|face| face.map(|vertex| self.vertices[vertex]));
@@ -117,7 +123,8 @@ mod tests {
             rims.into_iter().chain(feet).fold(f64::INFINITY, f64::min)
         }
 
-        /// Whether an edge of the rod passes through a triangle, where distances from its sides do not apply.
+        /// Whether an edge of the rod passes through a triangle, so that distances from its sides
+        /// do not apply.
         fn is_pierced(&self) -> bool {
             [[0, 2, 1], [0, 1, 3]].into_iter().any(|face| {
                 let [a, b, c] = face.map(|vertex| self.vertices[vertex]);
@@ -145,7 +152,8 @@ mod tests {
                 nearest += 1;
             }
         }
-        // Both happen often: valleys are found, and ridges under the rod have contact.
+        // Both cases are frequent: reflex edges are ignored, and convex edges under the rod have
+        // contact.
         assert!(hidden > 300 && nearest > 300, "{hidden} {nearest}");
     }
 }

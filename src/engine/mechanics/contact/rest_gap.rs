@@ -1,7 +1,8 @@
-//! Gap at rest of surfaces that carry contact forces.
+//! Gap at rest between surfaces that carry contact forces.
 //!
-//! A force law N(g) carries a load at a gap, and two rods of radius h that rest at g behave like rods of radius h + g/2 that
-//! touch. With the stiffness k and, for the implicit contact model, r = 15 N h̄²/(2 k δ),
+//! A force law N(g) carries a load at a nonzero gap: two rods of radius h that rest at a gap g
+//! behave like touching rods of radius h + g/2. With the stiffness k and, for the implicit contact
+//! model, r = 15 N h̄²/(2 k δ),
 //!
 //! - implicit contact (Eq. 2.15): ln(1 + eᵗ)/(1 + e⁻ᵗ) = r at t = −15 g/δ, so that g ≈ −(δ/30) ln r for r ≪ 1, which is
 //!   always so at the adaptive stiffness k = s F, F = max‖F‖ near contact and at least EI/L² of the softer rod: a force N
@@ -13,11 +14,13 @@
 use super::contact_system::ContactSystem;
 
 impl ContactSystem {
-    /// Mean gap between the surfaces in contact at the last evaluation, weighted by their normal forces, m: Σ N g/Σ N over
-    /// all pairs of edges and all nodes at planes, with g the distance of the centrelines less the sum of the radii (of a
-    /// node from its plane, less its radius). Negative where they penetrate. `None` where no force acts.
+    /// Mean gap between the surfaces in contact at the last evaluation, weighted by their normal
+    /// forces, m: Σ N g/Σ N over all pairs of edges and all nodes at planes. Here g is the
+    /// distance of the centrelines minus the sum of the radii, or the distance of a node from its
+    /// plane minus its radius. Negative if the surfaces penetrate; `None` if no force acts.
     ///
-    /// The weights exclude pairs that are near but carry no force, at any range of the force law.
+    /// The weights exclude pairs that are near but carry no force, whatever the range of the force
+    /// law.
     pub(crate) fn mean_gap(&self) -> Option<f64> {
         let edges = self.contacts().iter();
         let edges = edges.map(|one| (one.normal_force, one.distance - one.threshold));
@@ -45,7 +48,7 @@ mod tests {
             },
             ..contact(model, tolerance)
         };
-        // Nothing but the ratio of the forces counts.
+        // Only the ratio of the forces matters.
         let largest = 0.037;
         let stiffness = parameters.stiffness_per_force(radius) * largest;
         let law = NormalLaw::new(&parameters, radius, stiffness);

@@ -1,9 +1,11 @@
-//! The rim of a tube, in contact with a rod that leaves through an end.
+//! The rim of a tube in contact with a rod that leaves the tube through an end.
 //!
-//! The rim is a circle, sharp. What it touches is not the polygon of the nodes but the smooth curve that goes with it: the quadratic
-//! B-spline p(β) = Σ w_k(β) x_k through the middles of the edges, with the edges as tangents there. Between the middles of two edges that
-//! meet in the node x₁ it is w = (½(1−β)², ½ + β − β², ½β²), and straight from an end of the rod to the middle of its first edge. So the
-//! force of the rim turns continuously with the tangent of the rod as the rod slides, without jumps from edge to edge.
+//! The rim is a sharp circle. It touches not the polygon of the nodes but a smooth curve along it:
+//! the quadratic B-spline p(β) = Σ w_k(β) x_k through the middles of the edges, with the edges as
+//! tangents there. Between the middles of two edges that meet in the node x₁ the weights are w =
+//! (½(1−β)², ½ + β − β², ½β²); from an end of the rod to the middle of its first edge the curve is
+//! straight. So the force of the rim turns continuously with the tangent of the rod as the rod
+//! slides, without jumps from edge to edge.
 //!
 //! With the centre c of the rim, its axis t out of the tube, and p − c = ρ u + z t, the separation of the rod from its rim is
 //!
@@ -16,17 +18,21 @@
 //! - ∂β = −(w ⊗ Hs + a ⊗ r)/Q, nothing at an end of a piece,
 //! - ∂n = ((H − n nᵀ)(w ⊗ ·) + Hs ∂β)/Δ.
 //!
-//! A frictionless rod without clearance, bent by the moment M at the mouth, is pushed out of the tube by M²/2EI (Bigoni, Dal Corso,
-//! Bosi and Misseroni 2015, "Eshelby-like forces acting on elastic structures"). With clearance it is the sum M²/2EI + T of moment and tension T
-//! that is the same on either side of the rim, since the force there is normal to the rod.
+//! A frictionless rod without clearance, bent by the moment M at the mouth, is pushed out of the
+//! tube by M²/2EI (Bigoni, Dal Corso, Bosi and Misseroni 2015, "Eshelby-like forces acting on
+//! elastic structures"). With clearance, the sum M²/2EI + T with the tension T is the same on
+//! either side of the rim, since the force of the rim is normal to the rod.
 //!
 //! # What counts once
 //!
-//! Two pieces that meet near the rim are both near it, and so is a node in the tube that is near the rim as well as the wall. That
-//! energies neither count twice nor jump as the rod slides, some pairs count against others, with the same law and a negative sign: the
-//! joints of pieces, so that Σ U(pieces) − Σ U(joints) is U of the nearest point where one is near, and for a node within the tube
-//! its distance from the rim, so that U(wall) − U(rim) fades as it comes to the mouth, where the two are equal and so are their
-//! gradients. (Li, Ferguson, Schneider et al. 2023, "Convergent incremental potential contact", count features of meshes so.)
+//! Two pieces that meet near the rim are both near it, and a node in the tube near the rim is also
+//! near the wall. Energies must neither count twice nor jump as the rod slides. So there are
+//! counter-pairs, with the same law and a negative sign. Counter-pairs for the joints of pieces
+//! make Σ U(pieces) − Σ U(joints) equal to U of the nearest point where only one is near. A
+//! counter-pair for a node in the tube, by its distance from the rim, makes U(wall) − U(rim) fade
+//! as the node comes to the mouth, where the two energies are equal and so are their gradients.
+//! (Li, Ferguson, Schneider et al. 2023, "Convergent incremental potential contact", count
+//! features of meshes in this way.)
 
 use super::contacts::{
     CandidatePair, EdgeJacobian, Linearised, RIM, RIM_END, RIM_JOINT, RIM_JOINT_END, RIM_NODE,
@@ -38,10 +44,12 @@ use super::normal_response::NormalResponse;
 use super::surface::ContactSurface;
 use crate::mechanics::{Matrix3, Vector3};
 
-/// Most iterations of the search for the nearest point of a piece; Newton's method takes five, bisection all of them.
+/// Maximum number of iterations of the search for the nearest point of a piece; Newton's method
+/// takes five, bisection all of them.
 const ITERATIONS: usize = 80;
 
-/// Slack of a path, in units of what it may use, at which a search along it ends, and the most advances of one.
+/// Remaining slack of a path at which a search along it ends, in units of its tolerance; below,
+/// the maximum number of advances.
 const USED_UP: f64 = 0.1;
 const ADVANCES: usize = 1000;
 
@@ -72,7 +80,7 @@ pub(super) struct RimPoint {
     weights: [f64; 3],
     /// Their rates a.
     rates: [f64; 3],
-    /// Whether it may move along the piece.
+    /// Whether the point is free to move along the piece.
     free: bool,
     /// s = p′ and p″, m.
     slide: Vector3,
@@ -87,7 +95,8 @@ pub(super) struct RimPoint {
     part: f64,
 }
 
-/// Derivatives of the direction of a contact and of its place, rows by the coordinates of the nodes.
+/// Derivatives of the direction of a contact and of its position on the piece; rows are
+/// coordinates of the nodes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RimDerivatives {
     /// ∂n, 1/m.
@@ -109,7 +118,7 @@ impl Rim {
 }
 
 impl ContactSurface {
-    /// The rim of a pair with one.
+    /// The rim of a pair that has one.
     pub(super) fn rim_of(&self, pair: &CandidatePair, points: &Points) -> Rim {
         let tube = &self.edges()[pair.edges[1]];
         let end = pair.nodes[3];
@@ -124,7 +133,7 @@ impl ContactSurface {
     }
 }
 
-/// Weights of the nodes of a piece at β, their rates and the rates of these.
+/// Weights of the nodes of a piece at β, with their first and second derivatives.
 fn weights(side: i8, ratio: f64) -> [[f64; 3]; 3] {
     let (b, rest) = (ratio, 1.0 - ratio);
     match side {
@@ -150,8 +159,9 @@ fn weighted(nodes: &[Vector3; 3], weights: &[f64; 3]) -> Vector3 {
 }
 
 impl RimPoint {
-    /// The nearest point of the piece of a `side` with nodes at the first three of these places, whether it acts or not. Pieces are taken to
-    /// have one such point.
+    /// The nearest point of the piece of a `side`, whose nodes are the first three of these
+    /// positions, whether the rim acts there or not. Pieces are assumed to have a single nearest
+    /// point.
     pub(crate) fn nearest(side: i8, nodes: &[Vector3; 4], rim: &Rim) -> Self {
         let nodes = &[nodes[0], nodes[1], nodes[2]];
         let start = Self::at(side, nodes, rim, 0.0, false);
@@ -191,8 +201,9 @@ impl RimPoint {
         Self::at(side, nodes, rim, ratio, true)
     }
 
-    /// The same where the rim acts: on rods within the tube or in front of its mouth. A rod that passes
-    /// along the tube outside of it is ignored. A node counts against its contact with the wall, within the tube.
+    /// The nearest point if the rim acts there: on rods within the tube or in front of its mouth.
+    /// A rod that passes outside along the tube is ignored. For a node, the counter-pair to its
+    /// contact with the wall acts only within the tube.
     pub(crate) fn of(side: i8, nodes: &[Vector3; 4], rim: &Rim) -> Option<Self> {
         let found = Self::nearest(side, nodes, rim);
         let is_felt = if side == RIM_NODE {
@@ -209,7 +220,7 @@ impl RimPoint {
         let axial = from_centre.dot(&rim.outwards);
         let across = from_centre - rim.outwards * axial;
         let distance = across.norm();
-        // All points of the rim are as near to its axis.
+        // All points of the rim are at the same distance from a point on the axis.
         let (outwards, part) = if distance > 0.0 {
             (across / distance, rim.radius / distance)
         } else {
@@ -235,7 +246,7 @@ impl RimPoint {
         vector - self.around * (self.part * self.around.dot(vector))
     }
 
-    /// Derivative of ½Δ² along the piece, and of that, m².
+    /// First and second derivative of ½Δ² along the piece, m².
     fn slope(&self) -> f64 {
         self.separation.dot(&self.slide)
     }
@@ -260,13 +271,13 @@ impl RimPoint {
         [a, b, c, -1.0]
     }
 
-    /// Rates of these along the piece.
+    /// Derivatives of the weights along the piece.
     pub(crate) fn all_rates(&self) -> [f64; 4] {
         let [a, b, c] = self.rates;
         [a, b, c, 0.0]
     }
 
-    /// Derivatives of direction and place by the coordinates of the rod.
+    /// Derivatives of direction and position with respect to the coordinates of the rod.
     pub(crate) fn derivatives(&self) -> RimDerivatives {
         let distance = self.distance();
         let normal = self.separation / distance;
@@ -295,7 +306,7 @@ impl RimPoint {
         found
     }
 
-    /// ∇Δ = w ⊗ n by the coordinates of the rod.
+    /// ∇Δ = w ⊗ n with respect to the coordinates of the rod.
     pub(crate) fn gradient(&self) -> [f64; 12] {
         let normal = self.normal();
         std::array::from_fn(|column| {
@@ -309,8 +320,9 @@ impl RimPoint {
     }
 }
 
-/// Derivative of the force N w ⊗ (n + t) of a rim on a rod, N/m, for the friction law linearised at the slip given with
-/// `sliding` (m/s); without that of normal and contact point unless the contact `turns`.
+/// Derivative of the force N w ⊗ (n + t) of a rim on a rod, N/m, for the friction law linearised
+/// at the slip given with `sliding` (m/s). The derivatives of normal and contact point are
+/// included only if the contact `turns`.
 pub(super) fn rim_jacobian(
     point: &RimPoint,
     response: &NormalResponse,
@@ -365,8 +377,9 @@ pub(super) fn rim_jacobian(
     }
 }
 
-/// The part of the straight path of a piece between `start` and `end`, up to `longest`, along which it is certain to keep a distance of
-/// `kept` (m) from a rim that moves between two places, and to where that is used up except for `tolerance` (m).
+/// The part, at most `longest`, of the straight path of a piece from `start` to `end` along which
+/// it is certain to stay at least `kept` (m) from a rim that moves between two positions. The path
+/// may end up to `tolerance` (m) before that distance is reached.
 pub(super) fn fraction_beyond_rim(
     side: i8,
     [start, end]: [&[Vector3; 4]; 2],
@@ -399,8 +412,8 @@ pub(super) fn fraction_beyond_rim(
     fraction
 }
 
-/// The part of the straight path of a piece by these displacements, up to `longest`, along which a rim at rest keeps a `part` of its gap
-/// beyond the distance `touch` (m).
+/// The part, at most `longest`, of the straight path of a piece by these displacements along which
+/// a rim at rest keeps a fraction `part` of its gap beyond the distance `touch` (m).
 pub(super) fn safe_fraction_at_rim(
     side: i8,
     nodes: &[Vector3; 4],
@@ -422,7 +435,8 @@ pub(super) fn safe_fraction_at_rim(
     fraction_beyond_rim(side, [nodes, &end], [rim, rim], bounds, longest)
 }
 
-/// The pieces of all rods that move, in order: those that touch rims, and the joints between them.
+/// The pieces of all rods that move, in order: pieces that touch rims, and the joints between
+/// them.
 pub(super) fn pieces_of(surface: &ContactSurface) -> Vec<RodPiece> {
     let mut pieces = Vec::new();
     let all = surface.rod_edges();

@@ -1,4 +1,4 @@
-//! A rod that slides out of a tube around its rim, as a whole: what counts once, and derivatives.
+//! A rod that slides out of a tube around its rim: energies that count once, and derivatives.
 
 use super::*;
 use crate::mechanics::Vector3;
@@ -8,16 +8,18 @@ use crate::mechanics::test_support::{SOFT_MODELS, contact};
 const RADIUS: f64 = 1e-2;
 const GAP: f64 = 1e-4;
 const NODES: usize = 12;
-/// Radius of the tube, of the circle in which the rod lies, m, and its slope at the rim.
+/// Radius of the tube, and radius of the circle of the rod, m; slope of the rod at the rim.
 const TUBE: f64 = 0.05;
 const CIRCLE: f64 = 0.5;
 const SLOPE: f64 = 0.3;
 
-/// A rod in a circle that leaves a tube along x over the lowest point of its rim, at a gap from it in units of the tolerance; the rim is so
-/// many edges before its middle. Edges turn by `turn`.
+/// A circular rod that leaves a tube along x over the lowest point of its rim, at a gap in units
+/// of the tolerance. The rim is a given number of edges before the middle of the rod. Edges turn
+/// by `turn`.
 fn over_rim(turn: f64, gap: f64, phase: f64) -> Vec<Vector3> {
     let direction = |angle: f64| Vector3::new(libm::sin(angle), 0.0, libm::cos(angle));
-    // The smooth rod through the middles of the edges lies that much within the circle of the nodes.
+    // Sagitta between the circle of the nodes and the smooth curve through the middles of the
+    // edges, which is inside.
     let sagitta = CIRCLE * turn * turn / 8.0;
     let touch = Vector3::new(0.0, 0.0, -TUBE) + direction(SLOPE) * (RADIUS + gap * GAP + sagitta);
     let centre = touch - direction(SLOPE) * CIRCLE;
@@ -39,7 +41,7 @@ fn system(model: ContactModel, friction: f64, positions: &[Vector3]) -> ContactS
     ContactSystem::new(parameters, surface, Vec::new(), 1.0)
 }
 
-/// Force on the nodes, and the change of it for a motion of all nodes by the Jacobian.
+/// Force on the nodes, and its change by the Jacobian for a motion of all nodes.
 fn force_and_change(contact: &ContactSystem, motion: &[Vector3]) -> [Vec<Vector3>; 2] {
     let mut found = [0, 1].map(|_| vec![Vector3::zeros(); NODES]);
     for (one, jacobian) in contact.contacts().iter().zip(contact.jacobians()) {
@@ -94,7 +96,7 @@ fn energy_force_and_jacobian_agree_all_the_way_through_the_mouth() {
             for sample in 0..200 {
                 let phase = (f64::from(sample) + 0.3) / 200.0;
                 let positions = over_rim(turn, 0.2, phase);
-                // A slide with some other motion.
+                // A slide combined with another motion.
                 let step = 1e-4 * GAP;
                 let further = over_rim(turn, 0.2, phase + 1e-6);
                 let slide = (further[3] - positions[3]).norm();
@@ -191,7 +193,8 @@ fn a_rod_beside_a_tube_passes_its_end() {
 
 #[test]
 fn a_rod_on_the_axis_of_a_tube_meets_wall_and_rim_on_its_way() {
-    // As thick as the tube except for a hundredth, so that the margin of the candidates is wider than the clearance.
+    // The rod is a hundredth thinner than the tube, so the margin of the candidates is wider than
+    // the clearance.
     let on_axis: Vec<Vector3> = (0..NODES)
         .map(|k| Vector3::new(0.02 * (k as f64 - 5.5), 0.0, 0.0))
         .collect();
@@ -208,7 +211,8 @@ fn a_rod_on_the_axis_of_a_tube_meets_wall_and_rim_on_its_way() {
         let fall = |x: &Vector3| if moves(x.x) { -TUBE } else { 0.0 };
         on_axis.iter().map(|x| Vector3::z() * fall(x)).collect()
     };
-    // Of the clearance a tenth stays: at the wall, and at the rim for the middle of an edge whose outer node moves.
+    // A tenth of the clearance remains: at the wall, and at the rim for the middle of an edge
+    // whose outer node moves.
     let inside = contact.largest_step(&on_axis, &only(&|x| x < -0.02));
     assert!(
         (inside.fraction - 0.009).abs() < 1e-3,

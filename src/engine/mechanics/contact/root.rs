@@ -1,18 +1,20 @@
-//! Roots: clamped nodes at which a rod leaves a body in which it is set.
+//! Roots: clamped nodes at which a rod leaves a body that it is set in.
 //!
-//! A stalk that is clamped in a floor, or a hair in a scalp, overlaps with the body around its root by design, without relative
-//! motion there. Contact of the edges and nodes of the rod within the reach of the root with that body is ignored; what
-//! is beyond touches it. With the radius h of the rod and the way s along it on which it overlaps as placed, the reach is
+//! A stalk clamped in a floor, or a hair in a scalp, overlaps with the body around its root by
+//! design, without relative motion there. Contact between that body and the edges and nodes of the
+//! rod within the reach of the root is ignored; the rest of the rod can touch the body. With the
+//! radius h of the rod and the length s along it over which it overlaps as placed, the reach is
 //!
 //! R = max(π h, 1.5 s), at most 20 h.
 
 use std::f64::consts::PI;
 
-/// Reach of a root in radii: a rod bent as sharply as its own radius allows turns back to where it started within this.
+/// Reach of a root in radii: within this length a rod bent as sharply as its own radius allows
+/// turns back to its starting point.
 const LEAST_REACH: f64 = PI;
-/// Reach over the way on which the rod overlaps.
+/// Ratio of the reach to the length of the overlap.
 const REACH: f64 = 1.5;
-/// Largest reach in radii: a rod that overlaps farther is inside the body.
+/// Largest reach in radii: a rod with a longer overlap is inside the body.
 const FARTHEST_REACH: f64 = 20.0;
 
 /// A body that a rod is rooted in.
@@ -33,7 +35,7 @@ pub(crate) struct Root {
     pub rod: usize,
     /// Arc length of the clamped node along it, m.
     pub arc_length: f64,
-    /// Way along the rod, to either side of that node, on which the body is passed over, m.
+    /// Length along the rod, on either side of that node, within which the body is ignored, m.
     pub reach: f64,
     /// The body.
     pub body: RootBody,
@@ -46,7 +48,7 @@ impl Root {
     }
 }
 
-/// Pairs ignored at roots: pairs of numbers, sorted.
+/// Pairs ignored at roots: pairs of indices, sorted.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Roots {
     /// Edges of rods and obstacles.
@@ -63,7 +65,7 @@ impl Roots {
         self.edges.binary_search(&[edge, obstacle]).is_ok()
     }
 
-    /// Whether contact of a node with the faces, or the wall, of an obstacle is ignored.
+    /// Whether contact of a node with the faces or the wall of an obstacle is ignored.
     pub(crate) fn free_node(&self, node: usize, obstacle: usize) -> bool {
         self.nodes.binary_search(&[node, obstacle]).is_ok()
     }

@@ -1,4 +1,5 @@
-//! Pairs that contact ignores at roots, and the distance of a clamped node from bodies in which it may be rooted.
+//! Pairs that contact ignores at roots, and distances of clamped nodes from bodies in which they
+//! may be rooted.
 
 use super::closest_points::{ClosestPoints, edge_distance};
 use super::contact_system::ContactSystem;
@@ -49,13 +50,15 @@ impl ContactSurface {
 }
 
 impl ContactSystem {
-    /// Ignores contact of a rod with the body in which it is rooted. To be called before the first candidates.
+    /// Ignores contact of a rod with the body in which it is rooted. Call this before the first
+    /// candidates.
     pub(crate) fn pass_over_root(&mut self, root: &Root) {
         self.surface.add_root(root);
     }
 
-    /// Ignores contact of two rods near two clamped nodes without relative motion, at arc lengths along them
-    /// (m), where the rods leave them at `angle` (rad): as at a joint. To be called before the first candidates. Returns the reach, m.
+    /// Ignores contact of two rods near two clamped nodes without relative motion, as at a joint.
+    /// The nodes are given by their arc lengths (m), and `angle` (rad) is the angle at which the
+    /// rods leave them. Returns the reach, m. Call this before the first candidates.
     pub(crate) fn pass_over_common_root(
         &mut self,
         rods: [usize; 2],
@@ -65,8 +68,9 @@ impl ContactSystem {
         self.surface.add_joint(rods, arc_length, angle)
     }
 
-    /// Distance between the surfaces of a body and of a sphere of radius `radius` around a point, m, all nodes being at
-    /// `positions`; of a closed obstacle, where the point is inside of it, less than minus the radius.
+    /// Distance between the surface of a body and a sphere of radius `radius` around a point, m,
+    /// with all nodes at `positions`. For a point inside a closed obstacle it is less than minus
+    /// the radius.
     pub(crate) fn gap_to(
         &self,
         body: RootBody,
@@ -100,7 +104,7 @@ impl ContactSystem {
             let [a, b] = points.of(self.surface.edges()[edge].nodes);
             let nodes = [*point, *point, a, b];
             if body.hollow {
-                // Outside of the wall there is no contact; a point on it counts as inside.
+                // There is no contact outside the wall; a point on the wall counts as inside.
                 let inside = ClosestPoints::in_tube(&nodes);
                 inside.map_or(f64::INFINITY, |inside| {
                     (inside.distance() + body.radius).abs()

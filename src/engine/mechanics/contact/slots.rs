@@ -26,10 +26,11 @@ impl Slots {
     }
 }
 
-/// Values of some of the slots: of ten candidates at a fine mesh one is in contact, and its linear laws take 350 bytes.
+/// Values of some of the slots. At a fine mesh one of ten candidates is in contact, and its linear
+/// laws take 350 bytes.
 #[derive(Clone, Debug)]
 pub(super) struct SlotValues<T> {
-    /// One more than the index of the value of each slot; zero where it has none.
+    /// Index of the value of each slot plus one; zero if it has none.
     places: Vec<usize>,
     /// The slot of each value.
     slots: Vec<usize>,
@@ -47,7 +48,7 @@ impl<T> Default for SlotValues<T> {
 }
 
 impl<T: Copy> SlotValues<T> {
-    /// Discards all values and makes room for so many slots.
+    /// Discards all values and sets the number of slots.
     pub(crate) fn clear(&mut self, count: usize) {
         self.forget();
         self.places.resize(count, 0);

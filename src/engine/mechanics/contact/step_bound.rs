@@ -1,4 +1,4 @@
-//! Bound on a step that does not cross the barrier of incremental potential contact.
+//! Bound on a step so that it does not cross the barrier of incremental potential contact.
 
 use super::candidates::approach;
 use super::closest_points::ClosestPoints;
@@ -9,8 +9,8 @@ use super::foot::Foot;
 use super::rim::safe_fraction_at_rim;
 use crate::mechanics::Vector3;
 
-/// Most times that the candidates are built on one path. Every time the nodes may move by a radius of the
-/// thickest rod; a path that is longer is cut.
+/// Maximum number of times that the candidates are built on one path. Each time the nodes may move
+/// by a radius of the thickest rod; a longer path is shortened.
 const SEGMENTS: usize = 16;
 
 /// Bound on the displacement of nodes.
@@ -23,12 +23,13 @@ pub(crate) struct LargestStep {
 }
 
 impl ContactSystem {
-    /// Largest fraction of the straight path of all nodes from `start` by `displacements` (m) along which no pair of
-    /// surfaces that may touch comes nearer than a tenth of its present gap; all of it with the implicit
-    /// contact model, which may penetrate.
+    /// Largest fraction of the straight path of all nodes from `start` by `displacements` (m)
+    /// along which every pair of surfaces that may touch keeps a tenth of its present gap. The
+    /// whole path with the implicit contact model, which allows penetration.
     ///
-    /// All pairs count that come near anywhere on the path: where the nodes leave the margin of the
-    /// candidates, these are rebuilt on the path. They are complete at the end of the free fraction.
+    /// All pairs that come near anywhere on the path count: if the nodes leave the margin of the
+    /// candidates, these are rebuilt on the path. They are complete at the end of the free
+    /// fraction.
     ///
     /// Surfaces that touch or overlap at `start` may not move at all.
     pub(crate) fn largest_step(
@@ -96,7 +97,7 @@ impl ContactSystem {
                 fraction = match pair.side {
                     EDGE => safe_fraction(&nodes, &moves, touch + standoff, fraction),
                     TUBE => safe_fraction_in_tube(&nodes, &moves[0], touch, fraction),
-                    // What counts against others is no nearer than they are.
+                    // A counter-pair is never nearer than the pairs from which it is subtracted.
                     _ if pair.sign() < 0.0 => fraction,
                     side if pair.is_with_rim() => {
                         let rim = self.surface.rim_of(pair, &points);
@@ -136,8 +137,9 @@ impl ContactSystem {
     }
 }
 
-/// The fraction up to `longest` of a straight path, by `displacement`, of a node in a tube: to where its gap from the wall is a
-/// tenth of what it is, measured across the axis.
+/// The fraction, at most `longest`, of a straight path of a node in a tube, by `displacement`,
+/// along which its gap from the wall, measured across the axis, stays above a tenth of its present
+/// value.
 fn safe_fraction_in_tube(
     nodes: &[Vector3; 4],
     displacement: &Vector3,
@@ -162,8 +164,9 @@ fn safe_fraction_in_tube(
     meets.min(longest)
 }
 
-/// The fraction up to `longest` of a straight path, by `displacement`, of the first node that a face allows: to where its gap
-/// over the face is a tenth of that at the place where the node is first over it.
+/// The fraction, at most `longest`, of a straight path of the first node, by `displacement`, that
+/// a face allows: until its gap over the face is a tenth of the gap at which the node first comes
+/// over the face.
 fn safe_fraction_over_face(
     nodes: &[Vector3; 4],
     displacement: &Vector3,
@@ -182,7 +185,7 @@ fn safe_fraction_over_face(
     if fall <= 0.0 {
         return longest;
     }
-    // Where the foot is within the triangle: its weights are linear along the path.
+    // Interval in which the foot is within the triangle: its weights are linear along the path.
     let (mut first, mut last) = (0.0_f64, longest);
     for (before, after) in start.weights.iter().zip(end.weights) {
         if *before < 0.0 && after <= *before {
@@ -217,7 +220,8 @@ mod tests {
     const RADIUS: f64 = 1e-3;
     const GAP: f64 = 1e-5;
 
-    /// Layers of straight rods across each other, a hundredth of a radius apart, the lowest over a plane.
+    /// Layers of straight rods across each other, a hundredth of a radius apart, the lowest layer
+    /// over a plane.
     fn stack(model: ContactModel) -> (ContactSystem, Vec<Vector3>) {
         let mut surface = ContactSurface::new();
         let mut positions = Vec::new();
@@ -270,7 +274,7 @@ mod tests {
         for seed in 0..60 {
             let (mut contact, start) = stack(ContactModel::IncrementalPotential);
             let mut random = Random::new(seed);
-            // Apart or together, by up to a hundred radii.
+            // Moves apart or together, by up to a hundred radii.
             let size = RADIUS * 10f64.powf(2.0 * random.symmetric());
             let spread = Vector3::new(0.0, 0.0, 30.0 * (1.0 + random.symmetric()));
             let moves: Vec<Vector3> = start

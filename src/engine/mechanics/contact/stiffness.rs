@@ -1,38 +1,40 @@
 //! The adaptive contact stiffness (thesis Eqs. 2.18, 2.19).
 //!
-//! k = s max‖F‖ over the nodes in contact, where F is the total force on a node without contact and
-//! friction: at this stiffness a contact carries the force F within δ of touching. The barrier of
-//! incremental potential contact follows the same rule with the factor at which it carries F at δ/2.
+//! k = s max‖F‖ over the nodes in contact, where F is the total force on a node without contact
+//! and friction. At this stiffness a contact carries the force F within δ of touching. The barrier
+//! of incremental potential contact follows the same rule, with the factor at which it carries F
+//! at δ/2.
 //!
-//! The forces change from step to step, and the stiffness should not follow every flicker: the contact
-//! force grows exponentially with the gap, so that a stiffness that is off by a factor of two moves the gap
-//! of a contact that does not penetrate by less than δ/20. So k rises to its new value where that is
-//! more than [`BAND`] times as large, and falls, by at most this factor at a time, where it is that much
-//! smaller: a peak of one step leaves the contacts of the next ones stiff.
+//! The forces change from step to step, and the stiffness should not follow every fluctuation. The
+//! contact force grows exponentially with the gap, so an error of a factor of two in the stiffness
+//! moves the gap of a contact that does not penetrate by less than δ/20. So k rises to its new
+//! value only if that is more than [`BAND`] times as large. If the new value is that much smaller,
+//! k falls by at most this factor at a time: a peak of one step leaves the contacts of the next
+//! steps stiff.
 //!
-//! Each pair of bodies has a least stiffness of its own: that of the forces that bend the softer one.
+//! Each pair of bodies has its own least stiffness: that for the forces that bend the softer body.
 
 use super::candidates::approach;
 use super::contact_system::ContactSystem;
 use super::nearest_points::separation;
 use crate::mechanics::Vector3;
 
-/// Factor of change that is not followed.
+/// Factor of change below which the stiffness stays the same.
 const BAND: f64 = 2.0;
 
-/// What the adapted stiffness of a step is.
+/// Rule for the adapted stiffness of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Adaption {
-    /// This factor (J/N) times the force on a node.
+    /// A factor (J/N) times the force on a node.
     OfForce { node: usize, factor: f64 },
-    /// This part of the one before.
+    /// A fraction of the previous stiffness.
     Falls(f64),
     /// The least one.
     Least,
 }
 
-/// The stiffness after `present`, given the largest force `force` (N), the factor s = `factor`
-/// (J/N) and the least stiffness allowed.
+/// The stiffness that follows `present`, given the largest force `force` (N), the factor s =
+/// `factor` (J/N) and the least stiffness allowed.
 fn adapted_stiffness(present: f64, force: f64, factor: f64, least: f64) -> f64 {
     let target = (factor * force).max(least);
     if target > BAND * present {
@@ -50,15 +52,15 @@ impl ContactSystem {
         self.stiffness
     }
 
-    /// Gives contacts a least stiffness of their own: the smaller one of their two bodies, of which the given ones are those
-    /// of every node. Infinite for a node that yields to the other body alone, as that of an obstacle.
+    /// Sets the least contact stiffness of every node; a contact has the smaller value of its two
+    /// bodies. Use infinity for a node whose value must not count, such as that of an obstacle.
     ///
-    /// A soft rod presses with its own forces on a stiff one.
+    /// A soft rod presses on a stiff one with its own, small forces.
     pub(crate) fn set_least_stiffness_of_nodes(&mut self, least: Vec<f64>) {
         self.least_of_nodes = least;
     }
 
-    /// Contact stiffness between two nodes; a node twice for contact with a plane.
+    /// Contact stiffness between two nodes; contact with a plane passes its node twice.
     pub(super) fn stiffness_between(&self, first: usize, second: usize) -> f64 {
         let least = match self.least_of_nodes.as_slice() {
             [] => return self.stiffness,
@@ -74,7 +76,7 @@ impl ContactSystem {
         }
     }
 
-    /// Makes all contacts of the last evaluation stiffer, by this factor at least.
+    /// Increases the stiffness of all contacts of the last evaluation by at least this factor.
     pub(crate) fn stiffen(&mut self, factor: f64) {
         let pairs = self.contacts.iter().map(|c| [c.nodes[0], c.nodes[3]]);
         let planes = self.plane_contacts.iter().map(|c| [c.node; 2]);
@@ -90,7 +92,7 @@ impl ContactSystem {
         self.stiffness = stiffness;
     }
 
-    /// Work over δ of the design force of contacts of the present stiffness, J.
+    /// Product of δ and the design force of contacts at the present stiffness, J.
     pub(crate) fn work_over_tolerance(&self) -> f64 {
         let parameters = &self.parameters;
         let per_force = parameters.stiffness_per_force(self.surface.largest_moving_radius());
@@ -100,10 +102,10 @@ impl ContactSystem {
     /// Adapts the stiffness to `forces`, the total force on every node without contact and friction, N
     /// (Eqs. 2.18, 2.19); returns whether it changed.
     ///
-    /// The thesis takes the largest force over the nodes in contact. Here all nodes of pairs whose surfaces
-    /// are nearer than a quarter of the candidates' margin count, so that a contact which begins within the
-    /// step is met with the right stiffness. Without such nodes the stiffness stays the same. To be called once per
-    /// step: within Newton's method the stiffness must stay.
+    /// The thesis takes the largest force over the nodes in contact. Here all nodes of pairs with
+    /// surfaces nearer than a quarter of the candidates' margin count, so a contact that begins
+    /// within the step has a suitable stiffness. Without such nodes the stiffness does not change.
+    /// Call this once per step: the stiffness must be constant within Newton's method.
     pub(crate) fn adapt_stiffness(&mut self, positions: &[Vector3], forces: &[Vector3]) -> bool {
         let Some((_, force)) = self.largest_force_near_contact(positions, forces) else {
             return false;
@@ -114,13 +116,14 @@ impl ContactSystem {
         self.stiffness != before
     }
 
-    /// k per force near contact, J/N.
+    /// Ratio of k to the force near contact, J/N.
     fn stiffness_per_force(&self) -> f64 {
         let radius = self.surface.largest_moving_radius();
         self.parameters.stiffness_per_force(radius)
     }
 
-    /// What [`Self::adapt_stiffness`] makes of the stiffness `before`, and how; `None` where it keeps it.
+    /// The stiffness that [`Self::adapt_stiffness`] would set in place of `before`, and the rule;
+    /// `None` if it does not change.
     pub(crate) fn adaption(
         &mut self,
         positions: &[Vector3],
@@ -142,7 +145,7 @@ impl ContactSystem {
         Some((adapted, how))
     }
 
-    /// The node with the largest force near contact, and that force, N.
+    /// The node with the largest force among those near contact, and that force, N.
     fn largest_force_near_contact(
         &mut self,
         positions: &[Vector3],
@@ -162,7 +165,7 @@ impl ContactSystem {
             let of_nodes = pair.nodes.map(|node| (node, of_node(node)));
             let (node, force) = (of_nodes.into_iter())
                 .fold((pair.nodes[0], 0.0), |a, b| if b.1 > a.1 { b } else { a });
-            // Most pairs are of nodes whose forces count already, or are no larger.
+            // Most pairs have nodes whose forces are already included or are not larger.
             if exceeds(force, largest)
                 && earlier - approach(pair, &self.motion) < near
                 && separation(&self.surface, pair, &points)

@@ -1,4 +1,4 @@
-//! Contact energy at any configuration, without changes to the last evaluation.
+//! Contact energy at any configuration, without changing the last evaluation.
 
 use super::contact_system::ContactSystem;
 use super::contacts::CandidatePair;
@@ -24,23 +24,24 @@ struct Felt {
     normal: Vector3,
     /// m.
     gap: f64,
-    /// Energy and force; negative where it counts against others.
+    /// Energy and force; negative for a counter-pair.
     response: NormalResponse,
 }
 
 impl ContactSystem {
-    /// Energy of all contacts at `positions` (m), which the candidates must cover, with obstacles where they are at the end of
-    /// the step, J. Rigid contacts hold none.
+    /// Energy of all contacts at `positions` (m), J, with obstacles at their poses at the end of
+    /// the step. The candidates must cover these positions. Rigid contacts store no energy.
     pub(crate) fn energy_at(&self, positions: &[Vector3]) -> f64 {
         self.stored(&self.obstacles.points(positions)).energy
     }
 
-    /// The same with obstacles where they were at the start of the step, and the contacts within δ there.
+    /// Contact energy with obstacles at their poses at the start of the step, and the contacts
+    /// within δ there.
     pub(crate) fn stored_at_start(&self, positions: &[Vector3]) -> Stored {
         self.stored(&self.obstacles.points_at_start(positions))
     }
 
-    /// Adds, for every node, the gradient of the energy at the start of the step times a factor.
+    /// Adds, for every node, a factor times the gradient of the energy at the start of the step.
     pub(crate) fn add_gradient_at_start(
         &self,
         positions: &[Vector3],
@@ -120,7 +121,8 @@ impl ContactSystem {
         let stiffness = self.stiffness_between(pair.nodes[0], pair.nodes[3]);
         let scale = self.surface.law_scale(pair.edges);
         let response = self.response_of_gap(gap, scale, stiffness);
-        // A counter-pair takes back what another counts twice, beyond a barrier as well.
+        // A counter-pair subtracts energy that counts twice; it is omitted where this energy is
+        // infinite.
         let counts = is_felt && (pair.sign() > 0.0 || response.energy.is_finite());
         counts.then(|| Felt {
             nodes: pair.nodes,

@@ -1,4 +1,5 @@
-//! The surfaces that may touch: every edge of a rod as a capsule, balls around nodes, rigid planes, and rigid obstacles.
+//! The surfaces that may touch: capsules around the edges of rods, balls around nodes, rigid
+//! planes, and rigid obstacles.
 
 use super::contacts::CandidatePair;
 use super::root::Roots;
@@ -7,8 +8,8 @@ use crate::mechanics::rigid_body::RigidBody;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// The contact shape of an edge of a rod: a capsule around the segment between two nodes; such an edge of an obstacle; or a
-/// ball around one node, which is listed twice.
+/// Contact shape of an edge: a capsule around the segment between two nodes of a rod or two
+/// vertices of an obstacle; or a ball around one node, which is listed twice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactEdge {
     /// The two nodes, indices into the positions of all rods; the vertices of obstacles are numbered after them.
@@ -17,34 +18,35 @@ pub struct ContactEdge {
     pub rod: usize,
     /// Radius h of the surface, m.
     pub radius: f64,
-    /// Arc length along the rod at the two nodes, as placed, m.
+    /// Arc length at the two nodes along the rod as placed, m.
     pub arc_length: [f64; 2],
     /// Whether the edge is part of a rigid obstacle; two held edges never touch.
     pub held: bool,
 }
 
-/// A node of a rod that is not held, as planes and faces see it: a sphere.
+/// A node of a rod that is not held, in contact with planes and faces: a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ContactNode {
     /// Index into the positions of all rods.
     pub node: usize,
-    /// The edge of the rod that starts there, or ends there at the end of an open rod.
+    /// The edge of the rod that starts at the node; at the end of an open rod, the edge that ends
+    /// there.
     pub edge: usize,
     /// Radius h of the surface, m.
     pub radius: f64,
 }
 
-/// A triangle of an obstacle, which nodes of rods may touch between its edges.
+/// A triangle of an obstacle; nodes of rods may touch its interior.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ContactFace {
-    /// Its vertices, counted from the nodes of the rods on, anticlockwise as seen from outside.
+    /// The vertices, numbered after the nodes of the rods, anticlockwise as seen from outside.
     pub vertices: [usize; 3],
     /// Index of the obstacle.
     pub obstacle: usize,
 }
 
 impl ContactFace {
-    /// Pairs of a node of a rod and this face: the nodes of the pair.
+    /// The nodes of a pair of a node of a rod and this face.
     pub(crate) fn with(&self, node: usize) -> [usize; 4] {
         let [a, b, c] = self.vertices;
         [node, a, b, c]
@@ -53,17 +55,18 @@ impl ContactFace {
 
 /// The contact surfaces of all rods and obstacles.
 ///
-/// Bodies that touch are numbered: edges of rods, balls, edges of obstacles, faces of obstacles.
+/// Bodies that may touch are numbered in this order: edges of rods, balls, edges of obstacles,
+/// faces of obstacles.
 #[derive(Clone, Debug, Default)]
 pub struct ContactSurface {
     edges: Vec<ContactEdge>,
-    /// Vertices opposite to each edge of an obstacle in its two faces, counted from the nodes of the rods on; `None` where it
-    /// has no two faces.
+    /// Vertices opposite to each edge of an obstacle in its two faces, numbered after the nodes of
+    /// the rods; `None` if the edge does not have two faces.
     opposite: Vec<Option<[usize; 2]>>,
     faces: Vec<ContactFace>,
     /// Nodes of all rods.
     rod_nodes: usize,
-    /// Edges of all rods, and balls, which come first.
+    /// Number of edges of all rods and of balls, which come first.
     rod_edges: usize,
     obstacles: Vec<RigidBody>,
     /// Friction coefficient between each obstacle and rods.
@@ -71,29 +74,31 @@ pub struct ContactSurface {
     nodes: Vec<ContactNode>,
     /// Length of every closed rod, m; `None` for open rods.
     closed_lengths: Vec<Option<f64>>,
-    /// Least radius of the rods that move, and of all, m; `None` without any.
+    /// Smallest radius of the rods that move, and of all rods, m; `None` if there are none.
     least_radii: [Option<f64>; 2],
     /// Joints of two rods, by their indices, the lower first.
     joints: HashMap<[usize; 2], Vec<ContactJoint>>,
-    /// Contact ignored where rods are rooted in bodies.
+    /// Pairs ignored where rods are rooted in bodies.
     pub(super) roots: Roots,
 }
 
 /// A point at which two rods are joined.
 #[derive(Clone, Copy, Debug)]
 struct ContactJoint {
-    /// Arc length along either rod, m; `None` where the joint may be anywhere along it.
+    /// Arc length along each rod, m; `None` if the joint may be anywhere along it.
     arc_length: [Option<f64>; 2],
-    /// Length of the way through the joint within which the rods are neighbours, m.
+    /// Length of the path through the joint within which the rods are neighbours, m.
     reach: f64,
 }
 
-/// Largest reach of a joint in sums of the two radii: rods that are joined more nearly parallel than this allows overlap.
+/// Largest reach of a joint in sums of the two radii. Rods joined at so small an angle that they
+/// would need a longer reach count as overlapping.
 const FARTHEST_REACH: f64 = 20.0;
-/// Reach of a joint over the way on which straight rods overlap that meet at an angle.
+/// Ratio of the reach of a joint to the length over which straight rods that meet at an angle
+/// overlap.
 const REACH: f64 = 1.5;
 
-/// A rigid half space: the side that `normal` points to is free.
+/// A rigid half space, free on the side of its `normal`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPlane {
     /// Any point of the surface.
@@ -117,8 +122,8 @@ impl ContactSurface {
         Self::default()
     }
 
-    /// Adds the edges of a rod whose nodes are `first_node`, `first_node + 1`, ... and lie at
-    /// `centreline` as placed (m); the last node is joined to the first where `closed`.
+    /// Adds the edges of a rod with the nodes `first_node`, `first_node + 1`, ..., placed at
+    /// `centreline` (m); the last node is joined to the first if `closed`.
     pub fn add_rod(
         &mut self,
         first_node: usize,
@@ -167,12 +172,13 @@ impl ContactSurface {
         self.rod_edges = self.edges.len();
     }
 
-    /// Adds a ball around a node, after all rods and before obstacles. The rods that meet there, given with the arc length (m)
-    /// of the node along each, and balls that were added before, with 0, pass into it: they are its neighbours within half as
-    /// much again as a straight one overlaps. Returns its number among the rods.
+    /// Adds a ball around a node, after all rods and before obstacles, and returns its index among
+    /// the rods. The ball may overlap the rods that meet at the node, given with the arc length
+    /// (m) of the node along each, and balls added earlier, given with 0. These are its neighbours
+    /// within 1.5 times the length over which a straight rod overlaps.
     ///
-    /// A ball is touched like an edge of no length. Planes, faces and tubes touch it where they touch the node: the larger of
-    /// the two radii counts.
+    /// Other bodies touch a ball like an edge of no length. Planes, faces and tubes touch it where
+    /// they touch the node: the larger of the two radii counts.
     pub(crate) fn add_ball(
         &mut self,
         node: usize,
@@ -216,11 +222,12 @@ impl ContactSurface {
         body < self.rod_edges && self.edges[body].nodes[0] == self.edges[body].nodes[1]
     }
 
-    /// Joins two rods at arc lengths along them (m), where they meet at `angle` (rad).
+    /// Joins two rods at arc lengths along them (m) at which they meet at `angle` (rad).
     ///
-    /// Near the joint they overlap: their axes are 2s sin(φ/2) apart at the distance s on either side. Edges that are nearer
-    /// to each other along the way through the joint than by half as much again, or than π times the mean of the radii along
-    /// either rod, are neighbours as along one rod. Returns that length of the way, m.
+    /// Near the joint they overlap: at the distance s on either side their axes are 2s sin(φ/2)
+    /// apart. Two edges are neighbours, like those along one rod, if the path between them through
+    /// the joint is shorter than 1.5 times the length of the overlap, or than π times the mean of
+    /// the radii along either rod. Returns that length of the path, m.
     pub(crate) fn add_joint(&mut self, rods: [usize; 2], arc_length: [f64; 2], angle: f64) -> f64 {
         let radius = |rod: usize| self.edges.iter().find(|edge| edge.rod == rod);
         let sum: f64 = rods
@@ -233,8 +240,9 @@ impl ContactSurface {
         reach
     }
 
-    /// Allows the first rod to slide along the second with a place at an arc length (m): edges of the first that are nearer to it
-    /// along the rod than π times the mean of the radii are neighbours of the whole second rod.
+    /// Allows the point of the first rod at an arc length (m) to slide along the second rod. Edges
+    /// of the first rod that are nearer to the point along the rod than π times the mean of the
+    /// radii are neighbours of the whole second rod.
     pub(crate) fn add_slide(&mut self, rods: [usize; 2], arc_length: f64) {
         let radius = |rod: usize| self.edges.iter().find(|edge| edge.rod == rod);
         let sum: f64 = rods
@@ -254,7 +262,7 @@ impl ContactSurface {
         self.joints.entry(rods).or_default().push(joint);
     }
 
-    /// Whether two edges are neighbours by way of a joint.
+    /// Whether two edges are neighbours through a joint.
     fn are_joined(&self, a: &ContactEdge, b: &ContactEdge) -> bool {
         if self.joints.is_empty() {
             return false;
@@ -271,7 +279,7 @@ impl ContactSurface {
         })
     }
 
-    /// Arc length between the nearest end of an edge and a place along its rod, m; 0 within the edge.
+    /// Arc length between the nearest end of an edge and a point of its rod, m; 0 within the edge.
     pub(super) fn way_to(&self, edge: &ContactEdge, place: f64) -> f64 {
         let [start, end] = edge.arc_length;
         let direct = (start - place).max(place - end).max(0.0);
@@ -290,9 +298,10 @@ impl ContactSurface {
 
     /// Adds an obstacle with its friction coefficient, after all rods.
     ///
-    /// A rod touches it where one of its edges is near a segment, or one of its nodes near a face, above or below its inside: a
-    /// foot on the rim of a face belongs to the segments there. So the distances are those of two edges (thesis Eqs.
-    /// 2.3–2.6), and of a point from a plane.
+    /// A rod touches the obstacle where one of its edges is near a segment, or one of its nodes is
+    /// near the interior of a face, above or below it; a foot on the border of a face belongs to
+    /// the segments there. So the distances are those of two edges (thesis Eqs. 2.3–2.6), and of a
+    /// point from a plane.
     pub fn add_obstacle(&mut self, obstacle: RigidBody, friction: f64) {
         let first = self.rod_nodes + self.vertex_count();
         // The rim of a tube is sharp.
@@ -331,7 +340,7 @@ impl ContactSurface {
         &self.edges
     }
 
-    /// Edges of the rods, and balls, which come first.
+    /// Edges of the rods, and balls, which precede those of obstacles.
     pub(crate) fn rod_edges(&self) -> &[ContactEdge] {
         &self.edges[..self.rod_edges]
     }
@@ -371,7 +380,7 @@ impl ContactSurface {
         self.rod_nodes
     }
 
-    /// The obstacle that a body is a part of.
+    /// The obstacle to which a body belongs.
     pub(crate) fn obstacle_of(&self, body: usize) -> Option<usize> {
         if body >= self.edges.len() {
             return Some(self.faces[body - self.edges.len()].obstacle);
@@ -380,7 +389,7 @@ impl ContactSurface {
         self.edges[body].rod.checked_sub(rods)
     }
 
-    /// Friction coefficient between two bodies, if not that of the contact model.
+    /// Friction coefficient between two bodies, if it differs from that of the contact model.
     pub(super) fn friction_between(&self, [_, second]: [usize; 2]) -> Option<f64> {
         Some(self.frictions[self.obstacle_of(second)?])
     }
@@ -390,7 +399,8 @@ impl ContactSurface {
         &self.nodes
     }
 
-    /// Largest radius of the rods that move, m; zero without any. Obstacles do not use up any margin.
+    /// Largest radius of the rods that move, m; zero if none do. Obstacles do not use up any
+    /// margin.
     pub(crate) fn largest_moving_radius(&self) -> f64 {
         self.rod_edges()
             .iter()
@@ -398,8 +408,9 @@ impl ContactSurface {
             .fold(0.0, |largest, edge| edge.radius.max(largest))
     }
 
-    /// Distance at which two bodies touch by their surfaces: h_i + h_j of two rods, m. From obstacles it is the distance of
-    /// their surface that counts, see [`Self::core`], and the threshold is the radius h of the rod.
+    /// Distance at which the surfaces of two bodies touch, m: h_i + h_j for two rods. For
+    /// obstacles the distance is that of their surface, see [`Self::core`], and the threshold is
+    /// the radius h of the rod.
     pub(super) fn threshold(&self, [i, j]: [usize; 2]) -> f64 {
         let first = self.edges[i].radius;
         if j < self.rod_edges {
@@ -409,7 +420,8 @@ impl ContactSurface {
         }
     }
 
-    /// Correction to subtract from the distance of the edges or faces of a pair for the surface of an obstacle, m.
+    /// Offset of the surface of an obstacle, m: subtract it from the distance of the edges or
+    /// faces of a pair.
     pub(super) fn core(&self, pair: &CandidatePair) -> f64 {
         match self.obstacle_of(pair.edges[1]) {
             None => 0.0,
@@ -420,7 +432,8 @@ impl ContactSurface {
         }
     }
 
-    /// Radius at which the contact law of a pair is scaled: the mean of two rods, that of the rod at an obstacle, m.
+    /// Length scale of the contact law of a pair, m: the mean radius of two rods, or the radius of
+    /// a rod at an obstacle.
     pub(super) fn law_scale(&self, pair: [usize; 2]) -> f64 {
         let threshold = self.threshold(pair);
         if pair[1] < self.rod_edges {
@@ -430,7 +443,8 @@ impl ContactSurface {
         }
     }
 
-    /// Least distance at which the centrelines of two edges may touch by their surfaces, m; infinite if neither can move.
+    /// Least distance of the centrelines of two edges at which their surfaces may touch, m;
+    /// infinite if neither can move.
     pub(super) fn least_threshold(&self) -> f64 {
         match self.least_radii {
             [Some(moving), Some(any)] => moving + any,
@@ -440,10 +454,11 @@ impl ContactSurface {
 
     /// Whether two edges can touch at all.
     ///
-    /// They cannot where both are held, where they share a node, or where they are neighbours by way of a joint, or along one
-    /// rod: nearest ends closer than πh along the rod. A rod bent as sharply as its own radius
-    /// allows (curvature 1/h) turns back on itself within πh; nearer pairs are kept apart by the bending
-    /// stiffness, and would otherwise push each other all the time where edges are short.
+    /// Two edges cannot touch if both are held, if they share a node, or if they are neighbours
+    /// through a joint or along one rod, with nearest ends closer than πh along the rod. A rod
+    /// bent as sharply as its own radius allows (curvature 1/h) turns back on itself within πh;
+    /// nearer pairs are kept apart by the bending stiffness, and short edges would otherwise push
+    /// each other all the time.
     pub fn may_touch(&self, first: usize, second: usize) -> bool {
         let (a, b) = (&self.edges[first], &self.edges[second]);
         if a.held && b.held {
@@ -506,7 +521,7 @@ mod tests {
         assert!(!surface.may_touch(9, 24), "both at the joint");
         assert!(!surface.may_touch(25, 12), "0.2 apart");
         assert!(surface.may_touch(8, 28), "0.1 + 0.3 apart");
-        // At 20 degrees they overlap as far as 0.1/sin(10°), and half as much again.
+        // At 20 degrees they overlap over the length 0.1/sin(10°); the reach is 1.5 times that.
         let mut surface = surface.clone();
         surface.add_joint([0, 1], [1.0, 0.5], 20f64.to_radians());
         assert!(!surface.may_touch(8, 28));
@@ -528,7 +543,7 @@ mod tests {
         assert_eq!(surface.obstacle_of(42), Some(0));
         assert_eq!(surface.obstacle_of(40), None);
         assert_eq!([ball, beside], [2, 3]);
-        // Within 1.5 (0.2 + 0.05) along the first rod; all of the second.
+        // Within 1.5 (0.2 + 0.05) along the first rod; everywhere along the second.
         assert!(!surface.may_touch(9, 40) && !surface.may_touch(6, 40));
         assert!(surface.may_touch(5, 40) && surface.may_touch(13 + 1, 40));
         assert!(surface.may_touch(30, 40));

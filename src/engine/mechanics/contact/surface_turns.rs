@@ -1,4 +1,4 @@
-//! How the surfaces of rods turn in a step, and the contacts at which friction turns them.
+//! Rotation of the surfaces of rods in a step, and the contacts at which friction turns them.
 
 use super::contacts::CandidatePair;
 use super::levers::{EdgesAtNodes, Levers};
@@ -11,15 +11,17 @@ use crate::mechanics::Vector3;
 #[derive(Clone, Debug, Default)]
 pub(super) struct SurfaceTurns {
     pub edges: EdgesAtNodes,
-    /// Change of the angle of each edge since the stage began, numbered by the nodes at which they start, rad.
+    /// Change of the angle of each edge since the stage began, rad. Each edge is identified by the
+    /// node at which it starts.
     now: Vec<f64>,
-    /// The same at the last linearisation; empty before the first of a step.
+    /// These changes at the last linearisation, rad; empty before the first of a step.
     linearised: Vec<f64>,
-    /// Turn of each edge under a unit moment within a step by inertia alone, rad/(N m): zero where it is held or has no inertia.
+    /// Rotation of each edge under a unit moment within a step by inertia alone, rad/(N m); zero
+    /// if it is held or has no inertia.
     mobilities: Vec<f64>,
 }
 
-/// The bodies of such a contact.
+/// The bodies of a contact that turns edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TurnedBodies {
     /// Number of the candidate pair.
@@ -33,18 +35,20 @@ pub(crate) enum TurnedBodies {
 pub(crate) struct TurnedContact {
     pub bodies: TurnedBodies,
     pub levers: Levers,
-    /// Moments on the angles of edges (N m) and couples of forces on nodes (N), beside the forces of the contact.
+    /// Moments on the angles of edges (N m) and couples of forces on nodes (N), in addition to the
+    /// forces of the contact.
     pub moments: Row,
-    /// Power of the friction by the turn of an obstacle about its centreline, W.
+    /// Power of the friction due to the rotation of an obstacle about its centreline, W.
     pub steady_power: f64,
-    /// Derivative of the force on all its unknowns; `None` where it was not asked for.
+    /// Derivative of the force with respect to all unknowns of the contact; `None` if it was not
+    /// requested.
     pub jacobian: Option<Square>,
-    /// Correction of the force to that of the linearised laws.
+    /// Difference between the force of the linearised laws and the present force.
     pub correction: Row,
 }
 
 impl SurfaceTurns {
-    /// Those of rods of which friction acts at the surfaces.
+    /// Creates the turns of the rods of a surface; `None` if friction does not act at surfaces.
     pub(crate) fn of(surface: &ContactSurface, parameters: &ContactParameters) -> Option<Self> {
         (parameters.friction_at == FrictionAt::Surface).then(|| Self {
             edges: EdgesAtNodes::of(surface),
@@ -57,13 +61,13 @@ impl SurfaceTurns {
         self.linearised.clear();
     }
 
-    /// Takes over how easily edges turn.
+    /// Sets the rotation of each edge under a unit moment within the step.
     pub(crate) fn set_mobilities(&mut self, mobilities: impl Iterator<Item = f64>) {
         self.mobilities.clear();
         self.mobilities.extend(mobilities);
     }
 
-    /// Takes over the angles by which edges have turned since the stage began, rad.
+    /// Sets the angles by which edges have turned since the stage began, rad.
     pub(crate) fn set_angles(&mut self, angles: impl Iterator<Item = f64>) {
         self.now.clear();
         self.now.extend(angles);
@@ -74,12 +78,12 @@ impl SurfaceTurns {
         self.now.get(edge).copied().unwrap_or(0.0)
     }
 
-    /// The present angles are those of a linearisation.
+    /// Marks the present angles as those of a linearisation.
     pub(crate) fn linearised(&mut self) {
         self.linearised.clone_from(&self.now);
     }
 
-    /// How a contact with these levers turns, with an obstacle that adds `steady`, m rad/s.
+    /// Rotation of a contact with these levers; the obstacle contributes `steady`, m rad/s.
     pub(crate) fn turning(
         &self,
         levers: Levers,
@@ -105,7 +109,8 @@ impl SurfaceTurns {
         }
     }
 
-    /// How far the unknowns of a contact have moved since the last linearisation, at which nodes had moved less by `moved`, m.
+    /// Displacements of the unknowns of a contact since the last linearisation; `moved` gives
+    /// those of the nodes, m.
     pub(crate) fn displacement(
         &self,
         levers: &Levers,
@@ -128,7 +133,8 @@ impl SurfaceTurns {
         row
     }
 
-    /// How far the surfaces slide under a unit friction within the step because edges turn, by inertia alone, m/N.
+    /// Slip of the surfaces under a unit friction within the step due to the rotation of edges, by
+    /// inertia alone, m/N.
     pub(crate) fn mobility(&self, levers: &Levers) -> f64 {
         let of_edge = |edge: usize| self.mobilities.get(edge).copied().unwrap_or(0.0);
         let levers = levers.edges.iter().flatten();
@@ -139,19 +145,20 @@ impl SurfaceTurns {
 }
 
 impl TurnedContact {
-    /// The numbers of the nodes that it moves, with their places among its unknowns.
+    /// The nodes that the contact moves, with their positions among its unknowns.
     pub(crate) fn nodes(&self) -> impl Iterator<Item = (usize, usize)> {
         self.levers.all_nodes()
     }
 
-    /// The same of the edges whose angles it turns.
+    /// The edges whose angles the contact turns, with their positions among its unknowns.
     pub(crate) fn edges(&self) -> impl Iterator<Item = (usize, usize)> {
         let edges = self.levers.edges.into_iter().enumerate();
         edges.filter_map(|(k, lever)| Some((ANGLES + k, lever?.edge)))
     }
 }
 
-/// Renumbers the contacts of the candidates of an old list by a new one; their Jacobians are discarded.
+/// Renumbers the contacts from an old list of candidates to a new one and discards their
+/// Jacobians.
 pub(super) fn renumber(
     turned: &mut Vec<TurnedContact>,
     old: &[CandidatePair],

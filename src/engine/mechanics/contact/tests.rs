@@ -1,4 +1,5 @@
-//! The facade as a whole, against brute force, differences of the energy, and itself after a restart.
+//! The facade as a whole, compared with brute force, with differences of the energy, and with
+//! itself after a restart.
 
 use super::closest_points::edge_distance;
 use super::test_support::{Random, relative_error};
@@ -351,8 +352,8 @@ fn a_margin_can_be_chosen() {
     assert!(!contact.candidates_are_complete(&lifted));
 }
 
-/// Acceleration along the slope of two free masses on an incline of 30°, after implicit Euler steps of
-/// 1 ms, m/s², and their speed at the end, m/s.
+/// Acceleration along the slope of two free masses on an incline of 30° after implicit Euler steps
+/// of 1 ms, m/s², and their final speed, m/s.
 fn slide_down(friction: f64) -> (f64, f64) {
     const MASS: f64 = 2e-3;
     const TIME_STEP: f64 = 1e-3;
@@ -444,7 +445,7 @@ fn the_stiffness_follows_the_largest_force_near_contact() {
     assert!(contact.adapt_stiffness(&start, &forces));
     assert_eq!(contact.stiffness(), 5e5);
 
-    // Far from everything no force counts.
+    // Far from contact no force counts.
     let far: Vec<Vector3> = (0..start.len())
         .map(|k| Vector3::z() * (1.0 + k as f64))
         .collect();
@@ -455,7 +456,7 @@ fn the_stiffness_follows_the_largest_force_near_contact() {
 
 #[test]
 fn the_softer_of_two_bodies_sets_the_least_stiffness_of_their_contact() {
-    // Two edges across each other, pressed by the law of a stiffness for each pair of bodies.
+    // Two crossing edges with contact forces at the stiffness of each pair of bodies.
     let nodes = [
         Vector3::new(-5.0, 0.0, 0.0),
         Vector3::new(5.0, 0.0, 0.0),
@@ -491,7 +492,7 @@ fn the_softer_of_two_bodies_sets_the_least_stiffness_of_their_contact() {
         (1e-6, [soft, obstacle], soft),
         (1e-6, [stiff, obstacle], stiff),
         (1e-6, [stiff, stiff], stiff),
-        // What the forces at contact ask for counts for all.
+        // The stiffness that forces near contact require applies to all contacts.
         (1.0, [soft, stiff], 1.0),
     ] {
         assert_eq!(

@@ -1,4 +1,4 @@
-//! Points at which surfaces touch, for pictures: no forces, no memory.
+//! Points at which surfaces touch, for pictures; forces and stored data are not used.
 
 use super::broad_phase::BroadPhase;
 use super::closest_points::ClosestPoints;
@@ -11,7 +11,7 @@ use crate::mechanics::rotation::Pose;
 /// Points at which rods touch each other, a plane or an obstacle: where the gap between the surfaces is below
 /// `clearance` (m). A point is in the middle of the gap between two rods, or on the plane or obstacle.
 ///
-/// `positions`: of all nodes, m; `poses`: of all obstacles.
+/// `positions` are those of all nodes, m; `poses` are those of all obstacles.
 pub fn touching_points(
     surface: &ContactSurface,
     planes: &[ContactPlane],

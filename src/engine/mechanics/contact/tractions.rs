@@ -1,24 +1,26 @@
 //! Friction as additional unknowns of Newton's method.
 //!
-//! The smoothed law of Coulomb is all but flat where surfaces slide and steep where they stick, and its
-//! scale, the slip tolerance, is far below the speeds that occur: Newton's method on the slip speed alone
-//! overshoots rest from either side, and its line search crawls towards it. So each pair keeps its traction t
-//! (friction per normal force) from the last step, as `multipliers` does for normal forces (there is more on the idea).
-//! After an iteration t has the value of the linear law, cut to the cone of Coulomb, and the law t(u) is next linearised at
-//! the slip u* with
+//! The smoothed law of Coulomb is nearly flat where surfaces slide and steep where they stick, and
+//! its scale, the slip tolerance, is far below the speeds that occur. Newton's method on the slip
+//! speed alone overshoots rest from either side, and its line search advances in tiny steps. So
+//! each pair keeps its traction t (friction per normal force) from the last step, as `multipliers`
+//! does for normal forces (see there for the idea). After an iteration t has the value of the
+//! linear law, cut to the cone of Coulomb, and the law t(u) is next linearised at the slip u* with
 //!
 //! ```text
 //! t(u*) − c u* = t − c u,   c = ρ h/λ,
 //! ```
 //!
-//! with the inertia ρ of the contact points, the step h and the normal force λ: where |t − c u| < μ surfaces stick,
-//! in whatever state the last iteration had them, at the slip that belongs to this traction, and elsewhere they slide along it.
-//! This is Newton's method for Alart and Curnier's function (1991), with the smoothed law in place of the disk. A slip
-//! that has turned round within an iteration lowers |t − c u|: it has passed through rest.
+//! with the inertia ρ of the contact points, the step h and the normal force λ. If |t − c u| < μ,
+//! surfaces stick, whatever their state in the last iteration, at the slip that belongs to this
+//! traction; otherwise they slide along it. This is Newton's method for Alart and Curnier's
+//! function (1991), with the smoothed law in place of the disk. A slip that has turned round
+//! within an iteration has passed through rest, and lowers |t − c u|.
 //!
-//! As long as c does not exceed the true resistance to the slip, sticking and sliding are found within a few iterations
-//! without cycles. Elasticity makes that larger than ρ, since neighbours that stick hold a node, but not for all slips of
-//! many contacts at once: so c begins at [`BEGINNING_PART`] times as much, and falls where slips go back and forth.
+//! If c does not exceed the true resistance to the slip, sticking and sliding are found within a
+//! few iterations without cycles. Elasticity makes this resistance larger than ρ, since sticking
+//! neighbours hold a node, but not for all slips of many contacts at once. So c begins at
+//! [`BEGINNING_PART`] times ρ h/λ, and falls if slips reverse.
 
 use super::candidates::carried_over;
 use super::contacts::CandidatePair;
@@ -28,12 +30,12 @@ use super::slots::{SlotValues, Slots};
 use super::turning::{Rates, Row};
 use crate::mechanics::Vector3;
 
-/// c of the first iterations in units of ρ h/λ, chosen by trial in a pile: less takes more iterations, more fails in some
-/// steps.
+/// Initial c in units of ρ h/λ, chosen by trial in a pile: a smaller value takes more iterations,
+/// a larger one fails in some steps.
 const BEGINNING_PART: f64 = 4.0;
-/// Reversals of the slip of one contact within a step before c falls.
+/// Number of reversals of the slip of one contact within a step before c falls.
 const FREE_REVERSALS: u8 = 3;
-/// Part of c that remains after each further reversal.
+/// Factor on c for each further reversal.
 const PART_AFTER_REVERSAL: f64 = 0.25;
 
 /// The friction law of one pair in the linear system.
@@ -64,9 +66,9 @@ impl LinearTraction {
 /// Displacements since the last linearisation.
 #[derive(Clone, Copy)]
 pub(super) enum Displaced<'a> {
-    /// Of the nodes of a contact.
+    /// Displacements of the nodes of a contact.
     Nodes(&'a Moved),
-    /// Of all its unknowns, with friction at its surfaces.
+    /// Displacements of all unknowns of a contact with friction at its surfaces.
     All(&'a Row),
 }
 
@@ -83,7 +85,7 @@ struct Tangent {
 }
 
 impl Tangent {
-    /// A traction that no displacement changes.
+    /// Creates a traction that does not depend on displacements.
     fn constant(value: Vector3) -> Self {
         Self {
             value,
@@ -94,14 +96,16 @@ impl Tangent {
     }
 }
 
-/// The tractions of all slots, as in [`multipliers`](super::multipliers); those without contact are unset.
+/// The tractions of all slots, as in [`multipliers`](super::multipliers); unset for slots without
+/// contact.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tractions {
-    /// At the end of the last accepted step, one per slot.
+    /// Tractions at the end of the last accepted step, one per slot.
     committed: Vec<Option<Vector3>>,
     /// Linear laws of the last linearisation.
     tangents: SlotValues<Tangent>,
-    /// Derivatives of those by the unknowns of contacts with friction at their surfaces, in place of those by displacements.
+    /// Derivatives of these laws with respect to the unknowns of contacts with friction at their
+    /// surfaces; they replace the derivatives with respect to displacements.
     turning: SlotValues<Rates>,
 }
 
@@ -118,28 +122,29 @@ impl Tractions {
         }
     }
 
-    /// Traction that iterations begin with at a slot.
+    /// Initial traction of the iterations at a slot.
     pub(crate) fn begun(&self, slot: usize) -> Vector3 {
         let tangent = self.tangents.get(slot);
         tangent.map_or_else(Vector3::zeros, |tangent| tangent.value)
     }
 
-    /// Starts the iterations with a traction at a slot.
+    /// Sets the initial traction of the iterations at a slot.
     pub(crate) fn begin_with(&mut self, slot: usize, traction: Vector3) {
         self.tangents.set(slot, Tangent::constant(traction));
     }
 
-    /// At the end of the last accepted step, one per slot.
+    /// Tractions at the end of the last accepted step, one per slot.
     pub(crate) fn committed(&self) -> &[Option<Vector3>] {
         &self.committed
     }
 
-    /// Continues from stored tractions.
+    /// Restores stored tractions.
     pub(crate) fn restore(&mut self, committed: Vec<Option<Vector3>>) {
         self.committed = committed;
     }
 
-    /// Takes over the tractions of an accepted step, slot by slot; those not given are unset.
+    /// Commits the tractions of an accepted step, slot by slot; slots that are not given are
+    /// unset.
     pub(crate) fn commit(
         &mut self,
         slots: Slots,
@@ -159,7 +164,8 @@ impl Tractions {
         self.turning.carry_over(old, new);
     }
 
-    /// The law of a slot at the slip `slip` (m/s) on surfaces with the unit normal `normal`; `resistance` is ρ h/λ, s/m.
+    /// The linearised law of a slot at the slip `slip` (m/s) on surfaces with the unit normal
+    /// `normal`; `resistance` is ρ h/λ, s/m.
     pub(crate) fn linear_law(
         &self,
         slot: usize,
@@ -197,7 +203,8 @@ impl Tractions {
         }
     }
 
-    /// Keeps the linear law of a slot, whose traction changes with the displacements by `rates`, 1/m.
+    /// Stores the linear law of a slot; `rates` is the derivative of its traction with respect to
+    /// the displacements, 1/m.
     pub(crate) fn keep(&mut self, slot: usize, law: &LinearTraction, rates: &[[f64; 12]; 3]) {
         let tangent = Tangent {
             value: law.present,
@@ -208,7 +215,8 @@ impl Tractions {
         self.tangents.set(slot, tangent);
     }
 
-    /// The same by the unknowns of a contact with friction at its surfaces.
+    /// Stores the derivative of this traction with respect to the unknowns of a contact with
+    /// friction at its surfaces.
     pub(crate) fn keep_turning(&mut self, slot: usize, law: &LinearTraction, rates: &Rates) {
         self.keep(slot, law, &[[0.0; 12]; 3]);
         self.turning.set(slot, *rates);
@@ -225,14 +233,16 @@ pub(crate) fn cut(vector: Vector3, length: f64) -> Vector3 {
     }
 }
 
-/// Correction from `force` to that of the linearised laws; `with` returns the force of a normal force and a traction.
+/// Difference between the force of the linearised laws and `force`; `with` computes a force from a
+/// normal force and a traction.
 pub(super) fn correction<const N: usize>(
     pressure: &LinearLaw,
     friction: &LinearTraction,
     force: [f64; N],
     with: impl Fn(f64, &Vector3) -> [f64; N],
 ) -> [f64; N] {
-    // The product of force and direction, linearised where the Jacobian is: N d₀ + N₀ (d − d₀).
+    // The product of force and direction, linearised at the point of the Jacobian: N d₀ + N₀ (d −
+    // d₀).
     let normal_force = pressure.tangent.force;
     let pressed = with(pressure.force, &friction.value);
     let [slid, base] = [&friction.present, &friction.value].map(|t| with(normal_force, t));
@@ -273,7 +283,7 @@ mod tests {
 
     const STEP: f64 = 1e-3;
 
-    /// One step of Newton's method for t(u), with a slip that changes by displacements over [`STEP`].
+    /// One step of Newton's method for t(u), where displacements over [`STEP`] change the slip.
     fn linearised(
         tractions: &mut Tractions,
         normal: &Vector3,
@@ -308,8 +318,9 @@ mod tests {
         }
     }
 
-    /// Iterations that find the slip u of a body with c (u − w) = t(u), from the slip and the traction of a step
-    /// before; c = m/(h N) in s/m, and w is the slip without friction. `known` is the given part of c.
+    /// Number of iterations to find the slip u of a body with c (u − w) = t(u), from the slip and
+    /// the traction of the previous step; c = m/(h N) in s/m, and w is the slip without friction.
+    /// `known` is the given part of c.
     fn iterations(
         inertia: f64,
         known: f64,
@@ -349,12 +360,13 @@ mod tests {
             sticking(0.5),
             sticking(0.9),
         ];
-        // Where c is four times too small, exact, and four times too large.
+        // With c four times too small, exact, and four times too large.
         for (known, allowed) in [(1.0 / 16.0, 8), (0.25, 6), (1.0, 14)] {
             let mut most = 0;
             for inertia in [1.0, 10.0, 1e2, 1e3, 1e4] {
                 for (slip, traction) in before {
-                    // Without friction the body would pass with so much of the force that friction can bear.
+                    // Speed of the body without friction, for a multiple of the force that
+                    // friction can carry.
                     for part in [0.3, 0.9, 1.1, 2.0, 30.0] {
                         let free_slip = Vector3::x() * (part * LAW.coefficient / inertia);
                         let count = iterations(inertia, known, free_slip, slip, traction);
@@ -399,7 +411,8 @@ mod tests {
 
     #[test]
     fn a_normal_of_another_length_leaves_the_law_consistent() {
-        // Fast approach along a normal that is not quite of unit length: the iteration used to end off the law.
+        // Fast approach along a normal that is not quite of unit length: the iteration must end on
+        // the law.
         let normal = Vector3::z() * (1.0 - 1e-5);
         let velocity = Vector3::new(2e-6, 0.0, 0.05);
         let slip = crate::mechanics::contact::friction::slip(&normal, &velocity);

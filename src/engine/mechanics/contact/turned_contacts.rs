@@ -1,4 +1,5 @@
-//! Contacts at which friction acts at the surfaces: how these turn, and the Jacobians that go with it.
+//! Contacts with friction at the surfaces: rotation of the surfaces, and the corresponding
+//! Jacobians.
 
 use super::contact_system::ContactSystem;
 use super::contacts::{CandidatePair, ContactMotion};
@@ -17,9 +18,9 @@ pub(super) struct Turned<'a> {
     pub turning: &'a Turning,
     pub sliding: &'a Sliding,
     pub motion: &'a ContactMotion,
-    /// Whether normal, contact points and moments turn with the unknowns.
+    /// Whether the derivatives include the rotation of normal, contact points and moments.
     pub turns: bool,
-    /// −1 where it counts against others.
+    /// Sign: −1 for a counter-pair.
     pub sign: f64,
     /// Normal force (N), and friction per normal force.
     pub force: (f64, Vector3),
@@ -32,18 +33,18 @@ pub(crate) struct TurningEdges<'a> {
 }
 
 impl TurningEdges<'_> {
-    /// What a pair moves and turns.
+    /// Levers of a pair.
     pub(crate) fn of_pair(&self, pair: &CandidatePair) -> Levers {
         self.edges.of_pair(self.surface, pair)
     }
 
-    /// What each edge or ball moves and turns at an obstacle.
+    /// Levers of every edge and ball at an obstacle.
     pub(crate) fn at_obstacles(&self) -> impl Iterator<Item = Levers> {
         let edges = 0..self.surface.rod_edges().len();
         edges.map(|edge| self.edges.at_obstacle(self.surface, edge))
     }
 
-    /// What nodes that move and turn over planes do, with their numbers.
+    /// Levers of nodes over planes, with the indices of the nodes.
     pub(crate) fn over_planes(&self) -> impl Iterator<Item = (usize, Levers)> {
         let nodes = self.surface.nodes().iter();
         nodes.map(|one| (one.node, self.edges.of_node(one.node, one.radius)))
@@ -51,7 +52,8 @@ impl TurningEdges<'_> {
 }
 
 impl ContactSystem {
-    /// How the surfaces turn at a pair, where friction acts at them; positions are those now and where the stage starts.
+    /// Rotation of the surfaces of a pair, if friction acts at them; positions are those now and
+    /// at the start of the stage.
     pub(super) fn turning_of_pair(
         &self,
         pair: &CandidatePair,
@@ -67,14 +69,14 @@ impl ContactSystem {
             levers.share_at(pair.side, nearest.along_piece(), radius);
         }
         let steady = self.surface.obstacle_of(second).map(|obstacle| {
-            // The point at the rim of a tube counts as its centre.
+            // At the rim of a tube the rim's centre stands for the contact point.
             self.obstacles.turn(obstacle) * (self.surface.core(pair) / time_step)
         });
         let steady = steady.unwrap_or_else(Vector3::zeros);
         Some(turns.turning(levers, positions, steady, time_step))
     }
 
-    /// The same of a node over a plane, whose sphere has a radius, m.
+    /// Rotation of a node over a plane, with a sphere of a given radius, m.
     pub(super) fn turning_over_plane(
         &self,
         node: usize,
@@ -87,8 +89,8 @@ impl ContactSystem {
         Some(turns.turning(levers, positions, Vector3::zeros(), time_step))
     }
 
-    /// How far a unit friction slides the surfaces because edges turn, m/N, and how far the unknowns of the contact have moved since the
-    /// last linearisation.
+    /// Slip of the surfaces under a unit friction due to the rotation of edges, m/N, and
+    /// displacements of the unknowns of the contact since the last linearisation.
     pub(super) fn turned_since(&self, turning: &Turning, now: &[Vector3]) -> (f64, Row) {
         let Some(turns) = &self.surface_turns else {
             return (0.0, Row::zeros());
@@ -118,7 +120,7 @@ impl ContactSystem {
         });
     }
 
-    /// Linearises the contact that was added last, in a slot, by its linear laws.
+    /// Linearises the contact that was added last, in a slot, with the linear laws of that slot.
     pub(super) fn linearize_turned(
         &mut self,
         slot: usize,
@@ -146,7 +148,8 @@ impl ContactSystem {
         }
     }
 
-    /// The contacts of the last evaluation that turn edges, of pairs first, in the order of the others.
+    /// The contacts of the last evaluation that turn edges. Those of pairs come first, in the
+    /// order of [`Self::contacts`].
     pub(crate) fn turned(&self) -> &[TurnedContact] {
         &self.turned
     }
@@ -166,14 +169,16 @@ impl ContactSystem {
         turns.map_or(0.0, |turns| turns.turn_of(edge))
     }
 
-    /// Takes over the angles by which edges have turned since the stage began, rad, where friction acts at the surfaces.
+    /// Sets the angles by which edges have turned since the stage began, rad, if friction acts at
+    /// the surfaces.
     pub(crate) fn set_angles(&mut self, angles: impl Iterator<Item = f64>) {
         if let Some(turns) = &mut self.surface_turns {
             turns.set_angles(angles);
         }
     }
 
-    /// Takes over how far a unit moment turns each edge within the step by inertia alone, rad/(N m): zero where it is held, or has none.
+    /// Sets the rotation of each edge under a unit moment within the step by inertia alone, rad/(N
+    /// m); zero for an edge that is held or has no inertia.
     pub(crate) fn set_angle_mobilities(&mut self, mobilities: impl Iterator<Item = f64>) {
         if let Some(turns) = &mut self.surface_turns {
             turns.set_mobilities(mobilities);
@@ -181,7 +186,7 @@ impl ContactSystem {
     }
 }
 
-/// The relative velocity of surfaces from that of their centrelines, m/s.
+/// The relative velocity of surfaces for that of their centrelines, m/s.
 pub(super) fn with_turning(
     velocity: Vector3,
     turning: Option<&Turning>,

@@ -1,24 +1,27 @@
-//! Friction at the surface: rods roll, drive each other, and walk.
+//! Friction at the surfaces, by which rods roll, drive each other, and walk.
 //!
 //! The surface of an edge e of a rod turns with the angular velocity
 //!
 //! Ω = t × ė/l + θ̇ t,
 //!
-//! with its tangent t, its length l and the rate θ̇ at which its material frame spins about it, relative to the frame that is transported
-//! in time. In a stage of the size Δt these are t × (e − eⁿ)/(l Δt) and (θ − θⁿ)/Δt. Seen from the centreline of the first body the
-//! contact point lies at r = −h n̂, from that of the second at h n̂, so that the surfaces slide on each other with
+//! with its tangent t, its length l and the rate θ̇ at which its material frame spins about it,
+//! relative to the frame transported in time. In a stage of the size Δt these terms are t × (e − eⁿ)/(l
+//! Δt) and (θ − θⁿ)/Δt. The contact point is at r = −h n̂ from the centreline of the first body,
+//! and at h n̂ from that of the second, so that the surfaces slide on each other with
 //!
 //! u = v + n̂ × G,   G = Σ_b h_b Ω_b   (m rad/s),
 //!
-//! the sum over both bodies, where v is the relative velocity of the centrelines. A motion of all as one rigid body does not slide but
-//! for the gap. The friction f = N |n| t(u) on the first body is that of [`FrictionLaw`](super::friction::FrictionLaw), and its power f·u makes it, beside the forces
-//! on the nodes by their weights, the moment
+//! the sum over both bodies, where v is the relative velocity of the centrelines. A common rigid
+//! motion of both causes no slip except for the gap. The friction f = N |n| t(u) on the first body
+//! is that of [`FrictionLaw`](super::friction::FrictionLaw). From its power f·u follows, in
+//! addition to the forces on the nodes by their weights, the moment
 //!
 //! M_b = h_b f × n̂   (N m)
 //!
-//! on either body: both turn the same way round, as wheels do that roll on each other. Its part M·t along the tangent acts on the angle
-//! of the edge, the rest as a couple of forces ±M × t/l on its two nodes. Force and moment balance on all bodies together, the moment
-//! about the contact point. The normal force has no moment about the centreline.
+//! on each body: both turn in the same sense, as for wheels that roll on each other. The part M·t
+//! along the tangent acts on the angle of the edge, the rest as a couple of forces ±M × t/l on its
+//! two nodes. Forces balance on all bodies together, and so do moments, taken about the contact
+//! point. The normal force has no moment about the centreline.
 //!
 //! # Derivatives
 //!
@@ -51,17 +54,17 @@ pub(crate) type Rates = SMatrix<f64, 3, UNKNOWNS>;
 /// An edge that turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Turn {
-    /// From its first node to its second now, and where the stage starts, m.
+    /// Vector from the first node of the edge to the second, now and at the start of the stage, m.
     pub span: [Vector3; 2],
-    /// Change of its angle since then, rad.
+    /// Change of the angle of the edge since then, rad.
     pub angle: f64,
 }
 
-/// How the surfaces turn at a contact in a stage.
+/// Rotation of the surfaces at a contact in a stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Turning {
     pub levers: Levers,
-    /// One for each of the levers.
+    /// Turns of the edges of the levers.
     pub turns: [Turn; 2],
     /// h Ω of an obstacle, m rad/s.
     pub steady: Vector3,
@@ -69,7 +72,7 @@ pub(super) struct Turning {
     pub time_step: f64,
 }
 
-/// A lever with what follows from its edge.
+/// A lever with quantities derived from its edge.
 struct Swing {
     ends: [usize; 2],
     angle: usize,
@@ -77,15 +80,15 @@ struct Swing {
     tangent: Vector3,
     /// 1/l, 1/m.
     per_length: f64,
-    /// Ω, rad/s, and its derivative by the span, rad/(s m).
+    /// Ω, rad/s, and its derivative with respect to the span, rad/(s m).
     rate: Vector3,
     by_span: Matrix3,
 }
 
-/// Derivatives of the force on the unknowns of a contact.
+/// Derivatives of the force with respect to the unknowns of a contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TurnedJacobian {
-    /// N/m; rows of angles N m over the unknown.
+    /// Rows of nodes in N/m; rows of angles in N m per unit of the unknown.
     pub jacobian: Square,
     /// Derivative of the friction per normal force.
     pub traction: Rates,
@@ -123,17 +126,18 @@ impl Turning {
         sum.sum::<Vector3>() + self.steady
     }
 
-    /// Velocity that turning adds to the relative one of the centrelines, m/s.
+    /// Velocity that rotation adds to the relative velocity of the centrelines, m/s.
     pub(crate) fn velocity(&self, normal: &Vector3) -> Vector3 {
         normal.normalize().cross(&self.swing())
     }
 
-    /// Power of a friction f (N) by the turn of the obstacle, W.
+    /// Power of a friction f (N) due to the rotation of the obstacle, W.
     pub(crate) fn steady_power(&self, normal: &Vector3, friction: &Vector3) -> f64 {
         friction.dot(&normal.normalize().cross(&self.steady))
     }
 
-    /// Moments of a friction f (N) on the angles of the edges, and their couples on the nodes.
+    /// Moments of a friction f (N) on the angles of the edges, and the equivalent couples on their
+    /// nodes.
     pub(crate) fn moments(&self, normal: &Vector3, friction: &Vector3) -> Row {
         let mut row = Row::zeros();
         let lever = friction.cross(&normal.normalize());
@@ -147,7 +151,8 @@ impl Turning {
         row
     }
 
-    /// The force of a contact on all its unknowns: by the weights of the four nodes, and its moments.
+    /// The force of a contact on all its unknowns: forces on the four nodes by their weights, and
+    /// its moments.
     pub(crate) fn force(
         &self,
         weights: &[f64; 4],
@@ -166,8 +171,9 @@ impl Turning {
         row
     }
 
-    /// Derivative of [`Self::force`], for the friction law linearised at the slip `at` (m/s). `place` is how the contact moves; where
-    /// it does not turn, the moments do not either.
+    /// Derivative of [`Self::force`], for the friction law linearised at the slip `at` (m/s).
+    /// `place` describes the motion of the contact; if it does not turn, the moments do not turn
+    /// either.
     pub(crate) fn jacobian(
         &self,
         place: &ContactMotion,
@@ -251,7 +257,7 @@ impl Turning {
         }
     }
 
-    /// A row over the four nodes of the contact, over its unknowns.
+    /// Converts a row over the four nodes of the contact to a row over its unknowns.
     fn spread_row(&self, over_nodes: &[f64; 12]) -> Row {
         let mut row = Row::zeros();
         for (corner, place) in self.levers.places.iter().enumerate() {
@@ -287,7 +293,7 @@ fn add_rows(matrix: &mut Square, node: usize, rows: &Rates) {
     part += rows;
 }
 
-/// Adds what changes with the span of an edge.
+/// Adds the derivative with respect to the span of an edge.
 fn add_by_span(rates: &mut Rates, swing: &Swing, by_span: &Matrix3) {
     for (end, sign) in swing.ends.iter().zip([-1.0, 1.0]) {
         let mut columns = rates.fixed_columns_mut::<3>(3 * end);

@@ -10,7 +10,7 @@ use super::*;
 
 const TIME_STEP: f64 = 1e-3;
 
-/// Two edges that touch and turn, in units of the radius of the first.
+/// Two touching edges that turn, in units of the radius of the first.
 struct Case {
     radius: f64,
     radii: [f64; 2],
@@ -125,7 +125,7 @@ fn the_jacobian_agrees_with_differences() {
     for (case, unknowns) in cases() {
         let (motion, response, sliding, turning, slip) = case.at(&unknowns);
         let found = turning.jacobian(&motion, &response, (&sliding, slip), true);
-        // Columns of angles in units of lengths, and rows of moments in units of forces.
+        // Columns of angles have units of lengths, and rows of moments units of forces.
         let scale = |k: usize| if k < ANGLES { 1.0 } else { 1.0 / case.radius };
         let (mut error, mut largest) = (0.0_f64, 0.0_f64);
         for column in 0..UNKNOWNS {
@@ -165,7 +165,8 @@ fn moments_balance_about_the_contact_points() {
         for (k, turn) in turning.turns.iter().enumerate() {
             torque += turn.span[0].normalize() * force[ANGLES + k];
         }
-        // What the gap between the contact points leaves: two arms end at points that are a gap apart.
+        // Moment left by the gap between the contact points: two arms end at points that are a gap
+        // apart.
         let friction = traction * response.force;
         let gap = motion.normal * (case.at_gap(&unknowns));
         torque -= gap.cross(&friction);
@@ -193,7 +194,8 @@ fn friction_takes_the_power_of_the_slip() {
         let none = Vector3::zeros();
         let all = turning.force(&motion.weights, &motion.normal, response.force, &traction)
             - turning.force(&motion.weights, &motion.normal, response.force, &none);
-        // The rate at which unknowns change to first order: tangents that turn by a step are those at its end.
+        // The first-order rate of change of the unknowns: tangents that turn by a step are those
+        // at its end.
         let mut power = turning.steady_power(&motion.normal, &friction);
         for place in 0..4 {
             let own: Vector3 = all.fixed_rows::<3>(3 * place).into();

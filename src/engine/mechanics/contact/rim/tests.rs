@@ -5,7 +5,8 @@ use crate::mechanics::contact::test_support::{Random, relative_error};
 
 const KINDS: [i8; 6] = [RIM, RIM_START, RIM_END, RIM_JOINT, RIM_JOINT_END, RIM_NODE];
 
-/// A rim about the origin, turned, and pieces of rods from its inside past it, of edges from a tenth of its radius to that.
+/// A rotated rim about the origin, and pieces of rods that pass it from the inside; edges are from
+/// a tenth of its radius to the full radius long.
 fn cases() -> Vec<(i8, [Vector3; 4], Rim)> {
     let mut random = Random::new(17);
     let mut cases = Vec::new();
@@ -60,7 +61,7 @@ fn force_and_jacobian_are_derivatives_of_the_energy() {
     let (force_of, slope) = (|gap: f64| (-3.0 * gap).exp(), -3.0);
     for (side, nodes, rim) in cases() {
         let point = nearest(side, &nodes, &rim);
-        // In units of the rim, so that one law suits all sizes.
+        // Lengths in units of the rim, so that one law suits all sizes.
         let force = force_of(point.distance() / rim.radius);
         let response = NormalResponse {
             energy: -force / slope * rim.radius,
