@@ -1,13 +1,15 @@
 //! Rods whose natural strains are functions of time.
 //!
-//! At every vertex and edge the natural strain is what the shape without stress makes it plus the integral of the actuated
-//! strain over the Voronoi length, or over the edge: exact for schedules and for waves, however short they are beside the
-//! edges. It is that of the time at which the forces are evaluated: of the end of a step, or of its middle with the midpoint
-//! rule; equilibria take the present time, paths of equilibria their parameter.
+//! The natural strain of every vertex and edge is that of the unstressed shape plus the integral
+//! of the actuated strain over the Voronoi length, or over the edge. This is exact for schedules
+//! and for waves, even for waves shorter than the edges. It is taken at the time at which the
+//! forces are evaluated: at the end of a step, or at its middle with the midpoint rule. Equilibria
+//! use the present time, paths of equilibria use their parameter.
 //!
-//! **Length.** A section that lengthens keeps its mass and its stiffnesses EA, EI and GJ, and its natural curvature and twist
-//! per length. With the lengths l̄ = g l̄₀ of its vertices the natural strains per vertex are g times, the stiffnesses over the
-//! length 1/g times those before. Loads and drag coefficients per length keep to the length without actuation.
+//! **Length.** A section that lengthens keeps its mass, its stiffnesses EA, EI and GJ, and its
+//! natural curvature and twist per length. With vertex lengths l̄ = g l̄₀ the natural strains of
+//! each vertex scale with g, and its stiffnesses over length with 1/g. Loads and drag coefficients
+//! per length refer to the length without actuation.
 
 use super::build::Assembly;
 use super::events::Event;
@@ -27,7 +29,7 @@ pub(crate) struct Actuators {
     vertices: Vec<(VertexStrains, VertexStiffness)>,
     /// Natural lengths of the edges without actuation, m.
     lengths: Vec<f64>,
-    /// Number of the edge that starts at each node.
+    /// Index of the edge that starts at each node.
     edges: Vec<usize>,
     changes_length: bool,
 }
@@ -36,7 +38,7 @@ pub(crate) struct Actuators {
 #[derive(Clone, Copy, Debug)]
 struct Share {
     index: usize,
-    /// [`crate::mechanics::scene::Course::shares`] of its piece of the rod.
+    /// Shares of its piece of the rod, from [`crate::mechanics::scene::Course::shares`].
     parts: [f64; 2],
 }
 
@@ -46,7 +48,7 @@ impl Actuators {
         self.actuations.is_empty()
     }
 
-    /// Records the present vertices and edges; their natural strains are those without actuation.
+    /// Records the present vertices and edges as those without actuation.
     pub(crate) fn resolve(&mut self, assembly: &Assembly) {
         if self.is_empty() {
             return;
@@ -115,7 +117,7 @@ impl Actuators {
         self.shares = shares.collect();
     }
 
-    /// Values of the actuations that a program sets, with their numbers.
+    /// Values of the actuations that a program sets, with their indices.
     pub(crate) fn given(&self) -> Vec<(usize, Vec<f64>)> {
         let courses = self.actuations.iter().map(|actuation| &actuation.course);
         let given = courses
@@ -127,10 +129,11 @@ impl Actuators {
         given.collect()
     }
 
-    /// Sets the values of such an actuation.
+    /// Sets the values of an actuation that a program controls.
     ///
     /// # Errors
-    /// A sentence: it does not exist, has another course, or another number of values.
+    /// A message if the actuation does not exist, has another course, or has another number of
+    /// values.
     pub(crate) fn give(
         &mut self,
         number: usize,
@@ -155,7 +158,7 @@ impl Actuators {
         Ok(())
     }
 
-    /// Gives the rods the natural strains that they have at a time, s.
+    /// Sets the natural strains of the rods at a time, s.
     fn apply(&self, time: f64, rods: &mut ElasticRods) {
         self.withdraw(rods);
         for (actuation, shares) in self.actuations.iter().zip(&self.shares) {
@@ -185,7 +188,7 @@ impl Actuators {
         }
     }
 
-    /// Adapts the vertices to the lengths of their edges.
+    /// Updates the vertices for the lengths of their edges.
     fn lengthen(&self, rods: &mut ElasticRods) {
         for vertex in &mut rods.vertices {
             let own = [vertex.before, vertex.after].into_iter();
@@ -210,7 +213,7 @@ impl Actuators {
         }
     }
 
-    /// Gives the rods the natural strains that they have without actuation.
+    /// Restores the natural strains of the rods without actuation.
     pub(crate) fn withdraw(&self, rods: &mut ElasticRods) {
         if self.is_empty() {
             return;
@@ -251,7 +254,7 @@ impl Term for Actuators {
         true
     }
 
-    /// Gives the rods the natural strains of the time.
+    /// Sets the natural strains of the rods at the present time.
     fn drive(&mut self, time: f64, rods: &mut ElasticRods, geometry: &mut RodGeometry) {
         if !self.is_empty() {
             self.apply(time, rods);
@@ -259,7 +262,8 @@ impl Term for Actuators {
         }
     }
 
-    /// Actuation changes the natural strains of rods, and through them their elastic forces; it has no forces of its own.
+    /// Actuation changes the natural strains of rods, and thereby their elastic forces; the term
+    /// itself adds no forces.
     fn add_forces(&self, _: &Configuration, _: &mut [f64]) {}
 
     fn list_events(&self, events: &mut Vec<Event>) {

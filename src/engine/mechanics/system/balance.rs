@@ -1,19 +1,23 @@
-//! Criteria of balance: for every rod, the residual against the forces that act on it.
+//! Criteria of balance: the residual of every rod compared with the forces that act on the rod.
 //!
-//! A correction of Newton's method leaves at no unknown of a rod more than the force tolerance times the largest of its
-//! EI/L², of its loads and of its contact forces. It does not depend on other rods: beside a stiff post the residual of a
-//! soft beam must be as small as without.
+//! A correction of Newton's method must leave a residual, at every unknown of a rod, of at most
+//! the force tolerance times the largest of the rod's EI/L², its loads and its contact forces. The
+//! criterion does not depend on other rods: the residual of a soft beam must be equally small with
+//! and without a stiff post beside it.
 //!
-//! EI/L² may be far above the forces that act: a short steel rod is hardly bent by its weight. Then its deflection is
-//! linear in them, and one correction finds it to many digits, for any allowed residual. It must be made: a predicted
-//! configuration that no correction has touched counts as balanced only where the residual at every unknown is small
-//! against what acts there itself ([`System::is_balanced_as_predicted`]).
+//! EI/L² may be far above the forces that act: a short steel rod hardly bends under its weight.
+//! Its deflection is then linear in the forces, and one correction finds it to many digits,
+//! whatever the allowed residual. This correction must be made. A predicted configuration without
+//! any correction counts as balanced only if the residual at every unknown is small compared with
+//! the forces at that unknown ([`System::is_balanced_as_predicted`]).
 //!
-//! In a time step a rod may turn besides, and that is not linear. What one correction leaves of forces that turn with it may
-//! do work that is not negligible against the energy of a slow motion, and is corrected once more ([`System::residual_does_work`]).
+//! In a time step a rod may also turn, which is not linear. Forces that turn with the rod leave a
+//! residual after one correction, and its work may not be negligible compared with the energy of a
+//! slow motion. Such a residual is corrected once more ([`System::residual_does_work`]).
 //!
-//! The allowed residual is never smaller than the effect of rounding the unknowns on elastic forces, and in a time
-//! step on inertia and on friction, whose slip is the difference of two positions over the step.
+//! The allowed residual is never smaller than the effect of rounding the unknowns on elastic
+//! forces and, in a time step, on inertia and friction, since the slip is the difference of two
+//! positions over the step.
 
 use super::contact::forces;
 use super::joints::Slide;
@@ -21,26 +25,27 @@ use super::{Assembly, Stage, System};
 use crate::mechanics::contact::ContactSystem;
 use crate::mechanics::rod::{RodRange, STRIDE};
 
-/// Last digits of the unknowns to which a residual must vanish.
+/// Number of units in the last place of the unknowns to which a residual must vanish.
 const ROUNDINGS: f64 = 8.0;
-/// Multiple of that estimate, which is made for single terms of a sum, below which a residual that corrections no longer lower is
-/// one of rounding.
+/// Factor on the rounding estimate, which is made for single terms of a sum. Below this bound, a
+/// residual that corrections no longer reduce counts as rounding error.
 const NEAR_ROUNDING: f64 = 8.0;
 
-/// Work of the remaining residual that is negligible, over the energy of a rod: such works of many steps add up.
+/// Negligible work of the remaining residual, relative to the energy of a rod: such works add up
+/// over many steps.
 pub(super) const NEGLIGIBLE_WORK: f64 = 1e-5;
 
 /// Tolerances of the residual.
 pub(super) struct Tolerances {
     rods: Vec<RodTolerance>,
-    /// Tolerance as a multiple of the acting forces.
+    /// Tolerance relative to the acting forces.
     relative: f64,
     /// Scratch: which nodes are in contact.
     in_contact: Vec<bool>,
 }
 
 impl Tolerances {
-    /// Tolerances that are not set yet.
+    /// Creates tolerances that are not set yet.
     pub(crate) fn new(assembly: &Assembly) -> Self {
         Self {
             rods: vec![RodTolerance::default(); assembly.rods.rods.len()],
@@ -53,15 +58,15 @@ impl Tolerances {
 /// Tolerance of the residual of one rod.
 #[derive(Clone, Copy, Debug, Default)]
 struct RodTolerance {
-    /// Largest force, N; infinite for a rod that is held.
+    /// Tolerance of the residual, N; infinite for a rod that is held.
     force: f64,
     /// Rounding error of it, N.
     rounding: f64,
-    /// Weight of its residual among those of all rods: 1 for the rod with the least tolerance.
+    /// Weight of the residual of the rod among all rods: 1 for the rod with the least tolerance.
     weight: f64,
 }
 
-/// Largest sizes on a rod, by the place of unknowns at their nodes.
+/// Largest magnitudes on a rod, for each kind of unknown at a node.
 #[derive(Default)]
 struct Sizes {
     unknowns: [f64; STRIDE],
@@ -72,7 +77,7 @@ struct Sizes {
 }
 
 impl Sizes {
-    /// Of unknowns, loads and masses, and which unknowns are held.
+    /// Collects unknowns, loads and masses; `held` marks held unknowns.
     fn of(numbers: [&[f64]; 3], held: &[bool], weights: [f64; STRIDE]) -> Self {
         let [unknowns, loads, masses] = numbers.map(|own| own.as_chunks::<STRIDE>().0);
         let (held, _) = held.as_chunks::<STRIDE>();
@@ -95,7 +100,8 @@ impl Sizes {
     }
 }
 
-/// As [`f64::max`] for a number that was kept, in one instruction.
+/// Keeps the larger value. Like [`f64::max`] for a kept value that is a number, but a single
+/// instruction.
 fn keep_larger(kept: &mut f64, size: f64) {
     *kept = if size > *kept { size } else { *kept };
 }
@@ -107,7 +113,7 @@ fn largest(of: [f64; STRIDE]) -> f64 {
 /// Imbalance of forces.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Imbalance {
-    /// Largest residual of a free unknown over its tolerance: balanced where it is at most 1.
+    /// Largest ratio of the residual of a free unknown to its tolerance: balanced if at most 1.
     pub ratio: f64,
     /// That residual, N; moments are divided by the shortest edge of their rod.
     pub residual: f64,
@@ -116,12 +122,12 @@ pub(crate) struct Imbalance {
 }
 
 impl Imbalance {
-    /// Whether every residual counts as none.
+    /// Whether every residual is within its tolerance.
     pub(crate) fn is_balanced(&self) -> bool {
         self.ratio <= 1.0
     }
 
-    /// Takes over the residual of an unknown where it is worse than this one, or no number.
+    /// Replaces this imbalance by the residual of an unknown if that is worse or NaN.
     fn compare(&mut self, residual: f64, allowed: f64, unknown: usize) {
         let ratio = residual / allowed;
         if ratio > self.ratio || ratio.is_nan() {
@@ -135,8 +141,8 @@ impl Imbalance {
 }
 
 impl System {
-    /// Sets the tolerance of the residual near `unknowns`: `relative` times the forces of each rod, but at least
-    /// rounding leaves.
+    /// Sets the tolerance of the residual near `unknowns`: `relative` times the forces of each
+    /// rod, but at least the effect of rounding.
     pub(crate) fn set_tolerances(
         &mut self,
         relative: f64,
@@ -186,7 +192,8 @@ impl System {
                 }
             }
         }
-        // At a joint, the residual of each rod contains the rounding errors of the other's forces.
+        // At a joint, the residual of each rod contains the rounding errors of the other rod's
+        // forces.
         let joints = &self.assembly.joints;
         let slides = (joints.slides.iter()).map(|slide| [slide.node, slide.rail().start]);
         for nodes in joints.points.iter().copied().chain(slides) {
@@ -222,7 +229,8 @@ impl System {
         if least.is_finite() { least } else { 0.0 }
     }
 
-    /// Whether no rod has a residual larger than a few times what rounding leaves of the forces that act there.
+    /// Whether no rod has a residual larger than a few times the rounding error of the forces on
+    /// it.
     pub(crate) fn is_at_rounding(&self) -> bool {
         let imbalance = self.imbalance_against(|rod| NEAR_ROUNDING * rod.rounding);
         imbalance.is_balanced()
@@ -233,7 +241,7 @@ impl System {
         self.imbalance_against(|rod| rod.force)
     }
 
-    /// The same with another force that counts as none, N.
+    /// Imbalance with another tolerance for each rod, N.
     fn imbalance_against(&self, allowed_of: impl Fn(&RodTolerance) -> f64) -> Imbalance {
         let allowed_at =
             |node: usize| allowed_of(&self.tolerances.rods[self.assembly.locate(node).0]);
@@ -282,7 +290,8 @@ impl System {
         turning + own[3].abs() * per_length
     }
 
-    /// Largest residual of a free unknown of a rod, N, moments divided by `edge` (m), and its unknown.
+    /// Largest residual of a free unknown of a rod, N, with moments divided by `edge` (m), and the
+    /// index of that unknown.
     fn worst_of(&self, range: &RodRange, edge: f64) -> (f64, usize) {
         let mut worst = (0.0, STRIDE * range.first_node);
         let per_length = 1.0 / edge;
@@ -303,9 +312,11 @@ impl System {
         worst
     }
 
-    /// Whether the residual of the last evaluation, at `unknowns` that were only predicted, is so small that no
-    /// correction is needed: at every unknown against the load that alone acts there, at others against the largest force
-    /// on their rod (loads, inertia, drag, contact, springs, reactions of clamps), and, without any such force, against rounding.
+    /// Whether the residual of the last evaluation, at `unknowns` that were only predicted, is so
+    /// small that no correction is needed. At every unknown with a load the residual is compared
+    /// with that load alone, at other unknowns with the largest force on their rod (loads,
+    /// inertia, drag, contact, springs, reactions of clamps), and without any such force with the
+    /// rounding error.
     pub(crate) fn is_balanced_as_predicted(
         &mut self,
         unknowns: &[f64],
@@ -340,7 +351,7 @@ impl System {
         balanced
     }
 
-    /// The same for one rod; `acting` are the forces on its unknowns except loads.
+    /// Applies this criterion to one rod; `acting` are the forces on its unknowns except loads.
     fn is_rod_balanced(
         &self,
         rod: usize,
@@ -378,8 +389,9 @@ impl System {
         })
     }
 
-    /// Whether the remaining residual does work on a rod in a step that ends at `unknowns`, where it was evaluated last:
-    /// more than is negligible against the energy of the rod and the work of its loads, and more than rounding errors.
+    /// Whether the remaining residual does significant work on a rod in a step that ends at
+    /// `unknowns`, where it was last evaluated: more than is negligible compared with the energy
+    /// of the rod and the work of its loads, and more than rounding errors.
     pub(crate) fn residual_does_work(&self, unknowns: &[f64], stage: &Stage) -> bool {
         let mut rods = self.assembly.rods.rods.iter().enumerate();
         rods.any(|(rod, range)| {
@@ -408,8 +420,8 @@ impl System {
         })
     }
 
-    /// Sum of squares of the residual of the free unknowns, N²: moments divided by the shortest edge of their rod, each
-    /// rod weighted by how small its residual must become.
+    /// Sum of squares of the residual of the free unknowns, N². Moments are divided by the
+    /// shortest edge of their rod, and each rod is weighted by how small its residual must become.
     pub(crate) fn squared_residual(&self) -> f64 {
         self.square(&self.residual)
     }

@@ -1,13 +1,15 @@
-//! Joints that break where the force or the moment on them is too large.
+//! Joints that break if the force or the moment on them is too large.
 //!
-//! Those of a spring are k (r − L), pulled or pushed, and c θ. The force of a joint of two nodes is what holds the node whose
-//! position is that of the other one: the residual M a + ∇E − F of its own rod there, before it is added to that of
-//! the other; that of a slide is what holds the node that slides. The moment of a rigid joint or hinge is that of everything on
-//! the frame of one of its rods; a weld that may break has a frame for either rod, of which the one has the unknowns of the
-//! other ([`super::joints`]).
+//! The force and moment of a spring are k (r − L), pulled or pushed, and c θ. In a joint of two
+//! nodes, one node has the position of the other; the force of the joint is the one that holds
+//! this node: the residual M a + ∇E − F of its own rod there, before it is added to that of the
+//! other node. The force of a slide is the one that holds the sliding node. The moment of a rigid
+//! joint or hinge is the sum of all moments on the frame of one of its rods. A weld that may break
+//! has a frame for either rod; one of these has the unknowns of the other ([`super::joints`]).
 //!
-//! A joint breaks at the end of a step with a load above its strength: the spring is removed, node and frame get unknowns of their own and
-//! keep their velocities. Contact still ignores what overlapped at the joint.
+//! A joint breaks at the end of a step with a load above its strength: the spring is removed, and
+//! the node and the frame get their own unknowns and keep their velocities. Contact still ignores
+//! the parts that overlapped at the joint.
 
 use super::System;
 use super::build::Assembly;
@@ -24,11 +26,11 @@ pub struct Break {
     pub time: f64,
     /// Force, N.
     pub force: f64,
-    /// Moment, N m; 0 where it transmits none.
+    /// Moment, N m; 0 if the joint transmits none.
     pub moment: f64,
 }
 
-/// The joints and springs of a scene that break, in this order.
+/// The joints, then the springs of a scene that may break.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Breaking {
     links: Vec<Link>,
@@ -44,12 +46,12 @@ struct Link {
 
 #[derive(Clone, Copy, Debug)]
 enum Tie {
-    /// A spring between nodes, by its number.
+    /// A spring between nodes, by its index.
     Spring(usize),
-    /// A node whose position is that of another one.
+    /// A node that has the position of another node.
     Point {
         node: usize,
-        /// The frame that turns with it.
+        /// The effect of the joint on the frame of the rod.
         turning: Turning,
         /// Force (N) and moment (N m) of the joint at the last evaluation.
         load: [f64; 2],
@@ -58,12 +60,12 @@ enum Tie {
     Slide(usize),
 }
 
-/// Effect of a joint on the frame of one of its rods, by its number.
+/// Effect of a joint on the frame of one of its rods, with the index of the frame.
 #[derive(Clone, Copy, Debug)]
 enum Turning {
     /// No effect: a ball joint.
     Free,
-    /// It turns as that of the other rod.
+    /// The frame turns like that of the other rod.
     Weld(usize),
     /// It turns on a hinge.
     Hinge(usize),
@@ -79,7 +81,7 @@ impl Turning {
 }
 
 impl Breaking {
-    /// Collects them from a scene whose rods are joined.
+    /// Collects the breakable joints and springs of a scene whose rods are joined.
     pub(crate) fn new(scene: &Scene, assembly: &Assembly) -> Self {
         let number = |at: &RodNode| assembly.rods.rods[at.rod].first_node + at.node;
         let mut links = Vec::new();
@@ -125,7 +127,7 @@ impl Breaking {
         Self { links }
     }
 
-    /// Keeps the forces of joints from a residual over all nodes.
+    /// Stores the forces of joints from a residual over all nodes.
     pub(crate) fn note(&mut self, residual: &[f64]) {
         for link in &mut self.links {
             if let Tie::Point { node, load, .. } = &mut link.tie {
@@ -134,7 +136,7 @@ impl Breaking {
         }
     }
 
-    /// Keeps the moments of joints from those on frames.
+    /// Stores the moments of joints from those on frames.
     pub(crate) fn note_moments(&mut self, joints: &Joints) {
         for link in &mut self.links {
             if let Tie::Point { turning, load, .. } = &mut link.tie
@@ -185,8 +187,9 @@ fn turning_of(kind: JointKind, nodes: [usize; 2], joints: &Joints) -> Turning {
 }
 
 impl System {
-    /// Breaks the joints whose strength the step exceeded that ended at `time` (s) with `unknowns` and `velocity`,
-    /// which then are those of free bodies; returns whether there are any.
+    /// Breaks the joints whose load exceeds their strength in the step that ended at `time` (s)
+    /// with `unknowns` and `velocity`, which are then converted to those of free bodies; returns
+    /// whether any broke.
     pub(crate) fn break_joints(
         &mut self,
         time: f64,
@@ -230,7 +233,8 @@ impl System {
         !broken.is_empty()
     }
 
-    /// Breaks the joints that are broken in a list as [`Self::breaks`] returns and not yet here; returns whether there are any.
+    /// Breaks the joints that a list from [`Self::breaks`] marks as broken and that are still
+    /// intact; returns whether there are any.
     pub(crate) fn break_like(
         &mut self,
         breaks: &[Option<Break>],
@@ -247,7 +251,8 @@ impl System {
         !broken.is_empty()
     }
 
-    /// Breaks joints, given by their numbers, at `unknowns` and `velocity`, which then are those of free bodies.
+    /// Breaks joints, given by their indices, at `unknowns` and `velocity`, which are then
+    /// converted to those of free bodies.
     fn break_links(
         &mut self,
         broken: &[(usize, Break)],
@@ -275,7 +280,8 @@ impl System {
         self.recouple();
     }
 
-    /// Breaking of each joint that may break, if it broke: in the order of the joints of the scene, then of its springs.
+    /// The break of each breakable joint, if it broke: first the joints of the scene, then its
+    /// springs.
     pub(crate) fn breaks(&self) -> Vec<Option<Break>> {
         let links = self.breaking.links.iter();
         links.map(|link| link.broken).collect()
@@ -286,10 +292,11 @@ impl System {
         self.breaking.remarks()
     }
 
-    /// Breaks the joints that were broken at a checkpoint of the same scene; none may be broken yet.
+    /// Breaks the joints that were broken at a checkpoint of the same scene. No joint may be
+    /// broken before the call.
     ///
     /// # Errors
-    /// The difference, if the checkpoint belongs to another scene.
+    /// The difference if the checkpoint belongs to another scene.
     pub(crate) fn restore_breaks(&mut self, breaks: &[Option<Break>]) -> Result<(), &'static str> {
         if breaks.len() != self.breaking.links.len() {
             return Err("the number of joints that break differs");

@@ -1,4 +1,4 @@
-//! From the description of a scene to numbered rods, masses, held unknowns and clamps that move.
+//! Conversion of a scene description to numbered rods, masses, held unknowns and moving clamps.
 
 use super::clamps::{Drive, HeldEdge};
 use super::joints::{JointPlan, Joints};
@@ -11,7 +11,7 @@ use crate::mechanics::rod::{
 use crate::mechanics::scene::{Inertia, NaturalShape, RodDescription, Scene};
 use crate::mechanics::{RodError, SceneError, Vector3};
 
-/// The rods of a scene, numbered and placed, with what holds them.
+/// The rods of a scene, numbered and placed, with their clamps and joints.
 #[derive(Clone, Debug)]
 pub struct Assembly {
     /// The elastic rods.
@@ -30,22 +30,22 @@ pub struct Assembly {
     pub reference: ReferenceFrames,
     /// Ghost edges at time zero.
     pub ghosts: Vec<GhostEdge>,
-    /// Mass (kg) or moment of inertia (kg m²) lumped at each unknown, the sum of its row of the mass matrix; zero where there
-    /// is none.
+    /// Lumped mass (kg) or moment of inertia (kg m²) of each unknown, the sum of its row of the
+    /// mass matrix; zero if it has none.
     pub masses: Vec<f64>,
-    /// Densities of the rods with consistent inertia, and what their neighbours share of the masses.
+    /// Densities of the rods with consistent inertia, and the masses that their neighbours share.
     pub consistent: ConsistentMasses,
     /// Unknowns that are prescribed.
     pub held: Vec<bool>,
-    /// Nodes that are held with their whole rod as rigid obstacles.
+    /// Nodes of rods that are held as a whole, as rigid obstacles.
     pub obstacle: Vec<bool>,
     /// Clamps that hold or drive nodes and ghost edges.
     pub drives: Vec<Drive>,
-    /// Nodes that are one point, and frames that turn.
+    /// Nodes that coincide, and frames that turn.
     pub joints: Joints,
     /// Scales of each rod.
     pub scales: Vec<RodScale>,
-    /// Force scale EI/L² of the stiffest free rod, N; 1 N where every rod is held.
+    /// Force scale EI/L² of the stiffest free rod, N; 1 N if every rod is held.
     pub force_scale: f64,
     /// Smallest EI/L² of the free rods, N.
     pub softest_scale: f64,
@@ -60,19 +60,19 @@ pub struct Assembly {
 enum Wall {
     /// A clamp, by its number.
     Clamp(usize),
-    /// The frame of a joint or body, by its number.
+    /// The frame of a joint or body, by its index.
     Frame(usize),
 }
 
 /// Scales of one rod.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RodScale {
-    /// EI/L² of the larger bending stiffness, N.
+    /// EI/L² for the larger bending stiffness, N.
     pub force: f64,
     /// Smallest natural edge length, m.
     pub shortest_edge: f64,
-    /// Rounding error of an elastic force per coordinate, N/m: EA ε/l̃, or 4 EI ε/l̃³ where edges are shorter than the
-    /// diameter and bending is the stiffer.
+    /// Rounding error of an elastic force per coordinate, N/m: EA ε/l̃, or 4 EI ε/l̃³ if bending
+    /// is stiffer, i.e. for edges shorter than the diameter.
     pub rounding_stiffness: f64,
 }
 
@@ -92,10 +92,10 @@ impl RodScale {
 }
 
 impl Assembly {
-    /// Numbers and places everything.
+    /// Numbers and places all parts of a scene.
     ///
     /// # Errors
-    /// [`SceneError`] names the rod or clamp that is impossible.
+    /// [`SceneError`] names the invalid rod or clamp.
     pub(crate) fn new(scene: &Scene) -> Result<Self, SceneError> {
         if scene.rods.is_empty() {
             return Err(SceneError::NoRods);
@@ -219,7 +219,7 @@ impl Assembly {
             &natural_lengths,
             plan,
         )?;
-        // Weights beside clamps are those of walls at rest.
+        // The weights beside clamps are those of walls at rest.
         let turns = (0..range.nodes).any(|node| plan.frame_at(index, node).is_some());
         if rod.inertia == Inertia::Consistent && !rod.held && !turns {
             self.rods.refine(first_vertex);
@@ -348,7 +348,7 @@ impl Assembly {
             let clamp = drive_of_node[k].and_then(|(drive, frame)| frame.then_some(drive));
             let frame = plan.frame_at(index, k).map(Wall::Frame);
             if let Some(wall) = clamp.map(Wall::Clamp).or(frame) {
-                // A wall at the node: a half vertex on either side that exists.
+                // The wall is at the node: there is a half vertex on each side that has an edge.
                 for (edge, ghost_first) in [(before, false), (after, true)] {
                     let Some(edge) = edge else { continue };
                     let start = range.first_node + edge;
@@ -361,7 +361,7 @@ impl Assembly {
                         && whole
                         && self.drives[drive].holds_position
                     {
-                        // The edge itself is the wall, and turns with the clamp.
+                        // The edge itself is the wall and turns with the clamp.
                         let director = placed.material_director(edge);
                         self.held[STRIDE * start + 3] = true;
                         let angle = placed.angles[edge];
@@ -413,7 +413,8 @@ impl Assembly {
                 let voronoi = 0.5 * (natural_lengths[before] + natural_lengths[after]);
                 let placed_strains = placed.strains(before, after);
                 let of_shape = |shape: &Placement| shape.strains(before, after);
-                // Once around a ring the frames need not meet: the difference is glued into the joint.
+                // Around a ring the frames need not match: the closing vertex contains the
+                // difference.
                 let change = placed.angles[after] - placed.angles[before];
                 let mut reference_twist = placed_strains.twist - change;
                 let mut joint_twist = 0.0;
@@ -447,7 +448,8 @@ impl Assembly {
         self.drives[drive].ghosts.push(ghost);
     }
 
-    /// Adds a ghost edge that turns with a frame beside the edge between two nodes; returns the element of its half vertex.
+    /// Adds a ghost edge that turns with a frame beside the edge between two nodes; returns the
+    /// index of the element of its half vertex.
     fn add_turning_ghost(
         &mut self,
         frame: usize,
@@ -503,13 +505,14 @@ impl Assembly {
         }
     }
 
-    /// Fastest steady turning of a clamp, rad/s; 0 where none turns.
+    /// Fastest steady rotation of a clamp, rad/s; 0 if none rotates.
     pub(crate) fn steady_turning(&self) -> f64 {
         let rates = self.drives.iter().map(Drive::angular_velocity);
         rates.fold(0.0, |fastest, rate| fastest.max(rate.abs()))
     }
 
-    /// Whether a number is that of a node whose position is not prescribed; vertices of obstacles are numbered beyond.
+    /// Whether an index belongs to a node whose position is not prescribed. Vertices of obstacles
+    /// have larger indices.
     pub(crate) fn is_free(&self, node: usize) -> bool {
         self.held.get(STRIDE * node) == Some(&false)
     }
@@ -523,7 +526,8 @@ impl Assembly {
         self.rods.rods[rod].end_of(vertex.before)
     }
 
-    /// Takes into account what the last digits of a position leave in the force of a stiffness (N/m) at a node.
+    /// Includes the rounding error of a position in the rounding error of a force with a stiffness
+    /// (N/m) at a node.
     pub(super) fn round(&mut self, node: usize, stiffness: f64) {
         let rounding = stiffness * f64::EPSILON;
         let (rod, _) = self.locate(node);
@@ -532,7 +536,7 @@ impl Assembly {
         self.rounding_stiffness = self.rounding_stiffness.max(rounding);
     }
 
-    /// Rod and node along it of a node of the whole scene.
+    /// Rod of a node of the whole scene, and the index of the node along it.
     pub(crate) fn locate(&self, node: usize) -> (usize, usize) {
         let rod = self
             .rods

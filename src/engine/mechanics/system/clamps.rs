@@ -10,50 +10,52 @@ use crate::mechanics::scene::{Clamp, Motion, piecewise_linear, piecewise_turning
 use crate::mechanics::{UnitQuaternion, Vector3, rotation};
 use serde::{Deserialize, Serialize};
 
-/// Turn of a clamp in one piece of the way along which its turns are counted, rad: less than half a turn, so that
-/// frames show it.
+/// Largest turn of a clamp in one piece of the path along which its turns are counted, rad: below
+/// half a turn, so that the frames determine it.
 const PIECE: f64 = 0.5;
 
-/// Direct way over the way through a corner from which on a motion goes straight on there.
+/// Ratio of the direct distance to the path through a corner above which a motion counts as
+/// straight at the corner.
 const STRAIGHT_ON: f64 = 0.99;
 
-/// 1 − cos of the angle between an axis and a tangent that are the same up to rounding.
+/// 1 − cos of the angle below which an axis and a tangent count as equal.
 const SAME_AXIS: f64 = 1e-14;
 
-/// A clamp with everything resolved.
+/// A clamp with all references resolved.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Drive {
     /// Node of the whole scene.
     pub node: usize,
     /// Whether its position is prescribed.
     pub holds_position: bool,
-    /// Position at time zero, or when it took hold, m.
+    /// Position at time zero or when the clamp took hold, m.
     pub position: Vector3,
     /// Tangent and director at that time.
     pub frame: GhostEdge,
     /// Ghost edges that follow the frame.
     pub ghosts: Vec<usize>,
-    /// Edges whose both ends are held; their material frames follow, too.
+    /// Edges with both ends held; their material frames follow too.
     pub edges: Vec<HeldEdge>,
-    /// Whether it was released and holds no node.
+    /// Whether the clamp was released and holds no node.
     pub released: bool,
     motion: Motion,
     axis: Vector3,
     pivot: Vector3,
 }
 
-/// An edge whose nodes are both held, one of them with its frame.
+/// An edge with both nodes held, one of them with its frame.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct HeldEdge {
-    /// Node of the whole scene where it starts.
+    /// Node of the whole scene at the start of the edge.
     pub start: usize,
     /// Node where it ends.
     pub end: usize,
     /// First material director at time zero.
     pub director: Vector3,
-    /// Angle of its frame at the last time to which the clamp was driven, rad; whole turns count.
+    /// Angle of its frame at the last time to which the clamp was driven, rad; includes whole
+    /// turns.
     angle: f64,
-    /// The same when the reference frames were committed.
+    /// This angle when the reference frames were committed, rad.
     committed_angle: f64,
 }
 
@@ -87,7 +89,8 @@ impl Drive {
         }
     }
 
-    /// Takes hold at another place and with another frame than placed; `director_of` gives those of the edges.
+    /// Moves the clamp to another position and frame than placed; `director_of` gives the
+    /// directors of the edges.
     pub(crate) fn take_hold(
         &mut self,
         position: Vector3,
@@ -101,7 +104,7 @@ impl Drive {
         }
     }
 
-    /// Steady rate of turning, rad/s.
+    /// Constant rate of rotation, rad/s.
     pub(crate) fn angular_velocity(&self) -> f64 {
         self.motion.angular_velocity
     }
@@ -113,8 +116,8 @@ impl Drive {
         self.motion = motion;
     }
 
-    /// The motion from where it is at the time `from`, at `start`, to a `position` and a `frame`, where it is at the time
-    /// `until` and rests from then on, s. Where `frame` is `None` it keeps its orientation.
+    /// A motion that begins at `start` at the time `from` and reaches `position` and `frame` at
+    /// the time `until`, s, where it stays. If `frame` is `None` it keeps its orientation.
     pub(crate) fn way_to(
         &self,
         position: Vector3,
@@ -131,7 +134,7 @@ impl Drive {
             ),
             ..Motion::default()
         };
-        // What keeps the orientation of the start needs no schedule for it.
+        // A motion that keeps the initial orientation needs no schedule for it.
         let identity = UnitQuaternion::identity();
         if turned != identity || target != identity {
             motion.orientation = way([from, until], [turned, target]);
@@ -139,7 +142,8 @@ impl Drive {
         motion
     }
 
-    /// The frame at time zero, or when it took hold: it turns the axes to both directors and the tangent.
+    /// The frame at time zero or when the clamp took hold: the rotation that maps the axes to both
+    /// directors and the tangent.
     fn placed(&self) -> UnitQuaternion {
         let GhostEdge {
             tangent, director, ..
@@ -148,15 +152,16 @@ impl Drive {
         UnitQuaternion::from_basis_unchecked(&axes)
     }
 
-    /// The frame at a time, s, as [`Self::placed`].
+    /// The frame at a time, s, in the form of [`Self::placed`].
     pub(crate) fn frame_at(&self, time: f64) -> UnitQuaternion {
         self.rotation(time) * self.placed()
     }
 
-    /// Adds the corners of its motion, on a rod of a radius (m), to `events`.
+    /// Adds the corners of the motion, for a rod of a given radius (m), to `events`.
     pub(crate) fn list_events(&self, radius: f64, events: &mut Vec<Event>) {
         let motion = &self.motion;
-        // What turns moves the farther from the pivot the faster, and the surface of the rod at least.
+        // The speed of a rotating body grows with the distance from the pivot; the surface of the
+        // rod is at least one radius away.
         let arm = (self.position - self.pivot).norm().max(radius);
         list_motion(motion, arm, events);
     }
@@ -171,7 +176,7 @@ impl Drive {
         }
     }
 
-    /// Rotation of its frame at a time (s) since the start of the clamp.
+    /// Rotation of the frame at a time (s) since the start of the clamp.
     pub(crate) fn rotation(&self, time: f64) -> UnitQuaternion {
         let turning = self.turning(time);
         let about_axis = rotation::from_vector(turning.axis * turning.angle);
@@ -179,7 +184,8 @@ impl Drive {
         oriented.map_or(about_axis, |orientation| orientation * about_axis)
     }
 
-    /// Writes the prescribed position and frames at `time`; the reference frames are those of `committed`, s.
+    /// Sets the prescribed position and frames at `time`; the reference frames are those of the
+    /// time `committed`, s.
     pub(crate) fn apply(
         &self,
         time: f64,
@@ -212,8 +218,9 @@ impl Drive {
         }
     }
 
-    /// Writes the angles of held edges at `time`, with all turns since the frames of `reference` were committed at the
-    /// time `committed`; the positions of all nodes are in place already.
+    /// Sets the angles of held edges at `time`, including all turns since the frames of
+    /// `reference` were committed at the time `committed`. The positions of all nodes must already
+    /// be set.
     pub(crate) fn turn_edges(
         &mut self,
         time: f64,
@@ -251,8 +258,9 @@ impl Drive {
         }
     }
 
-    /// Turn of the clamped frame about its tangent, against parallel transport, between two times, rad: counted along
-    /// the schedule, so that whole turns count however long the step is.
+    /// Rotation of the clamped frame about its tangent relative to parallel transport between two
+    /// times, rad. It is summed along the schedule, so that whole turns count however long the
+    /// step is.
     fn spin(&self, from: f64, to: f64) -> f64 {
         let motion = &self.motion;
         if motion.orientation.is_empty() {
@@ -278,7 +286,7 @@ impl Drive {
         if to < from { -spin } else { spin }
     }
 
-    /// The same between two times without a corner of the schedule between them.
+    /// This rotation between two times without a corner of the schedule between them.
     fn spin_of_piece(&self, from: f64, to: f64) -> f64 {
         let (start, end) = (self.turning(from), self.turning(to));
         let swing = match (start.orientation, end.orientation) {
@@ -306,7 +314,7 @@ impl Drive {
     }
 }
 
-/// A way between two times, s, or its end alone where they are the same.
+/// A path between two times, s, or only its end if the times are equal.
 fn way<T>([from, until]: [f64; 2], [start, end]: [T; 2]) -> Vec<(f64, T)> {
     if until == from {
         vec![(until, end)]
@@ -315,7 +323,7 @@ fn way<T>([from, until]: [f64; 2], [start, end]: [T; 2]) -> Vec<(f64, T)> {
     }
 }
 
-/// Adds the corners of the motion of a body of the radius `arm` (m) around the pivot.
+/// Adds the corners of the motion of a body with the radius `arm` (m) around the pivot.
 pub(super) fn list_motion(motion: &Motion, arm: f64, events: &mut Vec<Event>) {
     list_corners(&motion.translation, |from, to| (to - from).norm(), events);
     list_corners(&motion.angle, |from, to| (to - from).abs() * arm, events);
@@ -326,9 +334,10 @@ pub(super) fn list_motion(motion: &Motion, arm: f64, events: &mut Vec<Event>) {
     );
 }
 
-/// Adds the corners of a piecewise linear motion, whose way between two of them is `way` (m). A corner counts with the
-/// sum of the speeds on both sides of it, of which the jump of the velocity is at most as large; where the motion goes
-/// straight on, by its direction, it is their difference.
+/// Adds the corners of a piecewise linear motion; `way` returns the path length between two
+/// corners, m. A corner counts with the sum of the speeds on its two sides, which bounds the jump
+/// of the velocity. If the direction does not change at the corner, it counts with their
+/// difference.
 fn list_corners<T>(corners: &[(f64, T)], way: impl Fn(&T, &T) -> f64, events: &mut Vec<Event>) {
     for (k, (time, value)) in corners.iter().enumerate() {
         let speed = |(from, start): &(f64, T), (to, end): &(f64, T)| {
@@ -364,7 +373,7 @@ fn list_corners<T>(corners: &[(f64, T)], way: impl Fn(&T, &T) -> f64, events: &m
     }
 }
 
-/// A rotation: about an axis first, to an orientation then.
+/// A rotation: first about an axis, then to an orientation.
 pub(super) struct Turning {
     pub axis: Vector3,
     pub angle: f64,

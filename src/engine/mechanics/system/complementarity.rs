@@ -1,40 +1,45 @@
 //! Contact forces by complementarity: the linearised step with Signorini's and Coulomb's laws (thesis 3.3).
 //!
-//! Newton's system of a step without contact is A δq = −R. With the forces λ at the contacts, which act on the unknowns by
-//! the transpose of the rows H of their gaps and slips, it is
+//! Newton's system of a step without contact is A δq = −R. Forces λ at the contacts act on the
+//! unknowns by the transpose of the rows H of their gaps and slips. With them the system is
 //!
 //! ```text
 //! A δq = Hᵀλ − R,   w = g + H δq,
 //! ```
 //!
-//! with 0 ≤ λ_n ⊥ w_n ≥ 0 (Eq. 3.1) and ‖λ_t‖ ≤ μ λ_n, λ_t = −μ λ_n w_t/‖w_t‖ where w_t ≠ 0 (Eq. 3.2); `rigid_contact` has
-//! the laws of a single contact. They hold together where Alart and Curnier's function (Eq. 3.3) vanishes, whose roots
-//! Newton's method finds: with the contacts in the state that the last iteration suggests (open, sticking, sliding) the laws
-//! are linear, and one factorisation of the sparse matrix A + Hᵀ K H solves them all, K being the stiffness of contacts
-//! that hardly yield and whose forces of the last iteration count as well (proximal point: what they yield vanishes).
-//! Beginning with the forces of the step before, this takes as many iterations as it takes to find the states; where they
-//! cycle, smoothed laws lead to the solution (`rigid_contact::search`).
+//! with 0 ≤ λ_n ⊥ w_n ≥ 0 (Eq. 3.1) and ‖λ_t‖ ≤ μ λ_n, λ_t = −μ λ_n w_t/‖w_t‖ where w_t ≠ 0 (Eq.
+//! 3.2); `rigid_contact` has the laws of a single contact. All laws hold where Alart and Curnier's
+//! function (Eq. 3.3) vanishes, and Newton's method finds its roots. With each contact in the
+//! state that the last iteration suggests (open, sticking, sliding) the laws are linear, and one
+//! factorisation of the sparse matrix A + Hᵀ K H solves them all. Here K is the stiffness of
+//! contacts that hardly yield; their forces of the last iteration are included, so that the
+//! displacement by which they yield vanishes (proximal point). From the forces of the step before,
+//! this takes only the iterations needed to find the states; if the states cycle, smoothed laws
+//! lead to the solution (`rigid_contact::search`).
 //!
-//! Possible contacts follow from the motion under the forces found so far, at first those of the last step: rods that fall
-//! or carry a load together do not approach each other. A contact that this misses is found overlapping the next time. From
-//! then on it belongs to the step, with a force or without.
+//! Possible contacts are predicted from the motion under the present forces, initially those of
+//! the last step: rods that fall or carry a load together do not approach each other. A contact
+//! missed by the prediction is found as an overlap in the next pass. From then on it belongs to
+//! the step, with or without a force.
 //!
-//! Contacts turn with the rods. Where edges are nearly parallel the contact points run along them as they do, and rods and forces
-//! found in turn would alternate; from the second time on A has, therefore, how the forces found last change as
-//! their contacts turn.
+//! Contacts turn with the rods. If edges are nearly parallel, the contact points run along them as
+//! they turn, and alternating between rods and forces would not converge. From the second pass on,
+//! A therefore includes the change of the last forces as their contacts turn.
 //!
-//! Solved once per step this is the two-step method of the thesis: forces explicit, then the rods. Here it is
-//! repeated around Newton's method for the rods under these forces, until the new forces would move
-//! no node farther than the displacement tolerance. Contact points and directions are then those of the end of
-//! the step.
+//! The two-step method of the thesis does this once per step: forces explicitly, then the rods.
+//! Here it is repeated around Newton's method for the rods under these forces, until the new
+//! forces would move no node farther than the displacement tolerance. Contact points and
+//! directions are then those of the end of the step.
 //!
-//! **What holds.** No creep in sticking; sliding exactly at μ; contact forces in balance; no restitution. Gaps
-//! are never less than zero by more than the square of that tolerance over the edge length.
+//! **Guarantees.** No creep in sticking; sliding exactly at μ; contact forces in balance; no
+//! restitution. Gaps are never below zero by more than the square of that tolerance over the edge
+//! length.
 //!
-//! **Limits.** The method does not prevent edges from passing through each other between two configurations without
-//! overlap: the certificate of the step finds that, and it is halved. With friction the laws may have
-//! several solutions, or none; a step whose contact problem is not solved counts as failed and is halved, too.
-//! The distribution of the force over redundant contacts depends on the start of the iteration.
+//! **Limits.** The method does not prevent edges from passing through each other between two
+//! configurations without overlap: the certificate of the step detects this, and the step is
+//! halved. With friction the laws may have several solutions, or none; a step with an unsolved
+//! contact problem counts as failed and is halved, too. The distribution of the force over
+//! redundant contacts depends on the start of the iteration.
 
 use super::rigid_contact::{ForceSearch, Moves, RigidContact, State};
 use super::{Stage, System, copy_positions};
@@ -44,11 +49,11 @@ use crate::mechanics::contact::{ContactConstraint, ContactSystem};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::{motion_of, position};
 
-/// Part of the residual that Newton's method leaves by which the laws of contact may be broken: light contacts of rods on which
-/// far larger forces act are not more accurate than that.
+/// Allowed violation of the contact laws as a fraction of the residual that Newton's method
+/// leaves: light contacts of rods with far larger forces need not be more accurate.
 const NEGLIGIBLE_PART: f64 = 1e-2;
 
-/// Reason why no contact forces were found.
+/// Reason why the contact forces could not be computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NoContactForces {
     /// Newton's matrix is singular.
@@ -64,12 +69,13 @@ impl From<SingularMatrix> for NoContactForces {
 }
 
 impl System {
-    /// Whether contact forces are found by complementarity.
+    /// Whether contact forces are computed by complementarity.
     pub(crate) fn has_constraints(&self) -> bool {
         self.terms.contact.is_rigid()
     }
 
-    /// Whether rods near each other move by more than `far` (m) relative to each other in a step that ends at `unknowns`.
+    /// Whether nearby rods move by more than `far` (m) relative to each other in a step that ends
+    /// at `unknowns`.
     pub(crate) fn meets_fast(&self, unknowns: &[f64], stage: &Stage, far: f64) -> bool {
         let starts = stage.positions.iter().enumerate();
         let motions: Vec<Vector3> = starts
@@ -79,10 +85,11 @@ impl System {
         contact.is_some_and(|contact| contact.largest_relative_motion(&motions) > far)
     }
 
-    /// Finds the contact forces of the step `stage` linearised at `unknowns`; they act until the next call. `search`
-    /// goes with all calls of an attempt at a step, `radius` is that of the thinnest rod, m.
-    /// Returns the largest move of a node that they and the other forces would cause, m: small where `unknowns`
-    /// are the solution already, infinite while the forces violate the laws.
+    /// Computes the contact forces of the step `stage`, linearised at `unknowns`; they act until
+    /// the next call. All calls of one attempt at a step share one `search`; `radius` is that of
+    /// the thinnest rod, m. Returns the largest move of a node that these and the other forces
+    /// would cause, m: small if `unknowns` are already the solution, infinite while the forces
+    /// violate the laws.
     ///
     /// # Errors
     /// [`NoContactForces`].
@@ -106,8 +113,8 @@ impl System {
         found
     }
 
-    /// Adds the correction that [`Self::find_contact_forces`] found last to the unknowns, or the part that moves no position
-    /// farther than `farthest`, m.
+    /// Adds the last correction of [`Self::find_contact_forces`] to the unknowns, scaled down so
+    /// that no position moves farther than `farthest`, m.
     pub(crate) fn take_correction(&self, unknowns: &mut [f64], farthest: f64) {
         let part = (farthest / largest_move(&self.terms.contact.correction)).min(1.0);
         for (own, correction) in unknowns.iter_mut().zip(&self.terms.contact.correction) {
@@ -115,8 +122,8 @@ impl System {
         }
     }
 
-    /// Lists the constraints of `contact`, taken out of the system, and loads them with their forces; returns the
-    /// largest move of a node by all forces, m.
+    /// Lists the constraints of `contact`, which was taken out of the system, and applies their
+    /// forces; returns the largest move of a node by all forces, m.
     fn load_constraints(
         &mut self,
         contact: &mut ContactSystem,
@@ -132,7 +139,8 @@ impl System {
         let mut correction = std::mem::take(&mut self.terms.contact.correction);
         correction.resize(unknowns.len(), 0.0);
         copy_positions(unknowns, &mut self.terms.contact.positions);
-        // Bodies that approach each other under the present forces may touch; the next pass finds other contacts.
+        // Bodies that approach each other under the present forces may touch; the next pass may
+        // find other contacts.
         let mut motions = vec![Vector3::zeros(); self.terms.contact.positions.len()];
         contact.list_constraints(&self.terms.contact.positions, &motions, 0.0, earlier);
         self.free_forces(&mut correction);
@@ -147,7 +155,7 @@ impl System {
         }
         let mut moved = 0.0;
         if !contact.constraints().is_empty() {
-            // Forces of the last step belong to other contact points and directions.
+            // Forces of the last step refer to other contact points and directions.
             let turns = !earlier.is_empty();
             let (forces, solved) =
                 self.solve_constraints(contact, stage, &mut correction, turns, search, radius)?;
@@ -161,8 +169,9 @@ impl System {
         Ok(moved)
     }
 
-    /// The forces of all constraints, N, which may be those of other configurations unless the contact `turns` under the
-    /// present ones; whether they satisfy the laws, and the correction of the unknowns with them.
+    /// Returns the forces of all constraints, N, whether they satisfy the laws, and the correction
+    /// of the unknowns with them. The forces may belong to other configurations unless the contact
+    /// `turns` under the present ones.
     fn solve_constraints(
         &mut self,
         contact: &ContactSystem,

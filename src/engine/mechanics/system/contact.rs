@@ -1,4 +1,4 @@
-//! Contact as a term: [`ContactSystem`] with additional data of the system.
+//! Contact as a term: a [`ContactSystem`] and the data that it needs from the system.
 
 use super::System;
 use super::build::Assembly;
@@ -18,8 +18,8 @@ use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
 use crate::mechanics::scene::Scene;
 use crate::mechanics::{SceneError, Vector3};
 
-/// Rigid contact is limited to implicit Euler: the midpoint rule would extrapolate through it, and statics has no
-/// free motion that contact could prevent.
+/// Rigid contact is limited to implicit Euler: the midpoint rule would extrapolate through
+/// contacts, and in statics there is no free motion that contact could prevent.
 const ONLY_EULER: SceneError = SceneError::Unsuitable(
     "contact by complementarity needs time steps with time.scheme = \"implicit-euler\"",
 );
@@ -37,20 +37,22 @@ const NO_PATH: SceneError = SceneError::Unsuitable(
 
 /// Contact with its obstacles, and scratch.
 pub(crate) struct Contact {
-    /// The contact model, where the scene has one.
+    /// The contact model, if the scene has one.
     pub model: Option<ContactSystem>,
-    /// Contact ignored where rods are rooted in other bodies, one sentence for each.
+    /// Messages on contact that is ignored where rods are rooted in other bodies, one sentence
+    /// each.
     pub roots: Vec<String>,
-    /// Whether rods rub against each other or against obstacles, and against planes.
+    /// Whether there is friction of rods with each other or with obstacles, and with planes.
     rubs: [bool; 2],
-    /// Whether nodes have elements of their own: with friction on planes or obstacles, and where contact is rigid.
+    /// Whether nodes have their own elements: with friction on planes or obstacles, and with rigid
+    /// contact.
     pub lists_nodes: bool,
     /// Whether there are planes.
     pub has_planes: bool,
     moving_obstacles: Vec<MovingObstacle>,
-    /// Positions where the step starts, m.
+    /// Positions at the start of the step, m.
     pub step_start: Vec<Vector3>,
-    /// Energy that contacts store there, J, where it was requested.
+    /// Contact energy at the start of the step, J, if it was requested.
     pub stored_at_start: f64,
     /// Scratch: positions, m.
     pub positions: Vec<Vector3>,
@@ -58,25 +60,25 @@ pub(crate) struct Contact {
     pub displacements: Vec<Vector3>,
     /// Scratch: forces without contact, N.
     pub forces: Vec<Vector3>,
-    /// Scratch: how far a unit force moves each node within a step by inertia, m/N.
+    /// Scratch: displacement of each node under a unit force within a step by inertia alone, m/N.
     pub mobilities: Vec<f64>,
     /// Scratch of the complementarity model: a correction of the unknowns.
     pub correction: Vec<f64>,
 }
 
 impl Contact {
-    /// Whether something rubs: the forces of an equilibrium then depend on the way to it.
+    /// Whether there is friction: the forces of an equilibrium then depend on its history.
     pub(crate) fn rubs(&self) -> bool {
         self.rubs.contains(&true)
     }
 
-    /// Whether contact forces are found by complementarity.
+    /// Whether contact forces are computed by complementarity.
     pub(crate) fn is_rigid(&self) -> bool {
         let model = self.model.as_ref();
         model.is_some_and(|contact| contact.parameters().is_complementarity())
     }
 
-    /// Moves the obstacles to where they are at `time`, s.
+    /// Moves the obstacles to their poses at `time`, s.
     pub(crate) fn place_obstacles(&mut self, time: f64) {
         if let Some(contact) = &mut self.model {
             for moving in &self.moving_obstacles {
@@ -98,7 +100,8 @@ pub(crate) fn forces(contact: &ContactSystem) -> impl Iterator<Item = (usize, [f
         .chain(planes.map(|touch| (touch.node, touch.force)))
 }
 
-/// Takes over by how much the angles of all edges differ from those at the start of a stage, where that matters.
+/// Passes the changes of the angles of all edges since the start of a stage to contact, if
+/// friction acts at surfaces.
 fn set_angles(contact: &mut ContactSystem, at: &Configuration) {
     if let Some(stage) = at.stage {
         let now = at.unknowns.iter().skip(3).step_by(STRIDE);
@@ -212,7 +215,7 @@ impl Term for Contact {
         }
     }
 
-    /// The next step starts where the obstacles are.
+    /// The next step starts with the present poses of the obstacles.
     fn commit(&mut self) {
         if let Some(contact) = &mut self.model {
             contact.commit_obstacles();
@@ -247,15 +250,16 @@ impl Term for Contact {
 }
 
 impl System {
-    /// The contact model, where the scene has one.
+    /// The contact model, if the scene has one.
     pub fn contact(&self) -> Option<&ContactSystem> {
         self.terms.contact.model.as_ref()
     }
 
-    /// Continues with candidates, stiffness and forces of a checkpoint, without forces that Newton's method carries along.
+    /// Restores candidates, stiffness and forces from a checkpoint, without multipliers for
+    /// Newton's method.
     ///
     /// # Errors
-    /// If it is that of another scene.
+    /// If the checkpoint belongs to another scene.
     pub(crate) fn restore_contact(
         &mut self,
         memory: Option<&ContactMemory>,
@@ -268,8 +272,8 @@ impl System {
         Ok(())
     }
 
-    /// Notes where a step starts, and the energy that contacts hold there if the scheme `extrapolates`. Candidates must be
-    /// those of the start.
+    /// Stores the positions at the start of a step, and the contact energy there if the scheme
+    /// `extrapolates`. Candidates must be those of the start.
     pub(crate) fn note_start(&mut self, unknowns: &[f64], extrapolates: bool) {
         let contact = &mut self.terms.contact;
         if let Some(model) = &contact.model {
@@ -314,26 +318,26 @@ impl System {
         }));
     }
 
-    /// Records whether the last correction was small against the radii.
+    /// Records whether the last correction was small compared with the radii.
     pub(crate) fn set_moved_slightly(&mut self, slightly: bool) {
         if let Some(contact) = &mut self.terms.contact.model {
             contact.set_moved_slightly(slightly);
         }
     }
 
-    /// Continues without carried contact forces.
+    /// Continues without contact forces as unknowns.
     pub(crate) fn abandon_multipliers(&mut self) {
         if let Some(contact) = &mut self.terms.contact.model {
             contact.abandon_multipliers();
         }
     }
 
-    /// Whether Newton's method carries contact forces along.
+    /// Whether contact forces are unknowns of Newton's method.
     pub(crate) fn uses_multipliers(&self) -> bool {
         self.contact().is_some_and(ContactSystem::uses_multipliers)
     }
 
-    /// Whether the candidates of contact changed; to be called at the start of a step.
+    /// Updates the candidates, and the matrix if they changed; call this at the start of a step.
     pub fn update_candidates(&mut self, unknowns: &[f64]) {
         let contact = &mut self.terms.contact;
         if let Some(model) = &mut contact.model {
@@ -344,7 +348,7 @@ impl System {
         }
     }
 
-    /// Whether contact is frictional and by a penalty, which any step may overcome.
+    /// Whether contact has friction and is modelled by a penalty, so that any step is possible.
     pub(crate) fn has_friction(&self) -> bool {
         self.contact().is_some_and(|contact| {
             let parameters = contact.parameters();
@@ -352,7 +356,7 @@ impl System {
         })
     }
 
-    /// Whether no contact can be missing at `unknowns` for want of candidates.
+    /// Whether the candidates contain every contact at `unknowns`.
     pub(crate) fn candidates_are_complete(&mut self, unknowns: &[f64]) -> bool {
         let contact = &mut self.terms.contact;
         contact.model.as_ref().is_none_or(|model| {
@@ -379,8 +383,8 @@ impl System {
         step.fraction
     }
 
-    /// Farthest that a node may move at once so that surfaces do not pass through each other unnoticed, m; infinite
-    /// without contact, and where [`Self::largest_step`] guarantees it.
+    /// Farthest that a node may move at once so that surfaces do not pass through each other
+    /// undetected, m; infinite without contact, and if [`Self::largest_step`] guarantees it.
     pub(crate) fn largest_safe_move(&self) -> f64 {
         let is_soft =
             |contact: &ContactSystem| contact.parameters().model == ContactModel::ImplicitContact;
@@ -391,7 +395,7 @@ impl System {
     }
 }
 
-/// Positions where a stage starts, m, and its size, s.
+/// Positions at the start of a stage, m, and its size, s.
 fn start_of<'a>(stage: Option<&'a Stage>, now: &'a [Vector3]) -> (&'a [Vector3], f64) {
     match stage {
         Some(stage) => (&stage.positions, stage.step),

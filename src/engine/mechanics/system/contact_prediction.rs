@@ -1,24 +1,27 @@
-//! A prediction of contact forces, for steps in which many contacts change.
+//! Prediction of contact forces, for steps in which many contacts change.
 //!
-//! Newton's method finds which contacts open, stick and slide one iteration, hence one factorisation, after the other;
-//! where rods fall on each other that takes ten. Here the step is linearised without contact, A δq = −R, and contacts
-//! with forces λ are added as constraints,
+//! Newton's method finds the contacts that open, stick and slide one iteration, and so one
+//! factorisation, at a time; when rods fall on each other this takes ten. Here the step is
+//! linearised without contact, A δq = −R, and contacts with forces λ are added as constraints,
 //!
 //! ```text
 //! A δq = Hᵀλ − R,   w = g + H δq,
 //! ```
 //!
-//! with the gaps and slips w. Without contact rods are not coupled, A is a band, and the response A⁻¹Hᵀ of a rod
-//! to a force at one of its contacts is cheap. So sweeps over the contacts, each of which is given the force that its own
-//! laws require while all others stay (projected Gauss–Seidel; Moreau 1988, Jean 1999), cost a hundredth of a
-//! factorisation with contact. They converge slowly, but soon determine the states, and Newton's method begins with
-//! their forces and where these move the rods.
+//! with the gaps and slips w. Without contact rods are not coupled, A is a band, and the response
+//! A⁻¹Hᵀ of a rod to a force at one of its contacts is cheap. So sweeps over the contacts cost a
+//! hundredth of a factorisation with contact; in a sweep each contact in turn gets the force that
+//! its own laws require while all others are fixed (projected Gauss–Seidel; Moreau 1988, Jean
+//! 1999). Sweeps converge slowly, but soon determine the states. Newton's method then begins with
+//! their forces and with the positions to which these move the rods.
 //!
-//! The first time it is linearised where it begins. There rods have not yet passed through each other nor been crushed by it, as they
-//! may have where each continues with its velocity; later, at the last prediction.
+//! The first linearisation is at the start of the step, where rods have not yet passed through
+//! each other or been crushed, which may happen if each continues with its velocity. Later
+//! linearisations are at the last prediction.
 //!
-//! **Limits.** The solution does not depend on it: Newton's method computes it. The prediction omits the closing of
-//! rings, the smoothing of friction, and the rotation of contacts, so it is repeated where rods move far.
+//! **Limits.** The solution does not depend on the prediction, since Newton's method computes it.
+//! The prediction omits the closing of rings, the smoothing of friction, and the rotation of
+//! contacts, so it is repeated if rods move far.
 
 use super::contact_response::{Response, Responses};
 use super::{Stage, System, copy_positions};
@@ -27,41 +30,45 @@ use crate::mechanics::contact::{ContactConstraint, ContactSystem};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::{motion_of, position};
 
-/// Times that the step is linearised after the first.
+/// Number of linearisations after the first.
 const PASSES: usize = 3;
-/// Displacement of a position, in radii, below which another linearisation changes little.
+/// Displacement of a position, in radii, below which another linearisation would change little.
 const SMALL_MOVE: f64 = 0.05;
-/// Farthest that one of them moves a position, in radii; the first goes as far beyond what the step moves.
+/// Largest displacement of a position in one linearisation, in radii; the first linearisation
+/// allows this much beyond the motion of the step.
 const FARTHEST: f64 = 2.0;
-/// Gap up to which contacts count beyond what the step closes without contact, in radii: those that are pushed together.
+/// Largest gap of contacts that are included, in radii, beyond the distance that the step closes
+/// without contact: other contacts may push them together.
 const MARGIN: f64 = 0.5;
-/// Sweeps over the contacts, and the change of a force in units of the largest that ends them.
+/// Number of sweeps over the contacts, and the change of a force, relative to the largest force,
+/// at which they end.
 const SWEEPS: usize = 100;
 const SWEPT: f64 = 1e-3;
-/// Sweeps after which the gaps at which contacts rest follow their forces.
+/// Number of sweeps after which the rest gaps of contacts are updated for their forces.
 const SWEEPS_PER_REST: usize = 5;
 
 /// A contact between sweeps.
 struct Touch {
     /// Contact points at rest: gap along the normal, and slip since the step began, m.
     start: Vector3,
-    /// Gap at which it rests under its force, m.
+    /// Gap at which the contact rests under its force, m.
     rest: f64,
     force: Vector3,
     response: Option<Response>,
 }
 
 impl System {
-    /// Moves `unknowns`, the prediction of a step at which the system has been linearised, by the contact forces that it
-    /// leads to, and starts the iterations with these, where they differ much from those of the last step; returns whether
-    /// that is so. `radius` is that of the thinnest rod, m.
+    /// Predicts the contact forces if they differ much from those of the last step; returns
+    /// whether they do. Moves `unknowns`, the predicted unknowns at which the system was
+    /// linearised, by these forces, and starts the iterations with them. `radius` is that of the
+    /// thinnest rod, m.
     pub(crate) fn predict_contacts(
         &mut self,
         unknowns: &mut [f64],
         stage: &Stage,
         radius: f64,
     ) -> bool {
-        // It solves with the rods alone, each for itself.
+        // The system is solved for each rod separately.
         if !self.assembly.joints.is_empty() || self.terms.couple_nodes() {
             return false;
         }
@@ -98,7 +105,7 @@ impl System {
         true
     }
 
-    /// The unknowns at the start of a step, except held ones, which are at its end.
+    /// The unknowns at the start of a step, but held unknowns at its end.
     pub(super) fn at_start(&self, unknowns: &[f64], stage: &Stage) -> Vec<f64> {
         let ends = unknowns.iter().zip(&self.assembly.held);
         ends.zip(&stage.start)
@@ -106,8 +113,9 @@ impl System {
             .collect()
     }
 
-    /// One of these passes, which moves no position beyond the second `reach`; the first is the radius of the thinnest rod, m.
-    /// Returns the farthest move of a node, m, or `None` where the rods are not stable or without contact.
+    /// Runs one linearisation, which moves no position beyond the second `reach`; the first
+    /// `reach` is the radius of the thinnest rod, m. Returns the farthest move of a node, m, or
+    /// `None` if the rods are not stable or there is no contact.
     fn predict_once(
         &mut self,
         unknowns: &mut [f64],
@@ -175,7 +183,8 @@ impl System {
             }
             let (mut change, mut largest) = (0.0_f64, 0.0_f64);
             for k in 0..touches.len() {
-                // Forwards and backwards: a force at one end of a chain of contacts reaches the other in one sweep.
+                // Sweeps forwards and backwards: a force at one end of a chain of contacts reaches
+                // the other end in one sweep.
                 let k = if sweep % 2 == 0 {
                     k
                 } else {
@@ -207,7 +216,7 @@ impl System {
 }
 
 impl Touch {
-    /// A contact whose points have `slid` by so much since the step began, m.
+    /// A contact with points that have `slid` by this distance since the step began, m.
     fn new(constraint: &ContactConstraint, slid: Vector3) -> Self {
         let normal = constraint.normal;
         Self {
@@ -218,7 +227,8 @@ impl Touch {
         }
     }
 
-    /// Takes the force that its laws require while all others stay; returns the change, N.
+    /// Sets the force that the laws of this contact require while all others are fixed; returns
+    /// the change, N.
     fn relax(
         &mut self,
         constraint: &ContactConstraint,

@@ -1,4 +1,4 @@
-//! Rods that land on a floor, by the prediction alone.
+//! Rods that land on a floor, with the prediction alone.
 
 use super::*;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
@@ -36,7 +36,8 @@ fn raft(model: ContactModel) -> Scene {
     }
 }
 
-/// Where the prediction moves the nodes of a scene in a step that begins with the same velocity everywhere, m.
+/// Predicted displacements of the nodes of a scene in a step with the same initial velocity
+/// everywhere, m.
 fn moves(scene: &Scene, velocity: Vector3) -> Option<Vec<Vector3>> {
     let mut system = System::new(scene).unwrap();
     let start = system.assembly.unknowns.clone();
@@ -77,7 +78,7 @@ fn moves(scene: &Scene, velocity: Vector3) -> Option<Vec<Vector3>> {
 fn rods_that_land_keep_of_their_speed_what_friction_leaves() {
     for model in SOFT_MODELS {
         let scene = raft(model);
-        // The floor takes all of the fall, and friction of the slide what it can bear.
+        // The floor stops the whole fall, and friction slows the slide as far as it can.
         let fall = 0.5;
         for slide in [0.0, 0.1, 0.5, 1.0] {
             let velocity = Vector3::new(0.6 * slide, 0.8 * slide, -fall);
@@ -86,7 +87,7 @@ fn rods_that_land_keep_of_their_speed_what_friction_leaves() {
             for moved in moves(&scene, velocity).unwrap() {
                 let error = moved - along;
                 assert!(error.xy().norm() < 0.02 * STEP * fall, "{slide}: {moved}");
-                // They rest where the contact law bears what stopped them.
+                // The rods rest where the contact law carries the force that stopped them.
                 assert!(error.z > -GAP && error.z < GAP, "{slide}: {moved}");
             }
         }
@@ -95,8 +96,8 @@ fn rods_that_land_keep_of_their_speed_what_friction_leaves() {
 
 #[test]
 fn rods_that_would_pass_each_other_within_a_step_stay_on_their_side() {
-    // Each over the middle of one that is held and crosses it, from which it would be 1.5 diameters away at the end of the
-    // step, on the other side.
+    // Each rod is over the middle of a held rod that crosses it; without contact it would be 1.5
+    // diameters away on the other side at the end of the step.
     let mut scene = raft(ContactModel::ImplicitContact);
     scene.planes.clear();
     let crossed = scene.rods.clone().into_iter().map(|mut rod| {

@@ -12,7 +12,7 @@ use crate::mechanics::rod::STRIDE;
 pub(super) struct Part {
     /// First unknown of the rod.
     first: usize,
-    /// Its rows among those of all contacts.
+    /// Rows of the contact on this rod among the rows of all contacts.
     rows: [usize; 2],
 }
 
@@ -30,17 +30,19 @@ pub(super) struct Response {
 pub(super) struct Responses<'a> {
     factor: &'a BandedFactor,
     assembly: &'a Assembly,
-    /// Start of the rows of each node, and of the angle of each edge, of whose rows the first entries count.
+    /// Start of the rows of each node and of the angle of each edge; only the first entries of
+    /// these rows are used.
     of_node: Vec<Option<usize>>,
     of_angle: Vec<Option<usize>>,
-    /// Motion of an unknown by unit forces on a node along the three axes, m/N.
+    /// Motion of an unknown under unit forces on a node along the three axes, m/N.
     rows: Vec<[f64; 4]>,
-    /// The same by unit forces at a contact.
+    /// Motion of an unknown under unit forces at a contact, m/N.
     of_contacts: Vec<[f64; 4]>,
 }
 
 impl Response {
-    /// The friction, N, of at most `most`, that ends the slip at a contact, or else acts against it; `drag` is the present one.
+    /// The friction, N, of at most `most`, that stops the slip at a contact, or opposes it if it
+    /// cannot; `drag` is the present friction.
     pub(crate) fn friction(&self, drag: &Vector3, apart: &Vector3, most: f64) -> Vector3 {
         let [p, q] = self.along.map(|direction| direction.dot(apart));
         let [a, b, c] = self.yielding;
@@ -160,7 +162,7 @@ impl<'a> Responses<'a> {
                 rows: [begin, begin + count],
             });
         }
-        // A contact of one rod turns the edges on both sides of its place.
+        // A contact of one rod turns the edges on both sides of the contact point.
         for (k, turn) in constraint.turns.iter().enumerate() {
             if let (Some((edge, slide)), Some(part)) = (turn, parts[k].or(parts[0])) {
                 let begin = self.of_angle(*edge);
@@ -196,7 +198,7 @@ impl<'a> Responses<'a> {
         Vector3::from_fn(|axis, _| self.moved(STRIDE * node + axis, parts, force))
     }
 
-    /// Turn of an edge under a force at a contact, rad.
+    /// Rotation of an edge under a force at a contact, rad.
     fn turn_of(&self, edge: usize, parts: &[Option<Part>; 2], force: &Vector3) -> f64 {
         self.moved(STRIDE * edge + 3, parts, force)
     }

@@ -1,5 +1,7 @@
-//! Contact as a function of what a step begins with, for adjoints of motions: friction of the start of the step, and the contact stiffness of
-//! the stiffness before, the forces at the prediction, and the energies that bound its rise ([`super::contact_stiffness`]).
+//! Dependence of contact on the state at the start of a step, for adjoints of motions. Friction
+//! depends on the positions at the start. The contact stiffness depends on the previous stiffness,
+//! on the forces at the prediction, and on the energies that bound its rise
+//! ([`super::contact_stiffness`]).
 
 use super::contact::Contact;
 use super::contact_stiffness::{MADE, allowed_by_contacts, stored_at_start};
@@ -10,38 +12,44 @@ use crate::mechanics::contact::{ActiveLaw, Adaption, ContactSystem, Damper};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
 
-/// Part of the stiffness over which its bound, which is piecewise rational in it, is differentiated.
+/// Relative change of the stiffness for differences of its bound, which is a piecewise rational
+/// function of the stiffness.
 const PART: f64 = 1e-5;
 
-/// How the contact stiffness of a step was found.
+/// Rule by which the contact stiffness of a step was determined.
 pub(crate) struct StiffnessCourse {
-    /// By the forces at the prediction.
+    /// The forces at the prediction determined it.
     pub adaption: Adaption,
     /// Transposed Jacobian of these forces.
     pub jacobian: WholeMatrix,
-    /// Where energies bound its rise.
+    /// Derivatives of the bound if energies bound the rise of the stiffness.
     pub bound: Option<StiffnessBound>,
 }
 
-/// Derivatives of a stiffness that energies bound.
+/// Derivatives of a stiffness with a rise bounded by energies.
 pub(crate) struct StiffnessBound {
-    /// Over the stiffness before, and over that which the forces want.
+    /// With respect to the previous stiffness, and to the stiffness that the forces require.
     pub stiffness: [f64; 2],
-    /// Over the unknowns at the start of the step, and the velocities at the start of the stage.
+    /// With respect to the unknowns at the start of the step, and to the velocities at the start
+    /// of the stage.
     pub start: Vec<f64>,
     pub velocity: Vec<f64>,
-    /// Over the unknowns of the prediction, where the entry of an angle is that over the spin of the frame.
+    /// With respect to the unknowns of the prediction; the entry of an angle is the derivative
+    /// with respect to the spin of the frame.
     pub prediction: Vec<f64>,
 }
 
-/// Stiffness of an active set over that of the rods: what breaks its equations, and what rounding leaves of the rods' own stiffness.
+/// Ratio of the stiffness of an active set to that of the rods. Its inverse is the relative
+/// violation of the constraints; it also limits the digits that rounding leaves of the rods' own
+/// stiffness.
 const SHUT: f64 = 1e7;
 
 impl System {
-    /// Takes over the contacts that pressed in a step by complementarity, at its solution, as laws for derivatives.
+    /// Sets the contacts that pressed in a step by complementarity as laws for derivatives, at the
+    /// solution of the step.
     ///
     /// # Errors
-    /// The reason why there are none.
+    /// The reason why there are no such laws.
     pub(crate) fn set_active_laws(
         &mut self,
         laws: Vec<ActiveLaw>,
@@ -70,7 +78,7 @@ impl System {
         set
     }
 
-    /// Contacts that pressed in the last step, where they do by complementarity.
+    /// Contacts that pressed in the last step, if contact is by complementarity.
     pub(crate) fn pressing(&self) -> Vec<ActiveLaw> {
         match self.contact() {
             Some(contact) if self.has_constraints() => contact.pressing(),
@@ -78,14 +86,14 @@ impl System {
         }
     }
 
-    /// Takes over the laws for derivatives of another simulation.
+    /// Copies the laws for derivatives of another simulation.
     pub(crate) fn share_active_laws(&mut self, other: &Self) {
         if let (Some(own), Some(other)) = (&mut self.terms.contact.model, other.contact()) {
             own.share_active_laws(other.active_laws());
         }
     }
 
-    /// Contacts of the last evaluation that rub, as functions of the start of the step.
+    /// Contacts of the last evaluation with friction, as functions of the start of the step.
     pub(crate) fn dampers(&self, unknowns: &[f64], stage: &Stage) -> Vec<Damper> {
         let Some(contact) = self.contact() else {
             return Vec::new();
@@ -95,15 +103,17 @@ impl System {
         contact.dampers(&positions, &stage.positions, stage.step)
     }
 
-    /// Derivative of −λ·R over the contact stiffness k, for a virtual motion λ at the last evaluation.
+    /// Derivative of −λ·R with respect to the contact stiffness k, for a virtual motion λ at the
+    /// last evaluation.
     pub(crate) fn work_over_contact_stiffness(&self, motion: &[f64]) -> f64 {
         let work =
             |contact: &ContactSystem| contact.work_over_stiffness(|node| position(motion, node));
         self.contact().map_or(0.0, work)
     }
 
-    /// How the stiffness `adapted` was found from the one `before` at `unknowns`, the prediction of a step, which the last evaluation then is
-    /// that of, without contact; `None` where it was not.
+    /// Rule by which the stiffness `adapted` followed from the stiffness `before` at `unknowns`,
+    /// the prediction of a step; `None` if the rule cannot be reproduced. The last evaluation is
+    /// then the one at `unknowns` without contact.
     pub(crate) fn stiffness_course(
         &mut self,
         unknowns: &[f64],
@@ -138,7 +148,8 @@ impl System {
         course
     }
 
-    /// The bound of a rise of the stiffness, k = k₀ + (k₁ − k₀) A/U with the energies A allowed and U made, and its derivatives.
+    /// Bound on a rise of the stiffness, k = k₀ + (k₁ − k₀) A/U, with the allowed energy A and the
+    /// added energy U; and its derivatives.
     fn stiffness_bound(
         &self,
         contact: &mut ContactSystem,

@@ -1,19 +1,23 @@
-//! The contact stiffness of a step, and the energy that its change adds.
+//! The contact stiffness of a step, and the energy added by its change.
 //!
-//! A contact that carries a force stores the energy k φ(g) of its gap g. Where its stiffness k rises from one step to the next, as
-//! it does with the contact forces, the gap is still that of the softer contact, and the energy rises spuriously with k.
-//! Under typical contact forces the increase is a force times a part of δ, and is lost again as contacts open. Rods
-//! that collide at high speed, however, penetrate far into a soft contact: when it becomes a thousand times as stiff, it
-//! pushes them apart with many times their initial energy. So k rises only as far as the added energy is small.
+//! A contact that carries a force stores the energy k φ(g) at its gap g. When its stiffness k
+//! rises from one step to the next, as it does with the contact forces, the gap is still that of
+//! the softer contact, so the energy rises spuriously with k. Under typical contact forces the
+//! increase is a force times a fraction of δ, and is lost again as contacts open. Rods that
+//! collide at high speed, however, penetrate far into a soft contact; a contact that becomes a
+//! thousand times as stiff pushes them apart with many times their initial energy. So k rises only
+//! as far as the added energy is small.
 
 use super::{Stage, System, copy_positions};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactSystem, Stored};
 use crate::mechanics::rod::{STRIDE, topology::position};
 
-/// Energy that a rise of the stiffness may add, over the kinetic and elastic energy of the scene.
+/// Energy that a rise of the stiffness may add, relative to the kinetic and elastic energy of the
+/// scene.
 pub(super) const MADE: f64 = 1e-4;
-/// The same for every contact, of the work over δ of the force for which it rises: the energy of contacts that carry this force.
+/// Energy that a rise may add per contact, relative to the work over δ of the force that causes
+/// the rise, which is the energy of contacts that carry this force.
 const MADE_BY_CONTACT: f64 = 0.2;
 
 impl System {
@@ -31,7 +35,7 @@ impl System {
         self.terms.contact.model = Some(contact);
     }
 
-    /// Takes positions and forces without contact, those of an evaluation without it.
+    /// Stores positions and forces of an evaluation without contact.
     pub(super) fn take_forces(&mut self, unknowns: &[f64]) {
         for node in 0..self.terms.contact.forces.len() {
             let held = self.assembly.held[STRIDE * node];
@@ -49,14 +53,14 @@ impl System {
         self.contact().map_or(0.0, ContactSystem::stiffness)
     }
 
-    /// Restores the contact stiffness before a step that is repeated.
+    /// Restores the previous contact stiffness when a step is repeated.
     pub(crate) fn restore_contact_stiffness(&mut self, stiffness: f64) {
         if let Some(contact) = &mut self.terms.contact.model {
             contact.set_stiffness(stiffness);
         }
     }
 
-    /// Energy that the change of the contact stiffness from `before` has made in this step, J.
+    /// Energy that the change of the contact stiffness from `before` has added in this step, J.
     pub(crate) fn energy_of_stiffening(&mut self, before: f64) -> f64 {
         let Some(contact) = &mut self.terms.contact.model else {
             return 0.0;
@@ -69,8 +73,8 @@ impl System {
         stored_at_start(contact, now, &self.terms.contact.step_start).energy - stored
     }
 
-    /// Lowers the contact stiffness, risen from `before`, as far as the energy of the contacts at the start of a step requires
-    /// for.
+    /// Lowers a contact stiffness that has risen from `before` as far as the contact energy at the
+    /// start of a step requires.
     pub(crate) fn bound_contact_stiffness(&mut self, before: f64, stage: &Stage) {
         if let Some(mut contact) = self.terms.contact.model.take() {
             self.bound_stiffness(&mut contact, before, stage);
@@ -78,8 +82,8 @@ impl System {
         }
     }
 
-    /// Makes contact stiffer by this factor, in a time step where that adds little energy; returns whether it did. Contact by
-    /// complementarity is rigid already.
+    /// Increases the contact stiffness by this factor, in a time step only if that adds little
+    /// energy; returns whether it did. Contact by complementarity is already rigid.
     pub(crate) fn stiffen_contact(&mut self, factor: f64, stage: Option<&Stage>) -> bool {
         if self.has_constraints() {
             return false;
@@ -101,7 +105,7 @@ impl System {
         is_stiffer
     }
 
-    /// Lowers the stiffness, risen from `before`, to where it makes no more energy than is allowed.
+    /// Lowers a stiffness that has risen from `before` until it adds at most the allowed energy.
     fn bound_stiffness(&self, contact: &mut ContactSystem, before: f64, stage: &Stage) {
         let wanted = contact.stiffness();
         if wanted <= before {
@@ -134,12 +138,12 @@ impl System {
     }
 }
 
-/// Energy that a rise of the stiffness to the present one may add by the forces of so many contacts, J.
+/// Energy that a rise to the present stiffness may add with this number of contacts, J.
 pub(super) fn allowed_by_contacts(contact: &ContactSystem, stored: Stored) -> f64 {
     MADE_BY_CONTACT * stored.contacts as f64 * contact.work_over_tolerance()
 }
 
-/// Energy of the contacts at the start of the step with the stiffness k, which is kept.
+/// Contact energy at the start of the step with the stiffness k, J; the value is cached.
 pub(super) fn stored_at_start(
     contact: &mut ContactSystem,
     stiffness: f64,

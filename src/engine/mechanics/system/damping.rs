@@ -1,17 +1,18 @@
 //! Damping by the material: Kelvin–Voigt, stresses E (ε + T ε̇) with the retardation time T = η/E, and the standard linear solid.
 //!
-//! A dashpot acts in parallel to every spring of the discrete rod, K T ε̇ in parallel to K (ε − ε̃), for the
-//! strains of the vertices and the
-//! lengths of the edges. They turn with the rod, so that a motion as a rigid body meets no resistance, however large. In an
-//! implicit stage of the size H the rate is the difference of the scheme, taken of the strains themselves:
+//! A dashpot acts in parallel to every spring of the discrete rod: K T ε̇ in parallel to K (ε −
+//! ε̃), for the strains of the vertices and the lengths of the edges. Dashpots turn with the rod,
+//! so that a rigid motion meets no resistance, however large it is. In an implicit stage of the
+//! size H the rate is the difference formula of the scheme, applied to the strains themselves:
 //!
 //! ```text
 //! ε̇ = (ε − ε̂)/H,     ε̂ = εₙ + α₁ (εₙ₋₁ − εₙ) + α₂ (εₙ₋₂ − εₙ)
 //! ```
 //!
-//! with α = 0 for implicit Euler and the weights of backward differences otherwise. In the standard linear solid (Zener) a spring
-//! and a dashpot in series act in parallel to the spring, of the stiffness rK and the relaxation time τ. Their force, K q, follows
-//! q̇ = r ε̇ − q/τ, and where strains are linear in a step of the size Δt it is at its end exactly
+//! with α = 0 for implicit Euler and the weights of backward differences otherwise. In the
+//! standard linear solid (Zener) a spring of the stiffness rK and a dashpot in series, with the
+//! relaxation time τ, act in parallel to the spring. Their force K q follows q̇ = r ε̇ − q/τ. If
+//! strains are linear in a step of the size Δt, it is exactly, at the end of the step,
 //!
 //! ```text
 //! q = e^(−x) qₙ + r γ (ε − εₙ),     x = Δt/τ,     γ = (1 − e^(−x))/x
@@ -24,12 +25,14 @@
 //! ε* = (ε̃ + T/H ε̂ + r γ εₙ − e^(−x) qₙ)/(1 + T/H + r γ)
 //! ```
 //!
-//! so that a damped rod is in each stage an elastic one of another stiffness and other natural strains: gradient and Hessian are
-//! those of [`crate::mechanics::rod`], exact, symmetric and banded. For an edge, whose strain is its length l, K is EA/l̃, the
-//! natural length l* and the stiffness of stretching EA (1 + T/H + r γ) l*/l̃.
+//! so that in each stage a damped rod is equivalent to an elastic one with another stiffness and
+//! other natural strains: gradient and Hessian are those of [`crate::mechanics::rod`], exact,
+//! symmetric and banded. For an edge, whose strain is its length l, K is EA/l̃, the natural length
+//! l* and the stretching stiffness EA (1 + T/H + r γ) l*/l̃.
 //!
-//! Each step of implicit Euler loses T/H K (εₙ₊₁ − εₙ)² ≥ 0 in the dashpots parallel to the springs. The midpoint rule would need the
-//! rate in the middle of the step, which is not such a difference where strains are not linear in the unknowns: it is refused.
+//! Each step of implicit Euler loses T/H K (εₙ₊₁ − εₙ)² ≥ 0 in the dashpots parallel to the
+//! springs. The midpoint rule is rejected: it needs the rate in the middle of the step, which is
+//! not such a difference if strains are nonlinear in the unknowns.
 
 use super::System;
 use super::build::Assembly;
@@ -40,10 +43,11 @@ use crate::mechanics::SceneError;
 use crate::mechanics::rod::{ElasticEnergy, ElasticRods, RodGeometry, Vertex};
 use crate::mechanics::scene::{Relaxation, Scene};
 
-/// A step over the relaxation time below which (1 − γ)/x is ½ − x/6 to all digits that matter.
+/// Ratio of step to relaxation time below which (1 − γ)/x equals ½ − x/6 to all significant
+/// digits.
 const SHORT: f64 = 1e-6;
 
-/// The midpoint rule has no rate of a strain that is not linear in the unknowns.
+/// The midpoint rule does not define the rate of a strain that is nonlinear in the unknowns.
 const NO_MIDPOINT: SceneError = SceneError::Unsuitable(
     "viscous rods need time.scheme = \"implicit-euler\" or \"backward-differences\"",
 );
@@ -51,19 +55,19 @@ const NO_MIDPOINT: SceneError = SceneError::Unsuitable(
 /// Dashpots of all rods.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Damping {
-    /// Retardation time of each rod, s, and what relaxes in it; empty where no rod is damped.
+    /// Retardation time, s, and relaxation of each rod; empty if no rod is damped.
     rods: Vec<(f64, Option<Relaxation>)>,
     /// Strains of the vertices, then lengths of the edges (m), at the starts of the last steps, the latest first.
     history: [Vec<f64>; 3],
     /// q of all strains, at the start of the present step; empty without viscous parts.
     relaxing: Vec<f64>,
-    /// Vertices to which q belongs: their nodes, and which of their edges are those of clamps.
+    /// Vertices to which q belongs: their nodes, and flags for edges that are those of clamps.
     places: Vec<(usize, [bool; 2])>,
-    /// The stage that the rods are in; `None` at rest.
+    /// The present stage of the rods; `None` at rest.
     stage: Option<Difference>,
-    /// The rods as elastic ones of that stage.
+    /// The equivalent elastic rods of that stage.
     acting: ElasticRods,
-    /// Room for the strains of the last evaluation.
+    /// Scratch: strains of the last evaluation.
     strains: Vec<f64>,
 }
 
@@ -94,12 +98,13 @@ struct Beside {
 }
 
 impl Beside {
-    /// Stiffness in addition to that of the springs, over it.
+    /// Ratio of the additional stiffness to that of the springs.
     fn stiffness(&self) -> f64 {
         self.dashpot + self.relaxing
     }
 
-    /// q at the end of a step in which a strain changes by so much, from that at its start.
+    /// Value of q at the end of a step in which a strain changes by a given amount, from its value
+    /// at the start.
     fn relaxed(&self, start: f64, change: f64) -> f64 {
         self.kept * start + self.relaxing * change
     }
@@ -121,12 +126,12 @@ impl Damping {
         self.rods.is_empty()
     }
 
-    /// Whether a spring and a dashpot in a row lie in any rod.
+    /// Whether any rod has a spring and a dashpot in series.
     pub(crate) fn relaxes(&self) -> bool {
         self.rods.iter().any(|rod| rod.1.is_some())
     }
 
-    /// The rods without their dashpots are in no stage.
+    /// Resets the rods to rest, without dashpots.
     pub(crate) fn rest(&mut self) {
         self.stage = None;
     }
@@ -158,7 +163,7 @@ impl Damping {
         }
     }
 
-    /// K T/H of each strain in the present stage; `None` where no rod is damped.
+    /// K T/H of each strain in the present stage; `None` if no rod is damped.
     pub(super) fn dashpots(&self, assembly: &Assembly) -> Option<Vec<f64>> {
         self.stage?;
         let strains = all_strains(assembly);
@@ -169,7 +174,7 @@ impl Damping {
         )
     }
 
-    /// Weights of the strains at the starts of the present step and of the two before it in ε̂.
+    /// Weights in ε̂ of the strains at the starts of the present step and of the two before it.
     pub(super) fn start_weights(&self) -> [f64; 3] {
         let [last, earlier] = self.stage.map_or([0.0; 2], |stage| stage.weights);
         [1.0 - last - earlier, last, earlier]
@@ -183,7 +188,7 @@ impl Damping {
             return start;
         };
         let change = |of: &[f64], weight: f64| match weight {
-            // There may be none, or of other vertices.
+            // There may be no stored strains, or those of other vertices.
             0.0 => 0.0,
             _ => weight * (of[strain] - start),
         };
@@ -200,7 +205,7 @@ impl Damping {
         pulled / (1.0 + beside.stiffness())
     }
 
-    /// Makes the rods elastic ones of the present stage.
+    /// Replaces the rods by the equivalent elastic ones of the present stage.
     fn stiffen(&mut self, assembly: &Assembly) {
         let rods = &assembly.rods;
         let mut acting = std::mem::take(&mut self.acting);
@@ -234,7 +239,7 @@ fn rod_of(assembly: &Assembly, edge: usize) -> usize {
     assembly.locate(edge).0
 }
 
-/// Kind of a strain, by which its energy counts.
+/// Kind of a strain, to which its energy is attributed.
 #[derive(Clone, Copy, PartialEq)]
 enum StrainKind {
     Stretching,
@@ -242,7 +247,7 @@ enum StrainKind {
     Twisting,
 }
 
-/// Kind, rod and stiffness K of each strain, in the order in which they are kept.
+/// Kind, rod and stiffness K of each strain, in storage order.
 fn all_strains(assembly: &Assembly) -> impl Iterator<Item = (StrainKind, usize, f64)> {
     let rods = &assembly.rods;
     let of_vertices = rods.vertices.iter().flat_map(|vertex| {
@@ -281,7 +286,7 @@ impl Damping {
         self.history[0] = strains;
     }
 
-    /// Gives each vertex its q where clamps have come or gone; that of a new one is relaxed.
+    /// Assigns q to the vertices after clamps were added or removed; a new vertex has a relaxed q.
     pub(super) fn place(&mut self, assembly: &Assembly) {
         if !self.relaxes() {
             return;
@@ -310,8 +315,8 @@ impl Damping {
         self.relaxing = relaxing;
     }
 
-    /// A step was accepted: the strains at its start are those of the step before, and what relaxes has done so until the last
-    /// evaluation, altogether where that was of no stage.
+    /// Accepts a step: the strains at its start become those of the step before, and q relaxes up
+    /// to the last evaluation, or completely if that evaluation had no stage.
     pub(crate) fn keep(&mut self, assembly: &Assembly, geometry: &RodGeometry) {
         if self.relaxes() {
             let mut relaxing = std::mem::take(&mut self.relaxing);
@@ -329,7 +334,8 @@ impl Damping {
         self.history.rotate_right(1);
     }
 
-    /// Energy of the springs that lie in a row with a dashpot, of one rod or of all, ½ K q²/r, at the end of the last step, J.
+    /// Energy of the springs in series with a dashpot, of one rod or of all, ½ K q²/r, at the end
+    /// of the last step, J.
     pub(super) fn relaxing_energy(&self, assembly: &Assembly, of: Option<usize>) -> ElasticEnergy {
         let mut energy = ElasticEnergy::default();
         for (relaxing, (kind, rod, stiffness)) in self.relaxing.iter().zip(all_strains(assembly)) {
@@ -391,14 +397,15 @@ impl Term for Damping {
         self.relaxing_energy(assembly, None)
     }
 
-    /// The elastic rods of the stage include the forces of the dashpots; the term has no forces of its own.
+    /// The equivalent elastic rods of the stage include the forces of the dashpots; the term
+    /// itself adds no forces.
     fn add_forces(&self, _: &Configuration, _: &mut [f64]) {}
 
     fn accept(&mut self, assembly: &Assembly, geometry: &RodGeometry) {
         self.keep(assembly, geometry);
     }
 
-    /// Strains at the starts of the steps before the present one, and what relaxes.
+    /// Strains at the starts of the steps before the present one, and the relaxing parts q.
     fn memory(&self) -> Vec<Vec<f64>> {
         if self.is_empty() {
             return Vec::new();
@@ -440,8 +447,8 @@ impl System {
         self.terms.damping.begin(&self.assembly, &self.geometry);
     }
 
-    /// Sets up the dashpots of a stage `step` (s) long in a step of a `size` (s), whose differences weigh earlier strains with
-    /// `weights`.
+    /// Sets up the dashpots for a stage of the length `step` (s) in a step of the length `size`
+    /// (s); `weights` are those of earlier strains in its differences.
     pub(crate) fn damp(&mut self, step: f64, size: f64, weights: [f64; 2]) {
         let damping = &mut self.terms.damping;
         if damping.is_empty() {
@@ -463,7 +470,7 @@ impl System {
         }
     }
 
-    /// The rods with the forces of their dashpots in the last stage.
+    /// The equivalent elastic rods of the last stage, which include the forces of their dashpots.
     pub(super) fn acting_rods(&self) -> &ElasticRods {
         match self.terms.damping.stage {
             Some(_) => &self.terms.damping.acting,
@@ -471,7 +478,8 @@ impl System {
         }
     }
 
-    /// Energy that dashpots dissipate from the start of a step to the last evaluation, at its end, J.
+    /// Energy that dashpots dissipate from the start of a step to the last evaluation, at its end,
+    /// J.
     pub(crate) fn viscous_loss(&self) -> f64 {
         let damping = &self.terms.damping;
         if damping.stage.is_none() {
@@ -485,7 +493,7 @@ impl System {
             let change = end - damping.history[0][index];
             let mut loss = beside.dashpot * (end - damping.before(index)) * change;
             if beside.ratio > 0.0 {
-                // Of the work of its mean, the spring in the row keeps some.
+                // The spring in series stores part of the work of the mean force.
                 let start = damping.relaxing[index];
                 let end = beside.relaxed(start, change);
                 let kept = 0.5 * (end * end - start * start) / beside.ratio;

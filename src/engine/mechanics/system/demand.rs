@@ -1,9 +1,9 @@
-//! Demands on a scene, which its forces may refuse.
+//! Demands on a scene, which some of its forces may not support.
 
 /// Demand on a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Demand {
-    /// Start at the end of another run.
+    /// Starting from the final state of another run.
     Start,
     /// Contact forces by complementarity.
     RigidContact,
@@ -13,7 +13,7 @@ pub(crate) enum Demand {
     BackwardDifferences,
     /// A stable equilibrium.
     Equilibrium,
-    /// The nearest equilibrium, stable or not, of which the energy is judged.
+    /// The nearest equilibrium, stable or not, judged by its energy.
     NearbyEquilibrium,
     /// A path of equilibria.
     Path,

@@ -1,14 +1,16 @@
-//! Bodies whose centre of mass is off the node that carries them.
+//! Bodies with a centre of mass away from the node that carries them.
 //!
-//! The centre of such a body, of the mass m, is at x + r with r = Σ cₖ pₖ by the tips pₖ = ℓ R eₖ of its principal axes
-//! ([`super::joints`], `frame`), whose masses mₖ have the energy of its rotation about the centre. So its kinetic energy
+//! The centre of such a body, of the mass m, is at x + r. Here r = Σ cₖ pₖ, with the tips pₖ = ℓ R
+//! eₖ of its principal axes ([`super::joints`], `frame`), whose masses mₖ give the energy of its
+//! rotation about the centre. So its kinetic energy
 //!
 //! ```text
 //! ½ m |ẋ + ṙ|² + ½ Σ mₖ ṗₖ² = ½ m ẋ² + m ẋ·Σ cₖ ṗₖ + ½ m |Σ cₖ ṗₖ|² + ½ Σ mₖ ṗₖ²
 //! ```
 //!
-//! is a quadratic form of the velocities of node and tips with constant coefficients: time schemes treat it like the masses of
-//! nodes, however far the body turns, and momenta are kept as theirs are. Its weight acts with the parts cₖ m on the tips.
+//! is a quadratic form of the velocities of node and tips with constant coefficients. Time schemes
+//! treat it like the masses of nodes, however far the body turns, and conserve momenta in the same
+//! way. The weight of the body acts on the tips with the parts cₖ m.
 
 use super::joints::EccentricMass;
 use super::{Assembly, Stage};
@@ -18,7 +20,7 @@ use crate::mechanics::rod::topology::{add_to_node, position};
 use std::ops::Range;
 
 impl EccentricMass {
-    /// r, m, or its rate, from those of the tips.
+    /// r (m) or its rate, from the tips or their rates.
     pub(crate) fn arm_of(&self, tips: &[Vector3; 3]) -> Vector3 {
         tips.iter()
             .zip(self.parts)
@@ -26,7 +28,7 @@ impl EccentricMass {
             .sum()
     }
 
-    /// The same from all unknowns, or from their velocities.
+    /// r (m) or its rate, from all unknowns or their velocities.
     pub(crate) fn arm(&self, unknowns: &[f64]) -> Vector3 {
         self.arm_of(&[0, 1, 2].map(|k| position(unknowns, self.first_tip + k)))
     }
@@ -39,7 +41,8 @@ impl Assembly {
         frames.filter_map(|frame| frame.eccentric.as_ref())
     }
 
-    /// Adds to the residual their inertia under the accelerations of a stage at `unknowns`, in addition to that of the masses of nodes and tips.
+    /// Adds to the residual the inertia of these bodies under the accelerations of a stage at
+    /// `unknowns`, beyond that of the masses of nodes and tips.
     pub(super) fn add_eccentric_inertia(
         &self,
         stage: &Stage,
@@ -62,7 +65,8 @@ impl Assembly {
         }
     }
 
-    /// Their kinetic energy in addition to that of the masses of nodes and tips, for those whose tips are among some places, J.
+    /// Kinetic energy of these bodies beyond that of the masses of nodes and tips, J; only of
+    /// bodies whose tips are in the given range.
     pub(super) fn eccentric_energy(&self, places: &Range<usize>, velocity: &[f64]) -> f64 {
         let own = self
             .eccentric()
@@ -74,7 +78,8 @@ impl Assembly {
         energies.sum()
     }
 
-    /// Their momentum, kg m/s, and angular momentum about the origin, kg m²/s, in addition to those of the masses of nodes and tips.
+    /// Momentum, kg m/s, and angular momentum about the origin, kg m²/s, of these bodies beyond
+    /// those of the masses of nodes and tips.
     pub(super) fn eccentric_momenta(&self, unknowns: &[f64], velocity: &[f64]) -> [Vector3; 2] {
         let mut momenta = [Vector3::zeros(); 2];
         for body in self.eccentric() {
@@ -87,7 +92,8 @@ impl Assembly {
         momenta
     }
 
-    /// Masses at the tips of bodies: their unknowns along x, each with a mass, kg; those along y and z follow.
+    /// Masses at the tips of bodies: the unknown along x, followed by those along y and z, and the
+    /// mass, kg.
     pub(super) fn weights_of_tips(&self) -> Vec<(usize, f64)> {
         let weights = self.eccentric().flat_map(|body| {
             let of_tip =

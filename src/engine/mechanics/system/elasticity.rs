@@ -1,4 +1,5 @@
-//! The elasticity of rods as a term: gradient and Hessian of [`crate::mechanics::rod`], in one sweep where both are needed.
+//! Elasticity of rods as a term: gradient and Hessian of [`crate::mechanics::rod`], in one sweep
+//! if both are needed.
 
 use super::build::Assembly;
 use super::newton_matrix::Entries;

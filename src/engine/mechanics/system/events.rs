@@ -1,4 +1,4 @@
-//! Times at which prescribed values change their rate: corners of schedules, of motions and of poses.
+//! Times at which the rates of prescribed values change: corners of schedules, motions and poses.
 
 use super::System;
 
@@ -7,8 +7,8 @@ use super::System;
 pub(crate) struct Event {
     /// Time, s.
     pub time: f64,
-    /// Jump of the velocity of the clamp or obstacle that moves so, m/s; infinite for a load and for a natural strain, whose
-    /// effect depends on what it acts on.
+    /// Jump of the velocity of the moving clamp or obstacle, m/s. Infinite for a load and for a
+    /// natural strain, whose effect depends on the scene.
     pub velocity_jump: f64,
 }
 
@@ -23,7 +23,8 @@ impl Event {
 }
 
 impl System {
-    /// Lists the events of all terms and clamps, in the order of time; to be called where one of them changes.
+    /// Lists the events of all terms and clamps in order of time; call this whenever one of them
+    /// changes.
     pub(crate) fn list_events(&mut self) {
         let mut events = Vec::new();
         for term in self.terms.all() {
@@ -46,7 +47,8 @@ impl System {
             .map_or(f64::INFINITY, |event| event.time)
     }
 
-    /// Largest jump of a velocity among the events from `after` (not itself) to `until`, m/s; `None` where there is none.
+    /// Largest jump of a velocity among the events after `after` and up to `until`, m/s; `None` if
+    /// there are none.
     pub(crate) fn largest_jump(&self, after: f64, until: f64) -> Option<f64> {
         let first = self.events.partition_point(|event| event.time <= after);
         let events = self.events[first..].iter();

@@ -6,7 +6,7 @@ use crate::mechanics::scene::{Load, piecewise_linear};
 /// The factor of a load as a function of time.
 #[derive(Clone, Debug)]
 pub(crate) struct Scale {
-    /// Number of the load in the scene, if it is one.
+    /// Index of the load in the scene; `None` for other forces.
     pub load: Option<usize>,
     /// Factor at given times, s; 1 where empty.
     pub schedule: Vec<(f64, f64)>,
@@ -15,7 +15,7 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
-    /// That of a load of the scene.
+    /// Creates the factor of a load of the scene.
     pub(crate) fn of(number: usize, load: &Load) -> Self {
         Self {
             load: Some(number),
@@ -24,7 +24,7 @@ impl Scale {
         }
     }
 
-    /// That of what no load of the scene describes and no schedule changes.
+    /// Creates the constant factor 1, for forces that are not loads of the scene.
     pub(crate) fn steady() -> Self {
         Self {
             load: None,
@@ -33,7 +33,7 @@ impl Scale {
         }
     }
 
-    /// Sets the other factor if it is that of a load of the scene.
+    /// Sets the additional factor if this is the factor of the given load of the scene.
     pub(crate) fn set_factor(&mut self, load: usize, factor: f64) {
         if self.load == Some(load) {
             self.factor = factor;

@@ -13,7 +13,8 @@
 //! ∂F/∂e = [ (t·F) 1 − t Fᵀ ]/l + (t × F) cᵀ,     ∂F/∂θ = t × F
 //! ```
 //!
-//! It has no potential: its work around a closed way is not zero, and the Jacobian is not symmetric.
+//! The force has no potential: its work around a closed path is not zero, and the Jacobian is not
+//! symmetric.
 
 use super::factor::Scale;
 use crate::linalg::ElementMatrix;
@@ -28,9 +29,9 @@ pub(crate) struct FollowerForce {
     pub start: usize,
     /// Node at its end.
     pub end: usize,
-    /// Parts of the force on the two nodes.
+    /// Fractions of the force that act on the two nodes.
     pub shares: [f64; 2],
-    /// Along the two material directors and the tangent, N.
+    /// Components along the two material directors and the tangent, N.
     pub components: Vector3,
     /// Factor over time.
     pub scale: Scale,
@@ -43,7 +44,8 @@ impl FollowerForce {
         frame.director_1 * first + frame.director_2 * second + frame.tangent * along
     }
 
-    /// Its derivatives over the edge vector, N/m, and over the angle of the edge, N.
+    /// Derivatives of the force with respect to the edge vector, N/m, and to the angle of the
+    /// edge, N.
     pub(crate) fn jacobian(&self, time: f64, frame: &EdgeFrame) -> (Matrix3, Vector3) {
         let (force, tangent) = (self.force(time, frame), &frame.tangent);
         let about_tangent = tangent.cross(&force);
@@ -52,7 +54,7 @@ impl FollowerForce {
         (over_edge, about_tangent)
     }
 
-    /// The nodes at its ends with their parts.
+    /// The nodes at the ends of the edge with their fractions.
     pub(crate) fn on_nodes(&self) -> impl Iterator<Item = (usize, f64)> {
         [self.start, self.end].into_iter().zip(self.shares)
     }
@@ -74,8 +76,8 @@ pub(crate) fn element_of_edge(start: usize, end: usize) -> [usize; 12] {
     element
 }
 
-/// Takes from an element over x_start, θ, x_end the derivatives of a force over the edge x_end − x_start and over θ, of
-/// which the two nodes take their shares: R = −F.
+/// Subtracts, from an element over x_start, θ, x_end, the derivatives of a force with respect to
+/// the edge x_end − x_start and to θ. The two nodes have fractions of the force, and R = −F.
 pub(super) fn subtract_on_edge(
     matrix: &mut ElementMatrix,
     shares: [f64; 2],
@@ -148,7 +150,7 @@ mod tests {
     #[test]
     fn the_jacobian_of_loads_that_turn_with_the_rod_is_exact() {
         let mut system = System::new(&scene()).unwrap();
-        // Away from the frames of reference, where transport has a holonomy.
+        // Away from the reference frames, where parallel transport has a holonomy.
         let mut unknowns = system.assembly.unknowns.clone();
         for (k, unknown) in unknowns.iter_mut().enumerate() {
             if !system.assembly.held[k] {

@@ -1,14 +1,15 @@
-//! Nodes that are grasped and released while the scene runs.
+//! Grasp and release of nodes while the scene runs.
 //!
-//! A grasp is a clamp that is added at the present configuration. Held positions leave the Newton system as
-//! those of the scene's clamps do. A held frame splits the vertex at the node in two halves, one to either side of a
-//! ghost edge (as [`crate::mechanics::scene::Clamp`] describes): with Voronoi lengths l̄ = l̄₀ + l̄₁, the halves have
-//! the natural strains κ̃ l̄ᵢ/l̄ and the stiffness EI/l̄ᵢ, and the ghost edge is in the middle of turn and twist, so that
-//! the energy stays the same except for terms of fourth order in the turning angle. A release joins the halves again:
-//! their natural strains add, and so do the inverses of their stiffness. Weights of vertices beside clamps
-//! ([`VertexWeights`]) stay the same, since others would move a stressed rod by themselves: what a released clamp
-//! leaves behind cancels up to the fourth order, and a grasp is of second order. At a free end, which carries no moment, the
-//! ghost edge continues the last edge, without stress.
+//! A grasp is a clamp that is added at the present configuration. Held positions leave the Newton
+//! system like those of the scene's clamps. A held frame splits the vertex at the node in two
+//! halves, one on each side of a ghost edge (as [`crate::mechanics::scene::Clamp`] describes).
+//! With Voronoi lengths l̄ = l̄₀ + l̄₁, the halves have the natural strains κ̃ l̄ᵢ/l̄ and the
+//! stiffness EI/l̄ᵢ, and the ghost edge is in the middle of turn and twist, so that the energy
+//! stays the same up to terms of fourth order in the turning angle. A release joins the halves:
+//! their natural strains add, and so do the inverses of their stiffness. Weights of vertices
+//! beside clamps ([`VertexWeights`]) do not change, since a change would move a stressed rod. The
+//! traces of a released clamp cancel up to the fourth order, and a grasp is of second order. At a
+//! free end, which carries no moment, the ghost edge continues the last edge without stress.
 
 use super::term::Term;
 use super::{Drive, System};
@@ -27,7 +28,7 @@ use serde::{Deserialize, Serialize};
 pub struct Grasp {
     /// Its position.
     pub position: bool,
-    /// Tangent and material frame of the rod there.
+    /// Tangent and material frame of the rod at the node.
     pub frame: bool,
 }
 
@@ -42,7 +43,7 @@ pub struct Interventions {
     load_factors: Vec<f64>,
     /// Values of the actuations that a program sets.
     given: Vec<(usize, Vec<f64>)>,
-    /// Held degrees of freedom and vertices, if a node was ever grasped or released.
+    /// Held degrees of freedom and vertices, if any node was grasped or released.
     switched: Option<Switched>,
 }
 
@@ -61,12 +62,13 @@ struct Neighbours {
 }
 
 impl System {
-    /// Takes hold of a node of the whole scene where it is at `unknowns`; returns the number of the clamp. The clamp
-    /// rests until it is given a motion, relative to where and when it took hold.
+    /// Grasps a node of the whole scene at its position in `unknowns`; returns the index of the
+    /// new clamp. The clamp rests until it gets a motion, which is relative to the position and
+    /// time of the grasp.
     ///
     /// # Errors
-    /// A sentence: the node does not exist, is held already, is part of a rigid obstacle, or is the joint of a ring,
-    /// whose frame cannot be grasped.
+    /// A message if the node does not exist, is already held, is part of a rigid obstacle, or is
+    /// the joint of a ring, whose frame cannot be grasped.
     pub(crate) fn grasp(
         &mut self,
         node: usize,
@@ -132,10 +134,11 @@ impl System {
         Ok(self.assembly.drives.len() - 1)
     }
 
-    /// Releases a clamp of the scene or of a grasp; its number is not used again.
+    /// Releases a clamp of the scene or of a grasp; its index is not used again.
     ///
     /// # Errors
-    /// A sentence: the clamp does not exist, was released, or holds an edge together with an adjacent clamp.
+    /// A message if the clamp does not exist, was released, or holds an edge together with an
+    /// adjacent clamp.
     pub(crate) fn release(&mut self, clamp: usize, unknowns: &[f64]) -> Result<(), String> {
         let drives = &self.assembly.drives;
         let Some(drive) = drives.get(clamp) else {
@@ -180,7 +183,8 @@ impl System {
     /// Sets the values of an actuation.
     ///
     /// # Errors
-    /// A sentence: it does not exist, has another course, or another number of values.
+    /// A message if the actuation does not exist, has another course, or has another number of
+    /// values.
     pub(crate) fn give_actuation(&mut self, number: usize, values: &[f64]) -> Result<(), String> {
         let actuators = &mut self.terms.actuators;
         actuators.give(number, values, &mut self.assembly)
@@ -206,10 +210,10 @@ impl System {
         }
     }
 
-    /// Repeats the recorded grasps and releases on a fresh system of the same scene.
+    /// Repeats the recorded grasps and releases on a new system of the same scene.
     ///
     /// # Errors
-    /// The difference, if it belongs to another scene.
+    /// The difference if the record belongs to another scene.
     pub(crate) fn restore_interventions(
         &mut self,
         done: Interventions,
@@ -264,7 +268,7 @@ impl System {
         Ok(())
     }
 
-    /// Adapts all other data to the held degrees of freedom and the present vertices.
+    /// Updates all other data for the held degrees of freedom and the present vertices.
     fn rebuild(&mut self, unknowns: &[f64]) {
         self.switched = true;
         self.note_prescribed_nodes();
@@ -331,7 +335,8 @@ impl System {
         found.map_or(0.0, |index| 0.5 * edges[index].natural_length)
     }
 
-    /// Tangent and director at a node at the last evaluation: in the middle between its edges, or those of its edge.
+    /// Tangent and director at a node at the last evaluation: the mean of its two edges, or those
+    /// of its only edge.
     fn frame_at(&self, neighbours: &Neighbours, node: usize) -> GhostEdge {
         let edges = &self.geometry.edges;
         let (Some(before), Some(after)) = (neighbours.before, neighbours.after) else {
@@ -367,7 +372,7 @@ impl System {
         let nodes = self.assembly.rods.nodes;
         let angle = |edge: usize| unknowns[STRIDE * edge + 3];
         let mut ghosts = Vec::new();
-        // The natural strains per length, the stiffness times length, and half of the twist now.
+        // Natural strains per length, stiffness times length, and half of the present twist.
         let (natural, stiffness, strain, weights, half_twist) =
             match (neighbours.before, neighbours.after) {
                 (Some(before), Some(after)) => {
@@ -436,7 +441,7 @@ impl System {
         ghosts
     }
 
-    /// Weights of the vertex of two halves.
+    /// Weights of the vertex formed by two halves.
     fn joined_weights(&self, first: &Vertex, second: &Vertex) -> VertexWeights {
         let [one, other] = [first.before, second.after].map(|edge| self.half_length(edge));
         let mean = |weight: fn(&VertexWeights) -> f64| {
@@ -449,7 +454,7 @@ impl System {
         }
     }
 
-    /// Removes ghost edges with their half vertices, and joins the halves to whole ones.
+    /// Removes ghost edges with their half vertices, and joins the halves to full vertices.
     fn remove_walls(&mut self, mut ghosts: Vec<usize>) {
         let nodes = self.assembly.rods.nodes;
         let mut halves = Vec::new();
@@ -492,7 +497,7 @@ impl System {
             });
             self.reference.twist.push(twist + other_twist);
         }
-        // The last first, so that the numbers of the others stay.
+        // In descending order, so that the indices of the others stay valid.
         ghosts.sort_unstable_by(|a, b| b.cmp(a));
         for ghost in ghosts {
             self.ghosts.remove(ghost);

@@ -1,4 +1,4 @@
-//! Parts of a scene in its fluid in addition to its rods.
+//! Bodies other than rods in the fluid of a scene.
 
 use super::Assembly;
 use crate::mechanics::fluid::{FluidModel, Sphere};
@@ -23,8 +23,9 @@ impl Assembly {
         spheres.collect()
     }
 
-    /// Resistance of the fluid to the spin of edges about their axes, the torque 4πη r² ω per length of a long cylinder: a
-    /// coefficient for each unknown, N m s. Half an edge that ends in a sphere turns with that.
+    /// Resistance of the fluid to the spin of edges about their axes: a coefficient for each
+    /// unknown, N m s, from the torque 4πη r² ω per length of a long cylinder. A half edge inside
+    /// a sphere at its end turns with the sphere and adds none.
     pub(super) fn spin_resistance(&self, scene: &Scene) -> Option<Vec<f64>> {
         let viscosity = match scene.fluid {
             Some(

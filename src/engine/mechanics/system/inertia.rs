@@ -1,5 +1,6 @@
-//! Inertia as a term, M/hₐ ((q − qₙ)/h − vₙ), with the masses that neighbours share ([`super::mass`]) and those of bodies whose
-//! centre is off their node ([`super::eccentric`]).
+//! Inertia as a term, M/hₐ ((q − qₙ)/h − vₙ), including the masses that neighbours share
+//! ([`super::mass`]) and those of bodies with a centre away from their node
+//! ([`super::eccentric`]).
 
 use super::build::Assembly;
 use super::newton_matrix::Entries;

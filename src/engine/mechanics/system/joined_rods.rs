@@ -1,4 +1,5 @@
-//! The joints and bodies of a scene whose rods are numbered: the owners of positions, and the masses of bodies.
+//! Joints and bodies of a scene with numbered rods: the owners of positions, and the masses of
+//! bodies.
 
 use super::Assembly;
 use super::joints::{EccentricMass, JointPlan, PlannedFrame, PlannedSlide, Slide, Track};
@@ -9,10 +10,11 @@ use crate::mechanics::scene::{Body, Clamp, RodNode, Scene};
 use crate::mechanics::{JointError, SceneError, Vector3};
 
 impl Assembly {
-    /// Joins the rods, which have their nodes, clamps and ghost edges, and adds their bodies.
+    /// Joins the rods, which already have their nodes, clamps and ghost edges, and adds the
+    /// bodies.
     ///
     /// # Errors
-    /// [`SceneError::Joint`] where clamps hold what joints hold, or a body is none.
+    /// [`SceneError::Joint`] if clamps hold a motion that joints hold, or if a body is invalid.
     pub(super) fn join(&mut self, scene: &Scene, plan: &JointPlan) -> Result<(), SceneError> {
         self.share_points(scene, plan)?;
         for (number, planned) in plan.frames.iter().enumerate() {
@@ -50,12 +52,13 @@ impl Assembly {
         Ok(())
     }
 
-    /// Number of a node among those of all rods.
+    /// Index of a node among those of all rods.
     fn number(&self, at: &RodNode) -> usize {
         self.rods.rods[at.rod].first_node + at.node
     }
 
-    /// Gives the position of joined nodes to one of them, to that which a clamp holds where there is one.
+    /// Makes one of several joined nodes the owner of their position: a clamped node if there is
+    /// one.
     fn share_points(&mut self, scene: &Scene, plan: &JointPlan) -> Result<(), SceneError> {
         for group in &plan.points {
             let is_held = |at: &&RodNode| self.held[STRIDE * self.number(at)];
@@ -77,7 +80,7 @@ impl Assembly {
         Ok(())
     }
 
-    /// Makes a frame turn as another one, with one measure of length.
+    /// Couples the rotation of a frame to another frame, with a common length scale.
     fn weld(&mut self, number: usize, base: usize) {
         let frames = &mut self.joints.frames;
         let length = frames[number].length.min(frames[base].length);
@@ -88,7 +91,8 @@ impl Assembly {
         self.joints.welds.push(places);
     }
 
-    /// Makes the rotation of a frame an unknown, or its angle where it turns on a hinge, and gives it an element.
+    /// Makes the rotation of a frame an unknown, or its angle if it turns on a hinge, and adds its
+    /// element.
     fn free_frame(&mut self, number: usize, at: &RodNode, is_held: bool) {
         let node = self.number(at);
         let frame = &mut self.joints.frames[number];
@@ -101,10 +105,11 @@ impl Assembly {
         self.held[first + 3] = !is_hinged;
     }
 
-    /// The clamp that holds the frame of a rigid joint, if one does.
+    /// The clamp that holds the frame of a rigid joint, if any.
     ///
     /// # Errors
-    /// [`SceneError::Joint`] where clamps hold frames that hinges, bodies or breaking joints turn, or several hold one frame.
+    /// [`SceneError::Joint`] if clamps hold frames that hinges, bodies or breaking joints turn, or
+    /// if several clamps hold one frame.
     fn clamp_of_frame(
         &self,
         scene: &Scene,
@@ -139,7 +144,7 @@ impl Assembly {
         Ok(holding)
     }
 
-    /// Turns the frames that clamps hold as these are turned at a time, s.
+    /// Turns the frames held by clamps to the orientation of the clamps at a time, s.
     pub(super) fn turn_held_frames(&mut self, time: f64) {
         for frame in &mut self.joints.frames {
             if let Some(clamp) = frame.clamp {
@@ -148,7 +153,7 @@ impl Assembly {
         }
     }
 
-    /// Makes a node follow a place along a rod, which becomes an unknown.
+    /// Makes a node follow a point along a rod, whose parameter becomes an unknown.
     fn free_slide(&mut self, planned: &PlannedSlide, place: usize) {
         let [node, start] = planned.nodes.each_ref().map(|at| self.number(at));
         let mut points = self.joints.points.iter();
@@ -163,7 +168,7 @@ impl Assembly {
         let track = Track::new(&range, planned.rail, &lengths);
         let unknown = STRIDE * place + 3;
         self.unknowns[unknown] = track.parameter(start);
-        // The rest of its place is unused, and is at the node.
+        // The other unknowns of this slot are unused, and are at the node.
         self.unknowns
             .copy_within(STRIDE * node..STRIDE * node + 3, STRIDE * place);
         self.held[STRIDE * place..unknown].fill(true);
@@ -171,8 +176,8 @@ impl Assembly {
         self.joints.slides.push(slide);
     }
 
-    /// Gives a frame the inertia of a body that a rod carries: masses at the tips of its principal axes, and that of its centre
-    /// where this is off the node.
+    /// Gives a frame the inertia of a body that a rod carries: masses at the tips of its principal
+    /// axes, and the mass of its centre if this is away from the node.
     fn add_inertia(&mut self, number: usize, body: &Body) {
         let (rod, inertia) = (body.at.rod, body.inertia.unwrap_or_default());
         let node = self.number(&body.at);
@@ -232,7 +237,8 @@ impl Assembly {
         Ok(())
     }
 
-    /// Sets the initial rotation rates of frames and bodies by the motion of the rods that carry them.
+    /// Sets the initial rotation rates of frames and bodies from the motion of the rods that carry
+    /// them.
     fn start_rotations(&mut self, scene: &Scene) {
         for number in 0..self.joints.frames.len() {
             let frame = &self.joints.frames[number];
@@ -254,7 +260,7 @@ impl Assembly {
         }
         for &[own, owner] in &self.joints.welds {
             let [own, owner] = [own, owner].map(|place| STRIDE * place);
-            // The one that carries a body turns already.
+            // The frame that carries a body already rotates.
             if position(&self.velocity, own / STRIDE) == Vector3::zeros() {
                 self.velocity.copy_within(owner..owner + 3, own);
             } else {
@@ -264,7 +270,7 @@ impl Assembly {
     }
 }
 
-/// Fault of the joint or body at a node.
+/// Error of the joint or body at a node.
 fn wrong(scene: &Scene, at: &RodNode, reason: JointError) -> SceneError {
     let joint = scene.joints.iter().find(|joint| joint.nodes.contains(at));
     let body = scene.bodies.iter().find(|body| body.at == *at);

@@ -13,8 +13,9 @@ impl System {
             .shift(all, shift, spin_shift, &self.assembly.held);
     }
 
-    /// The same with a shift for each rod (N/m), its frames and the nodes that slide with it, and `spin` (m²) times it for angles and
-    /// places along rods.
+    /// Adds a shift for each rod (N/m) to the Jacobian, including the rod's frames and the nodes
+    /// that slide with it; for angles and parameters along rods the shift is multiplied by `spin`
+    /// (m²).
     pub(crate) fn shift_rods(&mut self, shift_of: impl Fn(usize) -> f64, spin: f64) {
         for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
             let unknowns = STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes);
@@ -22,7 +23,7 @@ impl System {
             self.matrix
                 .shift(unknowns, shift, shift * spin, &self.assembly.held);
         }
-        // Frames that turn and nodes that slide, with the rod that carries them.
+        // Frames that turn and nodes that slide, with the rod that carries each.
         let joints = &self.assembly.joints;
         let frames = joints
             .frames
@@ -44,14 +45,14 @@ impl System {
         }
     }
 
-    /// Factors the Jacobian; returns its inertia where it is symmetric.
+    /// Factors the Jacobian; returns its inertia if it is symmetric.
     ///
     /// # Errors
     /// The unknown at which the matrix is singular.
     pub fn factor(&mut self) -> Result<Option<Inertia>, SingularMatrix> {
         let slides = &self.assembly.joints.slides;
         if slides.is_empty() {
-            // The last one may have broken.
+            // The last factorisation may have failed.
             self.border = Border::default();
             return self.matrix.factor();
         }
@@ -63,11 +64,11 @@ impl System {
         (self.border).factor(joints, held, &diagonals, inertia, solve)
     }
 
-    /// Writes the Newton direction −J⁻¹R, zero at held unknowns, with the contact forces of the linearised
-    /// laws that the Jacobian belongs to.
+    /// Writes the Newton direction −J⁻¹R, zero at held unknowns. R contains the contact forces of
+    /// the linearised laws, to which the Jacobian belongs.
     ///
     /// # Errors
-    /// A system that is singular to working precision.
+    /// If the system is singular to working precision.
     pub fn direction(&mut self, direction: &mut [f64]) -> Result<(), SingularMatrix> {
         self.correct_residual();
         for k in 0..direction.len() {
@@ -94,7 +95,7 @@ impl System {
         &self.assembly.joints.slides
     }
 
-    /// Whether something rubs: the forces of an equilibrium then depend on the way to it.
+    /// Whether there is friction: the forces of an equilibrium then depend on its history.
     pub(crate) fn rubs(&self) -> bool {
         self.terms.contact.rubs()
     }
@@ -102,7 +103,7 @@ impl System {
     /// Solves J x = b in place with the factors of the last factorisation; x is zero at held unknowns.
     ///
     /// # Errors
-    /// A system that is singular to working precision.
+    /// If the system is singular to working precision.
     pub(crate) fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), SingularMatrix> {
         let joints = &self.assembly.joints;
         joints.gather_points(right_hand_side);
@@ -119,7 +120,7 @@ impl System {
         Ok(())
     }
 
-    /// Moves nodes whose positions others determine, as when the Jacobian was factored.
+    /// Moves nodes with dependent positions, with the coefficients of the factored Jacobian.
     fn spread(&self, moves: &mut [f64]) {
         let joints = &self.assembly.joints;
         joints.spread_points(moves);

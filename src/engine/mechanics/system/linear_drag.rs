@@ -1,5 +1,5 @@
-//! Linear drag, C (q − qₙ)/h with a coefficient for each unknown: that of loads of the scene, which may change over time, and that
-//! by which a fluid resists that edges spin.
+//! Linear drag, C (q − qₙ)/h with a coefficient for each unknown: the drag of loads of the scene,
+//! which may change over time, and the resistance of a fluid to the spin of edges.
 
 use super::build::Assembly;
 use super::events::Event;

@@ -23,14 +23,17 @@ pub(crate) struct Loads {
     pub followers: Vec<FollowerForce>,
     /// Dead forces (N) and moments (N m) on the unknowns at the present time.
     pub present: Vec<f64>,
-    /// Factors of the dead loads of which these are sums, and whether the other part has changed since.
+    /// Factors of the dead loads in these sums, and whether other contributions have changed
+    /// since.
     present_factors: Vec<f64>,
     has_other_external: bool,
-    /// Forces (N) and moments (N m) of another solver on the unknowns, which are part of these from the next [`Term::drive`] on.
+    /// Forces (N) and moments (N m) of another solver on the unknowns; they are included from the
+    /// next [`Term::drive`] on.
     external: Vec<f64>,
     /// Acceleration of gravity, with schedules, for the potential energy.
     gravity: Vec<(Vector3, Scale)>,
-    /// Masses at the tips of bodies whose centre of mass is off their node: unknown along x and mass, kg.
+    /// Masses at the tips of bodies with a centre of mass away from their node: unknown along x
+    /// and mass, kg.
     weights_of_tips: Vec<(usize, f64)>,
     /// Factor of each load of the scene in addition to its schedule.
     factors: Vec<f64>,
@@ -51,15 +54,15 @@ pub(crate) struct EdgeMoment {
     pub start: usize,
     /// Node at its end.
     pub end: usize,
-    /// In space, or along the two material directors and the tangent, N m.
+    /// Components in space, or along the two material directors and the tangent, N m.
     moment: Vector3,
-    /// Whether it turns with the edge.
+    /// Whether the moment turns with the edge.
     turns: bool,
     scale: Scale,
 }
 
 impl Loads {
-    /// Whether any of them is a force or a moment.
+    /// Whether any load is a force or a moment.
     pub(crate) fn are_forces(&self) -> bool {
         !self.dead.is_empty() || !self.moments.is_empty()
     }
@@ -134,7 +137,7 @@ impl Loads {
                     let at = range.first_node + node;
                     let ends = range.edge_indices().map(|edge| [edge, range.end_of(edge)]);
                     let beside: Vec<[usize; 2]> = ends.filter(|ends| ends.contains(&at)).collect();
-                    // Inside of a rod the frames of the edges on both sides count alike.
+                    // At an inner node the frames of the edges on both sides have equal weight.
                     let part = 1.0 / beside.len() as f64;
                     let shares =
                         |ends: &[usize; 2]| ends.map(|end| if end == at { part } else { 0.0 });
@@ -201,7 +204,8 @@ impl Loads {
         &self.factors
     }
 
-    /// Potential energy of gravity of bodies, from their nodes to their centres of mass, −Σ m g·r, J.
+    /// Potential energy of gravity of bodies for their offsets from node to centre of mass, −Σ m
+    /// g·r, J.
     pub(crate) fn gravitational_energy_of_arms(&self, time: f64, unknowns: &[f64]) -> f64 {
         let mut energy = 0.0;
         for (acceleration, scale) in &self.gravity {
@@ -280,7 +284,7 @@ impl Term for Loads {
         [-works().sum::<f64>(), works().map(f64::abs).sum()]
     }
 
-    /// Neither moments nor forces that turn with the rod have one.
+    /// Moments, and forces that turn with the rod, have no potential.
     fn has_potential(&self) -> bool {
         self.moments.is_empty() && self.followers.is_empty()
     }
@@ -363,7 +367,7 @@ impl Assembly {
         found.ok_or(LoadError::NoSuchRod(rod))
     }
 
-    /// All edges, or those of one rod.
+    /// All edges, or only those of one rod.
     pub(super) fn edges_of(&self, rod: Option<usize>) -> Result<Vec<&Edge>, LoadError> {
         let own = rod.map(|rod| self.range_of(rod)).transpose()?;
         let edges = self.rods.edges.iter();
@@ -373,9 +377,10 @@ impl Assembly {
 }
 
 impl EdgeMoment {
-    /// Generalised forces of the moment m on (x_start, θ, x_end): the edge turns with angular velocity
-    /// t×ṫ + (spin) t, so that the forces on its ends are ∓(m×t)/l ∓ (m·t) c and that on its angle m·t, with the holonomy c of
-    /// the transported frame ([`crate::mechanics::rod::vertex`]).
+    /// Generalised forces of the moment m on (x_start, θ, x_end). The edge turns with the angular
+    /// velocity t×ṫ + (spin) t, so the forces on its ends are ∓(m×t)/l ∓ (m·t) c and the moment on
+    /// its angle is m·t, with the holonomy c of the transported frame
+    /// ([`crate::mechanics::rod::vertex`]).
     pub(crate) fn force(&self, time: f64, frame: &EdgeFrame) -> (Vector3, f64) {
         let moment = self.at(time, frame);
         let spin = moment.dot(&frame.tangent);
@@ -395,10 +400,12 @@ impl EdgeMoment {
         }
     }
 
-    /// Derivatives of the force on the end node over the edge vector and over the angle of the edge, and of the spin moment
-    /// over the edge vector; `source` is the tangent from which the frame is transported.
+    /// Derivatives of the force on the end node with respect to the edge vector and the angle of
+    /// the edge, and of the spin moment with respect to the edge vector; `source` is the tangent
+    /// from which the frame is transported.
     ///
-    /// A moment that turns with the edge ([`super::follower`]) keeps its part along the tangent, and m×t turns as it does.
+    /// A moment that turns with the edge ([`super::follower`]) keeps its component along the
+    /// tangent, and m×t turns with the edge.
     pub(crate) fn jacobian(
         &self,
         time: f64,

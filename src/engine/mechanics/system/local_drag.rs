@@ -1,5 +1,6 @@
-//! The drag of a fluid as a term: F₀ − D ((q − qₙ)/h − v₀), the drag of a motion near that of the stage with its local resistance
-//! D, in which alone it is implicit ([`crate::mechanics::dynamics`], `drag`).
+//! The drag of a fluid as a term: F₀ − D ((q − qₙ)/h − v₀), the drag of a motion near that of the
+//! stage with its local resistance D. Only this local part is implicit
+//! ([`crate::mechanics::dynamics`], `drag`).
 
 use super::build::Assembly;
 use super::newton_matrix::Entries;
@@ -21,7 +22,7 @@ impl Term for LocalDrag {
         Kind::Motion
     }
 
-    /// A stage without fluid has none.
+    /// In a stage without fluid there is no drag.
     fn has_copies(&self) -> bool {
         true
     }

@@ -1,4 +1,5 @@
-//! The mass matrix of rods with consistent inertia: what edges weigh, shared between their nodes as they move.
+//! The mass matrix of rods with consistent inertia, in which nodes share the mass of the edge
+//! between them.
 //!
 //! Between two nodes that move with v₀ and v₁ an edge of mass m moves linearly, with the kinetic energy
 //!
@@ -6,31 +7,36 @@
 //! ½ m ∫₀¹ |(1−s) v₀ + s v₁|² ds = ½ [ m/2 |v₀|² + m/2 |v₁|² − m/6 |v₁ − v₀|² ]
 //! ```
 //!
-//! the "consistent" mass of the finite element method: half of the edge lumped at either node, less a sixth of it on the
-//! difference. In the middle of a uniform rod its stencil is ρA h [⅙, ⅔, ⅙]. To waves e^{ikx} it is lighter than lumped
-//! masses by the factor 1 − (kh)²/6, as the bending of the vertices is softer than that of the rod by (1 − (kh)²/12)²:
-//! the errors cancel, and bending waves have the right speed up to (kh)⁴. The same holds at free and hinged ends, whose
-//! conditions the energy implies, and at clamps with the weights of [`crate::mechanics::rod::VertexWeights`]. Held nodes
-//! move what is beside them as others do; where a clamp jerks, its neighbours react.
+//! the "consistent" mass of the finite element method: half of the edge is lumped at either node,
+//! minus a sixth of it on the difference. In the middle of a uniform rod its stencil is ρA h [⅙,
+//! ⅔, ⅙]. For waves e^{ikx} it is lighter than lumped masses by the factor 1 − (kh)²/6, and the
+//! bending of the vertices is softer than that of the rod by (1 − (kh)²/12)². The errors cancel,
+//! and bending waves have the right speed up to (kh)⁴. The same holds at free and hinged ends,
+//! whose conditions the energy implies, and at clamps with the weights of
+//! [`crate::mechanics::rod::VertexWeights`]. Held nodes act on their neighbours like other nodes;
+//! where a clamp jerks, its neighbours react.
 //!
-//! **Twist.** Angles belong to edges, twist to the vertices between them. Waves of twist are too slow by the factor
-//! 1 − (kh)²/12 of their squared frequency; so the moments of inertia of the two half edges at a vertex are shared with
-//! 1/12: ρJ h [1/12, 10/12, 1/12].
+//! **Twist.** Angles belong to edges, and twist to the vertices between them. The squared
+//! frequency of twist waves is too low by the factor 1 − (kh)²/12, so the moments of inertia of
+//! the two half edges at a vertex are shared with 1/12: ρJ h [1/12, 10/12, 1/12].
 //!
-//! **Stretching** keeps an error of second order. It wants the stencil of twist, bending that of linear interpolation,
-//! and a mass that is not the same in all directions would not keep angular momentum. Axial waves are too fast by
-//! (kh)²/24, as much as they are too slow with lumped masses, the fastest by √3.
+//! **Stretching** keeps an error of second order. It would need the stencil of twist, whereas
+//! bending needs that of linear interpolation, and a mass that differs between directions would
+//! not conserve angular momentum. Axial waves are too fast by (kh)²/24, as much as they are too
+//! slow with lumped masses, the fastest by √3.
 //!
-//! **Rods that are bent.** The nodes follow w − h²/12 w'', the projection of the centreline on polygons in the mean of
-//! squares: where it is bent they lie h²κ/12 outside of it, and a polygon around an arc of the length h has edges of
-//! h (1 + φ²/24) where it turns by φ. Edges here keep the length h, which leaves an error of second order: small where loads
-//! bend a straight rod that measures the angle by which it turns ([`crate::mechanics::rod::BendingStrain`]), large where
-//! rods are bent closely by nature: the lowest frequency of a ring of 25 edges is 1.5 % too high, that with lumped masses
-//! 0.6 %.
+//! **Curved rods.** The nodes follow w − h²/12 w'', the least-squares projection of the centreline
+//! onto polygons: where it is bent they are h²κ/12 outside it, and a polygon around an arc of the
+//! length h has edges of h (1 + φ²/24) where it turns by φ. Edges here keep the length h, which
+//! leaves an error of second order. The error is small if loads bend a straight rod that measures
+//! the angle by which it turns ([`crate::mechanics::rod::BendingStrain`]), and large for rods with
+//! a strong natural curvature: the lowest frequency of a ring of 25 edges is 1.5 % too high, with
+//! lumped masses 0.6 %.
 //!
-//! **Conservation.** The matrix is constant and the same for x, y and z: Σ Mᵢⱼ vⱼ and Σ Mᵢⱼ xᵢ × vⱼ are momentum and
-//! angular momentum, which balance the forces and their moments exactly in space; its rows sum to the lumped masses, so
-//! that weight, and the momentum of the whole, are those of lumped masses.
+//! **Conservation.** The matrix is constant and the same for x, y and z. Σ Mᵢⱼ vⱼ and Σ Mᵢⱼ xᵢ ×
+//! vⱼ are momentum and angular momentum, which balance the forces and their moments exactly in
+//! space. The rows sum to the lumped masses, so weight and total momentum are those of lumped
+//! masses.
 
 use super::shared_mass::Shared;
 use super::{Assembly, Stage};
@@ -42,7 +48,8 @@ use nalgebra::DMatrix;
 use std::ops::Range;
 
 impl Assembly {
-    /// Inertia of each node (kg) in the motion for which that is least: neighbours against each other, where they share masses.
+    /// Inertia of each node (kg) in the motion for which it is least: against the motion of its
+    /// neighbours, where they share masses.
     pub(crate) fn least_inertia(&self) -> Vec<f64> {
         let nodes = self.masses.len() / STRIDE;
         let mut least: Vec<f64> = (0..nodes).map(|node| self.masses[STRIDE * node]).collect();
@@ -54,8 +61,8 @@ impl Assembly {
         least
     }
 
-    /// Adds to the residual what the accelerations of a stage at `unknowns` make of the shared masses: c (a₁ − a₀) at the
-    /// first of two nodes, and the opposite at the second.
+    /// Adds to the residual the inertia of the shared masses under the accelerations of a stage at
+    /// `unknowns`: c (a₁ − a₀) at the first of two nodes, and the opposite at the second.
     pub(super) fn add_shared_inertia(&self, stage: &Stage, unknowns: &[f64], residual: &mut [f64]) {
         if self.consistent.chains.is_empty() {
             return;
@@ -94,8 +101,8 @@ impl Assembly {
         }
     }
 
-    /// Adds `scale` (1/s²) times the shared masses to a band, given by its columns, that has the lumped ones already, and to
-    /// the elements that close rings.
+    /// Adds `scale` (1/s²) times the shared masses to the elements that close rings and to a band,
+    /// given by its columns, that already contains the lumped masses.
     pub(super) fn add_shared_masses(
         &self,
         scale: f64,
@@ -109,8 +116,9 @@ impl Assembly {
             for (node, shared) in (chain.first_node..last).zip(&chain.shared) {
                 for (k, column) in nodes[node].iter_mut().enumerate() {
                     let mass = scale * shared[k];
-                    // What rounding keeps of it beside a stiffness 10¹⁵ times as large is what the diagonals lose, so
-                    // that rows still sum to the masses: a short rod of steel falls as one.
+                    // The diagonals lose exactly the part of the mass that survives rounding
+                    // beside a stiffness 10¹⁵ times as large. So rows still sum to the masses: a
+                    // short steel rod falls as a rigid body.
                     let sum = column[STRIDE] + mass;
                     let kept = sum - column[STRIDE];
                     column[STRIDE] = sum;
@@ -135,12 +143,13 @@ impl Assembly {
         }
     }
 
-    /// The mass matrix of all unknowns, with frames and bodies as placed: unknowns that others own have none of their own.
+    /// The mass matrix of all unknowns, with frames and bodies as placed; unknowns owned by others
+    /// have no mass.
     pub(crate) fn mass_matrix(&self) -> DMatrix<f64> {
         self.mass_matrix_at(&self.unknowns)
     }
 
-    /// The same with frames and bodies turned as at `unknowns`, where they were evaluated last.
+    /// The mass matrix with frames and bodies rotated as at `unknowns`, which were evaluated last.
     pub(crate) fn mass_matrix_at(&self, unknowns: &[f64]) -> DMatrix<f64> {
         let mut matrix = DMatrix::from_diagonal(&self.masses.clone().into());
         for (nodes, shared) in self.consistent.pairs() {
@@ -156,12 +165,12 @@ impl Assembly {
         matrix
     }
 
-    /// All nodes, and the places of frames and of the tips of bodies after them.
+    /// All nodes, followed by the places of frames and of the tips of bodies.
     pub(crate) fn all_places(&self) -> Range<usize> {
         0..self.unknowns.len() / STRIDE
     }
 
-    /// Kinetic energy of some of the nodes, of whole rods, J.
+    /// Kinetic energy of some of the nodes, which must be those of complete rods, J.
     pub(crate) fn kinetic_energy(&self, nodes: &Range<usize>, velocity: &[f64]) -> f64 {
         let unknowns = STRIDE * nodes.start..STRIDE * nodes.end;
         let velocities = velocity[unknowns.clone()].iter();

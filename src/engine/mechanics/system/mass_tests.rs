@@ -1,4 +1,5 @@
-//! The mass matrix against its definition, on a rod of edges of any length and on a ring, beside one with lumped masses.
+//! The mass matrix compared with its definition, on a rod with edges of various lengths and on a
+//! ring, beside a rod with lumped masses.
 
 use super::super::Stage;
 use super::*;
@@ -37,7 +38,7 @@ fn scene() -> Scene {
     }
 }
 
-/// Some velocities that are not a rigid motion, of nodes (m/s) or also of angles.
+/// Velocities that are not a rigid motion, of nodes only (m/s) or also of angles.
 fn velocities(assembly: &Assembly, spins: bool) -> Vec<f64> {
     (0..assembly.unknowns.len())
         .map(|k| {
@@ -82,7 +83,8 @@ fn an_edge_moves_linearly_from_node_to_node() {
     let mut kinetic = 0.0;
     for edge in &assembly.rods.edges {
         let mass = MASS_PER_LENGTH * edge.natural_length;
-        // Two points of Gauss integrate squares of linear functions exactly, two nodes are the lumped masses.
+        // Two Gauss points integrate squares of linear functions exactly; evaluation at the two
+        // nodes gives the lumped masses.
         let inner = if CONSISTENT.contains(&edge.start) {
             12f64.sqrt().recip()
         } else {
@@ -124,7 +126,7 @@ fn forces_energy_and_matrix_are_of_one_positive_form_whose_rows_sum_to_the_lumpe
         .symmetric_eigenvalues()
         .min();
     assert!(lowest > 0.0, "{lowest}");
-    // The band and the elements that close the ring hold the same.
+    // The band and the elements that close the ring contain the same values.
     let mut band = BandedSymmetric::new(velocity.len());
     for (column, mass) in band.columns_mut().iter_mut().zip(&assembly.masses) {
         column[0] = *mass;
@@ -188,8 +190,8 @@ fn rounding_beside_a_large_stiffness_takes_no_mass_from_a_row() {
 #[test]
 fn inertia_takes_momentum_and_angular_momentum_from_nowhere() {
     let assembly = Assembly::new(&scene()).unwrap();
-    // Accelerations of a rigid body: the forces are those of its masses, and so are their moments, to the second moment
-    // of the polygon.
+    // Accelerations of a rigid body: the sums of the forces and moments are those of its masses,
+    // up to the second moment of the polygon.
     let (pull, turn) = (Vector3::new(0.3, -0.2, 0.5), Vector3::new(1.0, 2.0, -0.7));
     let mut moved = vec![0.0; assembly.unknowns.len()];
     for node in CONSISTENT {

@@ -7,10 +7,11 @@
 //! F_fluid = F₀ − D ((q − qₙ)/h − v₀)
 //! ```
 //!
-//! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ of a motion with the velocities v₀ and its local
-//! resistance D; without a [`Stage`] the terms with h fall away and equilibrium remains. The natural strains in E may be
-//! functions of time (`actuation`), and dashpots act in parallel to its springs where rods are viscous (`damping`). Springs between
-//! nodes, between frames and about hinges are part of E (`springs`). Positions that others determine are eliminated (`joints`).
+//! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ of a motion with the velocities v₀ and its
+//! local resistance D. Without a [`Stage`] the terms with h vanish, which gives the equations of
+//! equilibrium. The natural strains in E may be functions of time (`actuation`), and dashpots act
+//! in parallel to its springs in viscous rods (`damping`). Springs between nodes, between frames
+//! and about hinges are part of E (`springs`). Dependent positions are eliminated (`joints`).
 
 mod actuation;
 mod balance;
@@ -105,13 +106,13 @@ static SYSTEMS: AtomicU64 = AtomicU64::new(0);
 pub(crate) struct Divergence {
     /// Iterations spent.
     pub iterations: usize,
-    /// Largest residual, N; NaN where the matrix was singular or a number not finite.
+    /// Largest residual, N; NaN if the matrix was singular or a value not finite.
     pub residual: f64,
     /// Its unknown.
     pub unknown: usize,
 }
 
-/// The terms of a scene, the state of its frames, and Newton's matrix.
+/// The terms of a scene, the state of its frames, and the Newton matrix.
 pub struct System {
     /// Rods, masses, held unknowns and clamps.
     pub assembly: Assembly,
@@ -119,7 +120,7 @@ pub struct System {
     pub(crate) terms: Terms,
     /// Joints and springs that may break.
     breaking: Breaking,
-    /// Frames from which the present step transports.
+    /// Reference frames of the present step for parallel transport.
     pub reference: ReferenceFrames,
     /// Ghost edges at the present time.
     pub ghosts: Vec<GhostEdge>,
@@ -127,16 +128,16 @@ pub struct System {
     pub geometry: RodGeometry,
     /// Time of the present evaluation, s.
     pub time: f64,
-    /// Time of the frames of reference, s.
+    /// Time of the reference frames, s.
     committed_time: f64,
-    /// Residual of the last evaluation, N and N m; at held unknowns what holds them.
+    /// Residual of the last evaluation, N and N m; at held unknowns the reactions.
     pub residual: Vec<f64>,
     corrected_residual: Vec<f64>,
     /// Corners of schedules, in the order of time.
     events: Vec<Event>,
-    /// Whether a node was ever grasped or released.
+    /// Whether any node was grasped or released.
     switched: bool,
-    /// Number among all systems of the program.
+    /// Unique identifier among all systems of the program.
     number: u64,
     matrix: NewtonMatrix,
     /// Border of the matrix for sliding nodes.
@@ -195,10 +196,10 @@ impl System {
         Ok(system)
     }
 
-    /// Checks that the scene meets a demand.
+    /// Checks whether the scene meets a demand.
     ///
     /// # Errors
-    /// The reason of the force that refuses.
+    /// The reason of the term that does not support it.
     pub(crate) fn admit(&self, demand: Demand) -> Result<(), SceneError> {
         self.assembly.joints.admit(demand)?;
         self.terms.admit(demand)
@@ -219,7 +220,8 @@ impl System {
         Some(())
     }
 
-    /// Moves the clamps to `time`: writes prescribed unknowns and ghost edges, and the dead loads.
+    /// Applies the prescribed motion and the dead loads at `time`: sets prescribed unknowns and
+    /// ghost edges.
     pub fn drive(&mut self, time: f64, unknowns: &mut [f64]) {
         self.time = time;
         let committed = self.committed_time;
@@ -248,7 +250,7 @@ impl System {
         }
     }
 
-    /// Makes the frames of the last evaluation the source of the next step.
+    /// Makes the frames of the last evaluation the reference frames of the next step.
     pub(crate) fn commit_frames(&mut self) {
         self.geometry.commit(&mut self.reference);
         self.committed_time = self.time;
@@ -260,7 +262,7 @@ impl System {
         self.ghosts.iter_mut().for_each(|ghost| ghost.spin = 0.0);
     }
 
-    /// Continues from frames that were committed at `time` with `unknowns`.
+    /// Restores the frames that were committed at `time` with `unknowns`.
     pub(crate) fn resume(&mut self, time: f64, unknowns: &[f64], reference: &ReferenceFrames) {
         self.begin_step(None);
         self.reference.clone_from(reference);
@@ -275,7 +277,7 @@ impl System {
         self.assembly.joints.commit();
     }
 
-    /// Keeps what belongs to the last evaluation as that of an accepted step.
+    /// Stores the data of the last evaluation as those of an accepted step.
     pub(crate) fn accept(&mut self) {
         for term in self.terms.all_mut() {
             term.accept(&self.assembly, &self.geometry);
@@ -283,7 +285,7 @@ impl System {
         self.commit_frames();
     }
 
-    /// Elastic energy of the last evaluation, that of springs and of what relaxes included.
+    /// Elastic energy of the last evaluation, including springs and relaxing parts.
     pub fn elastic_energy(&self) -> ElasticEnergy {
         let terms = self.terms.all().into_iter();
         terms.fold(ElasticEnergy::default(), |sum, term| {
@@ -291,13 +293,14 @@ impl System {
         })
     }
 
-    /// Potential of the last evaluation, at `unknowns`, J: elastic and contact energy less the work of the dead
-    /// forces. Moments of fixed direction have none.
+    /// Potential of the last evaluation, at `unknowns`, J: elastic and contact energy minus the
+    /// work of the dead forces. Moments of fixed direction have no potential.
     pub(crate) fn potential(&self, unknowns: &[f64]) -> f64 {
         self.potential_and_size(unknowns)[0]
     }
 
-    /// Sum of the magnitudes that [`Self::potential`] adds up, J: rounding leaves some last digits of it.
+    /// Sum of the magnitudes that [`Self::potential`] adds up, J: the rounding error of the
+    /// potential is a few units in the last place of this sum.
     pub(crate) fn potential_size(&self, unknowns: &[f64]) -> f64 {
         self.potential_and_size(unknowns)[1]
     }
@@ -327,7 +330,7 @@ impl System {
         self.matrix.hold(&self.assembly.held);
     }
 
-    /// The same; returns the Jacobian with the rows of held unknowns.
+    /// Evaluates residual and Jacobian, and returns the Jacobian with the rows of held unknowns.
     pub(crate) fn linearize_whole(
         &mut self,
         unknowns: &[f64],
@@ -339,7 +342,8 @@ impl System {
         whole
     }
 
-    /// The same, transposed: [`Self::solve`] then solves Jᵀ x = b, with the same held unknowns.
+    /// Evaluates residual and transposed Jacobian: [`Self::solve`] then solves Jᵀ x = b, with the
+    /// same held unknowns.
     pub(crate) fn linearize_transposed(
         &mut self,
         unknowns: &[f64],
@@ -384,7 +388,7 @@ impl System {
         }
     }
 
-    /// The same, with the terms and what they add to.
+    /// The configuration at `unknowns`, with the terms and the data that they add to.
     fn parts<'a>(&'a mut self, unknowns: &'a [f64], stage: Option<&'a Stage>) -> Parts<'a> {
         Parts {
             at: Configuration {

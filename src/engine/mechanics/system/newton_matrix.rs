@@ -1,5 +1,5 @@
-//! The Jacobian of the residual: a band for the rods, small dense elements for all that couples distant
-//! nodes, and their factorisation.
+//! The Jacobian of the residual: a band for the rods, small dense elements for couplings between
+//! distant nodes, and their factorisation.
 
 use super::turned_elements::{TurnedElements, matrices_of};
 use super::{Assembly, Stage};
@@ -14,18 +14,20 @@ use std::ops::Range;
 
 const ZERO: ElementMatrix = [[0.0; 12]; 12];
 
-/// The Jacobian and its factors; storage is reused, patterns are kept as long as the same pairs of edges are coupled.
+/// The Jacobian and its factors. Storage is reused, and patterns are kept as long as the same
+/// pairs of edges are coupled.
 ///
-/// Elements are numbered: those of the terms, of which the elasticity of rods comes first (closing vertices of rings and half
-/// vertices at joints), contact candidates of two rods that are coupled, with obstacles one per edge, then (with friction on planes
-/// or obstacles, or rigid contact) one per node. Rods that couple nowhere are factored as a band; contact with planes and obstacles
-/// alone adds no couplings.
+/// Elements are numbered in this order: elements of the terms, first those of the elasticity of
+/// rods (closing vertices of rings and half vertices at joints); coupled contact candidates of two
+/// rods; with obstacles one element per edge; with friction on planes or obstacles, or with rigid
+/// contact, one per node. Without couplings the rods are factored as a band; contact with planes
+/// and obstacles alone adds no couplings.
 pub(crate) struct NewtonMatrix {
     band: BandedSymmetric,
     factor: BandedFactor,
     coupled: Option<CoupledSystem>,
     held: Vec<bool>,
-    /// Positions of joined nodes that others own.
+    /// Positions of joined nodes that are owned by other nodes.
     shared: Vec<SharedUnknown>,
     /// First node of each rod, then the places of frames.
     chains: Vec<usize>,
@@ -35,35 +37,36 @@ pub(crate) struct NewtonMatrix {
     /// Elements of the terms, always present.
     permanent: Vec<Element>,
     permanent_matrices: Vec<ElementMatrix>,
-    /// End of those of each term among them.
+    /// End of the elements of each term in this list.
     ends: Vec<usize>,
-    /// Number of those of the rods.
+    /// Number of elements of the rods.
     closing: usize,
     /// Elements of contacts active in this linearisation.
     active: Vec<(usize, ElementMatrix)>,
     contact_elements: Vec<Element>,
-    /// Element of each candidate among those of contacts; none for one that has its place in the band, or is not coupled.
+    /// Element of each candidate among those of contacts; `None` for a candidate that is part of
+    /// the band or not coupled.
     candidate_elements: Vec<Option<usize>>,
-    /// Where the elements of nodes begin among those of contacts.
+    /// Index of the first element of a node among those of contacts.
     first_node_element: usize,
     /// Elements of the contacts that turn edges, among those of contacts.
     turned_elements: TurnedElements,
-    /// Whether other candidates are coupled than those for which elements were listed.
+    /// Whether the coupled candidates differ from those for which elements were listed.
     candidates_changed: bool,
-    /// Whether contact of nodes with planes and obstacles has elements of its own.
+    /// Whether contact of nodes with planes and obstacles has its own elements.
     lists_nodes: bool,
     uses_band: bool,
     spin_moment: Vec<f64>,
 }
 
-/// A Jacobian with the rows of held unknowns: the change of what holds them.
+/// A Jacobian with the rows of held unknowns, which give the change of the reactions.
 pub(crate) struct WholeMatrix {
     band: BandedSymmetric,
     elements: Vec<(Element, ElementMatrix)>,
 }
 
 impl WholeMatrix {
-    /// Its product with changes of all unknowns.
+    /// Product of the Jacobian with changes of all unknowns.
     pub(crate) fn multiply(&self, changes: &[f64]) -> Vec<f64> {
         let mut product = vec![0.0; changes.len()];
         self.band.multiply(changes, &mut product);
@@ -78,7 +81,7 @@ impl WholeMatrix {
     }
 }
 
-/// Where a term adds its part of the Jacobian.
+/// Target to which a term adds its part of the Jacobian.
 pub(crate) struct Entries<'a> {
     matrix: &'a mut NewtonMatrix,
     /// Its elements.
@@ -91,7 +94,7 @@ impl Entries<'_> {
         self.matrix.band.columns_mut()
     }
 
-    /// The matrices of its elements, in their order.
+    /// The matrices of the term's elements, in their order.
     pub(crate) fn elements(&mut self) -> &mut [ElementMatrix] {
         &mut self.matrix.permanent_matrices[self.own.clone()]
     }
@@ -103,8 +106,9 @@ impl Entries<'_> {
 }
 
 impl NewtonMatrix {
-    /// For terms with such elements; `symmetric` where the forces of all of them have a potential. Contact of nodes with planes and
-    /// obstacles has elements of its own where it `lists_nodes`.
+    /// Creates the matrix for terms with these elements; `symmetric` if the forces of all terms
+    /// have a potential. Contact of nodes with planes and obstacles has its own elements if the
+    /// matrix `lists_nodes`.
     pub(crate) fn new(
         assembly: &Assembly,
         elements: &[Vec<Element>],
@@ -144,7 +148,7 @@ impl NewtonMatrix {
         }
     }
 
-    /// Where a term adds its part, by its number.
+    /// Target for the part of a term, given by its index.
     pub(crate) fn entries_of(&mut self, term: usize) -> Entries<'_> {
         let first = term.checked_sub(1).map_or(0, |last| self.ends[last]);
         Entries {
@@ -179,7 +183,8 @@ impl NewtonMatrix {
         );
     }
 
-    /// Makes what half vertices at joints have added derivatives over the unknowns, with the inertia of bodies.
+    /// Converts the contributions of half vertices at joints to derivatives with respect to the
+    /// unknowns, and adds the inertia of bodies.
     pub(crate) fn turn_frames(
         &mut self,
         assembly: &Assembly,
@@ -258,7 +263,7 @@ impl NewtonMatrix {
         }
     }
 
-    /// Takes the matrices of constraints in place of those of contacts.
+    /// Replaces the matrices of contacts by those of constraints.
     pub(crate) fn set_constraints(
         &mut self,
         contact: &ContactSystem,
@@ -280,8 +285,8 @@ impl NewtonMatrix {
         self.expect_contacts(contact);
     }
 
-    /// Makes room for the contacts that are coupled in a pattern yet to be found, where something couples: to be called
-    /// before [`Self::factor`], also when contacts are added later.
+    /// Reserves entries for the coupled contacts, if there are couplings, in a pattern to be found
+    /// later. Call this before [`Self::factor`], even if contacts are added later.
     pub(crate) fn expect_contacts(&mut self, contact: &ContactSystem) {
         let couples =
             !self.active.is_empty() || !self.permanent.is_empty() || !self.shared.is_empty();
@@ -290,7 +295,8 @@ impl NewtonMatrix {
         }
     }
 
-    /// Lists the elements of the contacts that are coupled, and drops the pattern where they are others than before.
+    /// Lists the elements of the coupled contacts, and drops the pattern if they differ from
+    /// before.
     fn update_elements(&mut self, contact: &ContactSystem) {
         if !self.candidates_changed {
             return;
@@ -347,7 +353,8 @@ impl NewtonMatrix {
         }
     }
 
-    /// Takes the derivative of a force on one node, or on two or three that follow each other, from the band: it is symmetric.
+    /// Subtracts the derivative of a force on one node, or on two or three successive nodes, from
+    /// the band. The derivative must be symmetric.
     fn subtract_in_band(&mut self, nodes: &[usize], jacobian: &ElementMatrix) {
         let nodes = match nodes {
             [first, second] if first == second => &nodes[..1],
@@ -366,12 +373,12 @@ impl NewtonMatrix {
         }
     }
 
-    /// The part of the band of the position of a node, N/m.
+    /// The diagonal block of the band for the position of a node, N/m.
     pub(crate) fn of_position(&self, node: usize) -> Matrix3 {
         Matrix3::from_fn(|row, column| self.band.get(STRIDE * node + row, STRIDE * node + column))
     }
 
-    /// Makes the Jacobian its transpose, before held unknowns are eliminated.
+    /// Transposes the Jacobian, before held unknowns are eliminated.
     pub(crate) fn transpose(&mut self) {
         let active = self.active.iter_mut().map(|(_, matrix)| matrix);
         for matrix in self.permanent_matrices.iter_mut().chain(active) {
@@ -394,22 +401,22 @@ impl NewtonMatrix {
         }
     }
 
-    /// Eliminates held unknowns from the band; the coupled system has them in its pattern.
+    /// Eliminates held unknowns from the band; the coupled system eliminates them by its pattern.
     pub(crate) fn hold(&mut self, held: &[bool]) {
         for (k, _) in held.iter().enumerate().filter(|(_, held)| **held) {
             self.band.hold(k);
         }
     }
 
-    /// Makes the row and the column of an unknown that is eliminated otherwise those of the unit matrix; returns what was
-    /// on its diagonal.
+    /// Replaces the row and column of an unknown that is eliminated in another way by those of the
+    /// unit matrix; returns its former diagonal entry.
     pub(crate) fn isolate(&mut self, unknown: usize) -> f64 {
         let diagonal = self.band.get(unknown, unknown);
         self.band.hold(unknown);
         diagonal
     }
 
-    /// Adds to the diagonal of some free unknowns, one value for positions and one for angles.
+    /// Adds to the diagonal of some free unknowns one value for positions and one for angles.
     pub(crate) fn shift(
         &mut self,
         unknowns: Range<usize>,
@@ -425,7 +432,7 @@ impl NewtonMatrix {
         }
     }
 
-    /// Takes over which unknowns are held, which are shared, and how many ghost edges there are.
+    /// Updates which unknowns are held and which are shared, and the number of ghost edges.
     pub(crate) fn adapt(&mut self, assembly: &Assembly) {
         self.held.clone_from(&assembly.held);
         self.shared = assembly.joints.shared();
@@ -495,9 +502,9 @@ impl NewtonMatrix {
 
     /// Solves with the factors of the last [`Self::factor`].
     ///
-    /// Where strands of nearly parallel edges press on each other without friction, the pivots of the symmetric
-    /// elimination become so small that rounding spoils it; the general one, at twice the cost, then replaces it until
-    /// the pattern changes.
+    /// If strands of nearly parallel edges press on each other without friction, the pivots of the
+    /// symmetric elimination become so small that rounding errors dominate. The general
+    /// elimination, at twice the cost, then replaces it until the pattern changes.
     pub(crate) fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), SingularMatrix> {
         let Some(coupled) = self.coupled.as_mut().filter(|_| !self.uses_band) else {
             self.factor.solve(right_hand_side);

@@ -1,6 +1,8 @@
-//! Forces of code: those of [`NodeForce`], each the gradient of a potential of up to four positions.
+//! Forces defined by code: each [`NodeForce`] is the gradient of a potential of up to four
+//! positions.
 //!
-//! The force of one node is within the band of its rod; several nodes are coupled by an element.
+//! The force on one node is within the band of its rod; a force on several nodes couples them by
+//! an element.
 
 use super::System;
 use super::build::Assembly;
@@ -24,7 +26,7 @@ pub(crate) struct NodeForces(Vec<Placed>);
 #[derive(Clone, Debug)]
 struct Placed {
     force: Arc<dyn NodeForce>,
-    /// Numbers of its nodes among those of all rods.
+    /// Indices of its nodes among those of all rods.
     nodes: Vec<usize>,
     /// Their positions, m.
     positions: Vec<Vector3>,
@@ -51,7 +53,7 @@ impl Placed {
 
 impl Term for NodeForces {
     /// # Errors
-    /// [`SceneError::Force`] for nodes that do not exist, none, or too many.
+    /// [`SceneError::Force`] if the nodes do not exist, or if there are none or too many.
     fn new(scene: &Scene, assembly: &mut Assembly) -> Result<Self, SceneError> {
         let mut placed = Vec::new();
         for force in &scene.forces {
@@ -83,7 +85,7 @@ impl Term for NodeForces {
         self.0.is_empty()
     }
 
-    /// The unknowns of those of several nodes.
+    /// The unknowns of each force on several nodes.
     fn elements(&self, _: &Assembly) -> Vec<Element> {
         let coupled = self.0.iter().filter(|force| force.is_coupled());
         let element = |force: &Placed| {
@@ -158,7 +160,7 @@ impl Term for NodeForces {
 }
 
 impl NodeForces {
-    /// Takes the positions from `unknowns`.
+    /// Reads the positions from `unknowns`.
     fn follow(&mut self, unknowns: &[f64]) {
         for force in &mut self.0 {
             let nodes = force.nodes.iter();
@@ -167,7 +169,7 @@ impl NodeForces {
         }
     }
 
-    /// Gives `assembly` what the last digits of positions leave in the forces as placed.
+    /// Adds the rounding errors of the forces as placed to those of `assembly`.
     fn round(&self, assembly: &mut Assembly) {
         for force in &self.0 {
             let hessian = force.hessian();
@@ -179,7 +181,7 @@ impl NodeForces {
 }
 
 impl System {
-    /// Force on the first node of a force of code at the last evaluation, N.
+    /// Force on the first node of a force defined by code at the last evaluation, N.
     pub(crate) fn node_force(&self, number: usize) -> Vector3 {
         -self.terms.node_forces.0[number].gradient()[0]
     }

@@ -1,4 +1,4 @@
-//! Rigid obstacles: how they move.
+//! Motion of rigid obstacles.
 
 use super::clamps::{Turning, list_motion};
 use super::events::Event;
@@ -11,9 +11,9 @@ use crate::mechanics::{UnitQuaternion, Vector3};
 pub(crate) struct MovingObstacle {
     /// Index among all obstacles.
     pub obstacle: usize,
-    /// Fixed point of its rotation, m.
+    /// Fixed point of the rotation, m.
     pivot: Vector3,
-    /// Largest distance of a point of it from the pivot, m.
+    /// Largest distance of a point of the obstacle from the pivot, m.
     arm: f64,
     motion: Motion,
 }
@@ -39,7 +39,7 @@ impl MovingObstacle {
             .collect()
     }
 
-    /// Where it is at a time: x(t) = pivot + R(t)(x(0) − pivot) + translation(t).
+    /// Pose at a time: x(t) = pivot + R(t)(x(0) − pivot) + translation(t).
     pub(crate) fn pose(&self, time: f64) -> Pose {
         let motion = &self.motion;
         let turning = Turning {
@@ -59,7 +59,7 @@ impl MovingObstacle {
         }
     }
 
-    /// Adds the corners of its motion to `events`.
+    /// Adds the corners of the motion to `events`.
     pub(crate) fn list_events(&self, events: &mut Vec<Event>) {
         list_motion(&self.motion, self.arm, events);
     }
@@ -87,7 +87,8 @@ mod tests {
     const RADIUS: f64 = 1e-2;
     const TOLERANCE: f64 = 1e-4;
 
-    /// A bent rod of six nodes near z = 0, whose middle edge or nodes are nearest to a body below, or in a tube around it.
+    /// A bent rod of six nodes near z = 0. Its middle edge or nodes are nearest to a body below,
+    /// or to the wall of a tube around it.
     fn system(body: RigidBody, model: ContactModel, friction: f64) -> System {
         let node = |k: usize| {
             let x = 0.05 * k as f64 - 0.125;
@@ -124,7 +125,8 @@ mod tests {
         ];
         for body in bodies {
             for model in SOFT_MODELS {
-                // Without friction in the band, with friction in elements; at rest nothing rubs.
+                // Without friction contact is in the band, with friction in elements; at rest
+                // there is no friction.
                 for friction in [0.0, 0.5] {
                     let mut system = system(body.clone(), model, friction);
                     let unknowns = system.assembly.unknowns.clone();

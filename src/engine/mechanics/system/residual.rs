@@ -1,9 +1,10 @@
-//! Which term of the residual is to blame for a divergence.
+//! Term of the residual that caused a divergence.
 
 use super::term::Kind;
 use super::{Stage, System};
 
-/// Kinds of terms, for the message that names which one diverged; of two that are as large the later one.
+/// Kinds of terms, for the message that names the term that diverged; of two equal terms the later
+/// one.
 const KINDS: [(Kind, &str); 4] = [
     (Kind::Motion, "inertia and drag"),
     (Kind::Elastic, "elastic"),
@@ -12,7 +13,7 @@ const KINDS: [(Kind, &str); 4] = [
 ];
 
 impl System {
-    /// Name of the kind of term that is largest at one unknown.
+    /// Name of the kind of the term that is largest at one unknown.
     pub(crate) fn largest_term(
         &mut self,
         unknowns: &[f64],
@@ -30,13 +31,14 @@ impl System {
             }
             (forces[unknown].abs(), name)
         });
-        // One term that is not a number leaves no other to blame.
+        // If one term is not a number, it is the cause.
         let broken = sizes.iter().find(|(size, _)| !size.is_finite());
         let largest = sizes.iter().max_by(|(a, _), (b, _)| a.total_cmp(b));
         broken.or(largest).map_or("", |(_, name)| name)
     }
 
-    /// Adds the forces of inertia and drag alone, which are linear in the unknowns, in the start of a stage and in the velocity there.
+    /// Adds the forces of inertia and drag alone, which are linear in the unknowns, in those at
+    /// the start of a stage and in the velocity there.
     pub(crate) fn add_motion_forces(&self, unknowns: &[f64], stage: &Stage, forces: &mut [f64]) {
         let at = self.at(unknowns, Some(stage));
         for term in self.terms.all() {

@@ -1,30 +1,32 @@
 //! Forces and moments inside the rods and at clamps, at the last evaluation.
 //!
-//! A vertex of bending stiffness EI/l̄ and twisting stiffness GJ/l̄ carries the moments EI (κ − κ̃)/l̄ about the two
-//! material directors, where κ is the mean of the integrated curvatures seen by its two edges, and GJ (τ − τ̃)/l̄ about
-//! the tangent, where κ is the angle of turning for rods that use that angle as strain; an edge carries the tension EA (l/l̃ − 1). The
-//! moments and tensions of dashpots of the material are added.
+//! A vertex with the bending stiffness EI/l̄ and twisting stiffness GJ/l̄ carries the moments EI
+//! (κ − κ̃)/l̄ about the two material directors and GJ (τ − τ̃)/l̄ about the tangent. Here κ is
+//! the mean of the integrated curvatures with respect to its two edges, or the turning angle for
+//! rods that use that angle as strain. An edge carries the tension EA (l/l̃ − 1). The moments and
+//! tensions of material dashpots are added.
 //!
-//! **Moment of a clamp.** The energy E of the half vertex at a ghost edge does not change when all of it is turned, so
-//! that turning the ghost edge alone by δφ changes it by M·δφ, where −M·δφ is the change when the rod's edge is turned
-//! alone. M is the moment of the clamp on the rod: the generalised force that holds the ghost edge. Turning an edge of
-//! length l and tangent t by δφ moves its end by δφ×t l and spins its frame by δφ·t, of which parallel transport
-//! does c·(δφ×t l) by itself ([`crate::mechanics::rod::vertex`]). With the gradients g over the edge vector and s over
-//! the spin, M = −(l t×(g − c s) + s t).
+//! **Moment of a clamp.** The energy E of the half vertex at a ghost edge does not change when the
+//! whole half vertex is turned. So turning only the ghost edge by δφ changes E by M·δφ, where
+//! −M·δφ is the change when only the rod's edge is turned. M is the moment of the clamp on the
+//! rod: the generalised force that holds the ghost edge. Turning an edge of length l and tangent t
+//! by δφ moves its end by δφ×t l and spins its frame by δφ·t; parallel transport alone contributes
+//! c·(δφ×t l) to this spin ([`crate::mechanics::rod::vertex`]). With the gradients g with respect
+//! to the edge vector and s with respect to the spin, M = −(l t×(g − c s) + s t).
 
 use super::System;
 use crate::mechanics::Vector3;
 use crate::mechanics::rod::vertex::{EdgeFrame, VertexStrains, curvature_binormal};
 use crate::mechanics::rod::{BendingStrain, ElasticEnergy, STRIDE, Vertex};
 
-/// Internal forces and moments of a rod at a node, and its curvature there.
+/// Internal forces and moments of a rod at a node, and the curvature of the rod there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Resultants {
-    /// Size of the bending moment, N m.
+    /// Magnitude of the bending moment, N m.
     pub bending_moment: f64,
     /// Twisting moment, N m.
     pub twisting_moment: f64,
-    /// Curvature |κb|/l̄ of the centreline with the Voronoi length at present, 1/m.
+    /// Curvature |κb|/l̄ of the centreline with the present Voronoi length, 1/m.
     pub curvature: f64,
     /// Twist per length, rad/m.
     pub twist: f64,
@@ -39,8 +41,8 @@ impl System {
         Some(edges[index].stretching * strain)
     }
 
-    /// Internal forces and moments at each node; `None` at free and hinged ends. Where a clamp holds the frame of an inner node,
-    /// it is that of the side with the larger bending moment.
+    /// Internal forces and moments at each node; `None` at free and hinged ends. If a clamp holds
+    /// the frame of an inner node, the entry is for the side with the larger bending moment.
     pub(crate) fn resultants(&self) -> Vec<Option<Resultants>> {
         let mut all: Vec<Option<Resultants>> = vec![None; self.assembly.rods.nodes];
         for (index, vertex) in self.assembly.rods.vertices.iter().enumerate() {
@@ -53,8 +55,8 @@ impl System {
         all
     }
 
-    /// Moment of the clamps on the rod at a node, and on springs that turn against them there, N m; zero where none holds a
-    /// frame.
+    /// Moment of the clamps at a node on the rod, and on springs that turn against these clamps, N
+    /// m; zero if no clamp holds a frame.
     pub(crate) fn clamp_moment(&self, node: usize) -> Vector3 {
         let rods = &self.assembly.rods;
         let mut moment = Vector3::zeros();
@@ -137,7 +139,8 @@ impl System {
             binormal.norm()
         } else {
             let turning = vertex.strain.of(&strains);
-            // Beside a clamp the turning is not the mean curvature around the node; the moment is right there.
+            // Beside a clamp the turning angle is not the mean curvature around the node, but the
+            // moment is correct.
             let over_length = |axis: usize| {
                 let of_edges =
                     |of: &VertexStrains| 0.5 * (of.curvature[axis] + of.curvature[axis + 2]);
@@ -161,7 +164,8 @@ impl System {
     }
 }
 
-/// Change of an energy per turn of an edge: from its gradients over the edge vector and over the spin of its frame.
+/// Change of an energy per rotation of an edge, from its gradients with respect to the edge vector
+/// and the spin of the frame.
 fn turning(frame: &EdgeFrame, gradient: &Vector3, spin: f64) -> Vector3 {
     let across = gradient - frame.holonomy * spin;
     frame.tangent.cross(&across) * frame.length + frame.tangent * spin

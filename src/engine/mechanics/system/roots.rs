@@ -1,8 +1,11 @@
-//! Rooted rods: clamped where they overlap, as placed, with a body that does not move against the clamp.
+//! Rooted rods: clamped where they overlap, as placed, with a body that does not move relative to
+//! the clamp.
 //!
-//! A stalk in a floor, a hair in a scalp, several hairs at one root, a rod clamped on a post. Contact ignores what overlaps
-//! there, within a reach that is stated ([`crate::mechanics::contact::Root`], and for two rods that of a joint at the same
-//! angle). A root must itself be within the other body, and move with it: contact is never ignored at a clamp with a motion of its own.
+//! Examples are a stalk in a floor, a hair in a scalp, several hairs at one root, and a rod
+//! clamped on a post. Contact ignores the overlap there, within a reach that is reported
+//! ([`crate::mechanics::contact::Root`], and for two rods that of a joint at the same angle). A
+//! root must itself be within the other body, and move with it: contact is never ignored at a
+//! clamp with its own motion.
 
 use super::Assembly;
 use super::centreline::{arc_length, directions};
@@ -11,10 +14,11 @@ use crate::mechanics::contact::{ContactPair, ContactSystem, Proximity, Root, Roo
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{Motion, Scene};
 
-/// Surfaces at a root that are nearer than this part of the radius overlap or touch.
+/// Surfaces at a root count as overlapping or touching if they are nearer than this fraction of
+/// the radius.
 const TOUCHING: f64 = 1e-6;
 
-/// A node whose position a clamp, or a joint with a held node, prescribes.
+/// A node whose position is prescribed by a clamp, or by a joint with a held node.
 struct PrescribedNode {
     node: usize,
     rod: usize,
@@ -22,7 +26,7 @@ struct PrescribedNode {
     motion: Motion,
 }
 
-/// Ignores contact that overlaps at roots; returns a sentence for each.
+/// Ignores contact of overlaps at roots; returns a sentence for each.
 pub(super) fn pass_over_roots(
     contact: &mut ContactSystem,
     scene: &Scene,
@@ -84,7 +88,7 @@ fn prescribed_nodes(scene: &Scene, assembly: &Assembly) -> Vec<PrescribedNode> {
         .collect()
 }
 
-/// The bodies that the rod of a node overlaps with, that the node is within, and that do not move against it.
+/// The bodies that contain the node, overlap with its rod, and do not move relative to it.
 fn bodies_around(
     contact: &ContactSystem,
     scene: &Scene,
@@ -131,7 +135,7 @@ fn root_in(
         let way = (along[0] - place).max(place - along[1]).max(0.0);
         (other == body).then_some(way)
     });
-    // What overlaps farther off than a root reaches does so by itself.
+    // Overlaps beyond the reach of a root are independent of it.
     let reach = Root::reach_of(rod.radius, f64::INFINITY);
     let overlap = ways.filter(|way| *way < reach).fold(0.0, f64::max);
     Root {
@@ -142,7 +146,8 @@ fn root_in(
     }
 }
 
-/// The part of a rod, by the arc lengths of both ends (m), that overlaps with a rigid body, and that body.
+/// The part of a rod, by the arc lengths of both ends (m), that overlaps with a rigid body, and
+/// that body.
 fn on_rod(
     contact: &ContactSystem,
     scene: &Scene,
@@ -173,7 +178,8 @@ fn on_rod(
     }
 }
 
-/// Whether two prescribed nodes are within each other, do not move against each other, and their rods overlap beside them.
+/// Whether two prescribed nodes are within each other's rods and have no relative motion, and the
+/// rods overlap beside them.
 fn have_common_root(
     contact: &ContactSystem,
     scene: &Scene,
@@ -207,7 +213,7 @@ fn angle_between(scene: &Scene, pair: [&PrescribedNode; 2]) -> f64 {
     libm::acos(cosines.fold(-1.0, f64::max).min(1.0))
 }
 
-/// Whether two motions keep everything where it is, or carry it along by the same way without turning.
+/// Whether two motions are both at rest, or are the same translation without rotation.
 fn move_together(first: &Motion, second: &Motion) -> bool {
     let turns = |motion: &Motion| {
         motion.angular_velocity != 0.0 || !motion.angle.is_empty() || !motion.orientation.is_empty()

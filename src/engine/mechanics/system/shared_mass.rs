@@ -1,20 +1,21 @@
-//! Neighbours that share the masses of rods with consistent inertia: see [`super::mass`].
+//! Neighbours that share masses in rods with consistent inertia: see [`super::mass`].
 
 use crate::mechanics::rod::{ElasticRods, RodRange, STRIDE};
 use crate::mechanics::scene::RodDescription;
 
-/// Part of the mass of an edge by which linear interpolation differs from masses lumped at its nodes.
+/// Fraction of the mass of an edge by which linear interpolation differs from masses lumped at its
+/// nodes.
 const OF_EDGE: f64 = 1.0 / 6.0;
-/// The same of the moment of inertia of the two half edges at a vertex.
+/// Corresponding fraction of the moment of inertia of the two half edges at a vertex.
 const OF_VERTEX: f64 = 1.0 / 12.0;
 
 /// Masses that neighbours share in rods with consistent inertia.
 #[derive(Clone, Debug, Default)]
 pub struct ConsistentMasses {
     rods: Vec<Densities>,
-    /// Neighbours whose unknowns are in the band: all of a rod except the pair that closes it.
+    /// Neighbours with unknowns in the band: all of a rod except the pair that closes it.
     pub(super) chains: Vec<Chain>,
-    /// The last nodes and edges of rings with their first.
+    /// Pairs that close rings: the last nodes and edges with the first.
     pub(super) joints: Vec<Joint>,
 }
 
@@ -28,8 +29,8 @@ struct Densities {
     inertia_per_length: f64,
 }
 
-/// Masses (kg) and moments of inertia (kg m²) c that two nodes, and the edges that begin there, share: they take
-/// ½ c (v₁ − v₀)² from the kinetic energy of the lumped masses.
+/// Masses (kg) and moments of inertia (kg m²) c shared by two nodes and by the edges that begin at
+/// these: they subtract ½ c (v₁ − v₀)² from the kinetic energy of the lumped masses.
 pub(super) type Shared = [f64; STRIDE];
 
 #[derive(Clone, Debug)]
@@ -43,7 +44,7 @@ pub(super) struct Chain {
 pub(super) struct Joint {
     pub nodes: [usize; 2],
     pub shared: Shared,
-    /// The element that holds the unknowns of both, and where those of each begin in it.
+    /// The element with the unknowns of both, and the index in it at which those of each begin.
     pub element: (usize, [usize; 2]),
 }
 
@@ -57,7 +58,7 @@ impl ConsistentMasses {
         });
     }
 
-    /// Recomputes which unknowns share masses; to be called after vertices are added or removed.
+    /// Recomputes the unknowns that share masses; call this after vertices are added or removed.
     pub(super) fn share(&mut self, rods: &ElasticRods) {
         let (mut chains, mut joints) = (Vec::new(), Vec::new());
         for rod in &self.rods {
@@ -84,7 +85,7 @@ impl ConsistentMasses {
                 places.into_iter().find(fits)
             };
             let mut elements = rods.elements.iter().map(place).enumerate();
-            // Without an element both ends of the edge that closes a ring are held.
+            // If there is no element, both ends of the edge that closes a ring are held.
             if range.closed
                 && let Some((element, places)) = elements.find_map(|(k, at)| Some((k, at?)))
             {

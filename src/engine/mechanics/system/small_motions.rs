@@ -4,12 +4,13 @@ use super::{Stage, System};
 use crate::linalg::SingularMatrix;
 use crate::mechanics::Vector3;
 
-/// Most unknowns for which the mass matrix is set up: it is dense at first, 0.3 GB by then.
+/// Largest number of unknowns for which the mass matrix is set up: it is first built as a dense
+/// matrix, of 0.3 GB at this size.
 pub(crate) const MOST_UNKNOWNS: usize = 6000;
 
 impl System {
-    /// Entries (row, column, kg or kg m²) of the mass matrix at `unknowns`, which were evaluated last; `None` where there are
-    /// more than [`MOST_UNKNOWNS`].
+    /// Entries (row, column, kg or kg m²) of the mass matrix at `unknowns`, which were evaluated
+    /// last; `None` for more than [`MOST_UNKNOWNS`] unknowns.
     pub(crate) fn mass_entries(&self, unknowns: &[f64]) -> Option<Vec<(usize, usize, f64)>> {
         if unknowns.len() > MOST_UNKNOWNS {
             return None;

@@ -9,17 +9,19 @@ use crate::mechanics::{Matrix3, Vector3};
 pub struct Stage {
     /// Size h of the implicit stage, s: velocities are (q − qₙ)/h.
     pub step: f64,
-    /// Size hₐ of the same for velocities, s: accelerations are (v − vₙ)/hₐ. It is h except for backward differences.
+    /// Size hₐ of the stage for velocities, s: accelerations are (v − vₙ)/hₐ. It equals h except
+    /// for backward differences.
     pub acceleration_step: f64,
     /// Unknowns at its start.
     pub start: Vec<f64>,
     /// Velocities at its start.
     pub velocity: Vec<f64>,
-    /// Drag F₀ of a motion near that of the stage, N per node, and with spheres in the fluid per place; empty without fluid.
+    /// Drag F₀ of a motion near that of the stage, N per node, and per place for spheres in the
+    /// fluid; empty without fluid.
     pub drag: Vec<Vector3>,
-    /// Velocities v₀ of that motion, m/s for the same places.
+    /// Velocities v₀ of that motion, m/s, for the same places.
     pub drag_velocity: Vec<Vector3>,
-    /// Local resistance D, N s/m for the same places.
+    /// Local resistance D, N s/m, for the same places.
     pub resistance: Vec<Matrix3>,
     /// Positions at the start, m per node.
     pub positions: Vec<Vector3>,
@@ -28,7 +30,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Takes the positions and angles of unknowns as those at the start.
+    /// Sets the positions and angles at the start from the unknowns.
     pub(crate) fn start_at(&mut self, unknowns: &[f64]) {
         copy_positions(unknowns, &mut self.positions);
         for (own, angle) in self

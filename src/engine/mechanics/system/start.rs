@@ -1,4 +1,4 @@
-//! The state in which one scene ends as that in which another of the same rods begins.
+//! The final state of one scene as the initial state of another scene with the same rods.
 
 use super::build::Assembly;
 use crate::mechanics::rod::topology::position;
@@ -14,11 +14,12 @@ const OTHER_NODES: SceneError =
 const NO_LENGTH: SceneError = SceneError::Unsuitable("an edge of the initial state has no length");
 
 impl Assembly {
-    /// Moves everything from where it was placed to where it starts; natural shapes, masses and lengths stay. Clamps take
-    /// hold of what they find: the wall of an earlier clamp at their node, or else the rod as it runs through it.
+    /// Moves all parts from their placed to their initial positions; natural shapes, masses and
+    /// lengths do not change. Clamps hold the wall of an earlier clamp at their node, or otherwise
+    /// the rod as it passes through the node.
     ///
     /// # Errors
-    /// [`SceneError::Unsuitable`] where the state does not fit.
+    /// [`SceneError::Unsuitable`] if the state does not fit.
     pub(super) fn begin_at(&mut self, start: &Start) -> Result<(), SceneError> {
         let nodes = self.rods.nodes;
         let others = [start.directors.len(), start.twist.len(), start.walls.len()];
@@ -27,7 +28,7 @@ impl Assembly {
         }
         for (node, x) in start.positions.iter().enumerate() {
             self.unknowns[STRIDE * node..STRIDE * node + 3].copy_from_slice(x.as_slice());
-            // Reference frames begin as material frames.
+            // Reference frames initially equal the material frames.
             self.unknowns[STRIDE * node + 3] = 0.0;
         }
         self.place_frames(start)?;
@@ -65,7 +66,7 @@ impl Assembly {
         }
     }
 
-    /// Moves a clamp to the present place of its node.
+    /// Moves a clamp to the present position of its node.
     fn take_hold(&mut self, index: usize, start: &Start) {
         let node = self.drives[index].node;
         let (rod, along) = self.locate(node);
@@ -117,7 +118,8 @@ impl Assembly {
         }
     }
 
-    /// The twist of each vertex as its frames show it; inside of a rod whole turns are those of the state.
+    /// Twist of each vertex from its frames; inside a rod the number of whole turns is that of the
+    /// state.
     fn count_turns(&mut self, start: &Start) {
         let nodes = self.rods.nodes;
         let frame_of = |edge: usize| -> (Vector3, Vector3) {

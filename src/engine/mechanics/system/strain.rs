@@ -1,7 +1,8 @@
-//! The largest strains, for the check against the range of the theory of rods.
+//! The largest strains, to check them against the range of validity of rod theory.
 //!
-//! Outer fibres of a rod that is bent by Δκ beyond its natural curvature stretch by c Δκ, and its surface shears by c Δτ
-//! where it is twisted by Δτ per length; c is the distance of the outer fibres from the centreline, h for a circular section.
+//! If a rod is bent by Δκ beyond its natural curvature, its outer fibres stretch by c Δκ; if it is
+//! twisted by Δτ per length, its surface shears by c Δτ. Here c is the distance of the outer
+//! fibres from the centreline, h for a circular section.
 
 use super::System;
 use crate::mechanics::rod::topology::position;
@@ -10,35 +11,38 @@ use crate::mechanics::scene::RodDescription;
 /// Largest strain of a rod.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Strain {
-    /// Its size: 0.1 is 10 %. A stretch has a sign.
+    /// Magnitude of the strain: 0.1 is 10 %. Stretch is signed.
     pub size: f64,
-    /// A node of the whole scene at it.
+    /// The node of the whole scene at which the strain occurs.
     pub node: usize,
 }
 
-/// The largest strains of all rods that are not obstacles, by size; `None` without such rods.
+/// The largest strains, by magnitude, of all rods that are not obstacles; `None` without such
+/// rods.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct LargestStrains {
-    /// Stretch of an edge, compression below zero.
+    /// Stretch of an edge; negative for compression.
     pub stretch: Option<Strain>,
     /// Strain of the outer fibres by bending.
     pub bending: Option<Strain>,
-    /// Shear at the surface by twist.
+    /// Shear strain at the surface due to twist.
     pub twist: Option<Strain>,
 }
 
-/// Ratios of the strains of a section to those of its centreline.
+/// Ratios of the strains at the surface of a section to those of its centreline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SectionScale {
-    /// Distances of the outer fibres that bending about the first and the second director strains, m.
+    /// Distances, m, of the outer fibres that are strained by bending about the first and the
+    /// second director.
     fibres: [f64; 2],
     /// Bending stiffness EI₂, N m².
     bending_2: f64,
 }
 
 impl SectionScale {
-    /// Computes the scale of a rod. c_i = 2 √(EI_i/EA) is h for a circular section, and 15 % more than half the side of a rectangle; where
-    /// stiffnesses are given freely, it is that of the ellipse that would have them.
+    /// Computes the scale of a rod. c_i = 2 √(EI_i/EA) is h for a circular section, and 15 % more
+    /// than half the side for a rectangle. For freely given stiffnesses it is that of the ellipse
+    /// with these stiffnesses.
     pub(crate) fn of(rod: &RodDescription) -> Self {
         let stiffness = &rod.stiffness;
         let fibre = |bending: f64| 2.0 * (bending / stiffness.stretching).sqrt();
@@ -50,7 +54,8 @@ impl SectionScale {
 }
 
 impl System {
-    /// The largest strains at `unknowns`; those of bending and twist at the last evaluation. `sections`: of each rod.
+    /// The largest strains at `unknowns`; those of bending and twist are from the last evaluation.
+    /// `sections` has an entry for each rod.
     pub(crate) fn largest_strains(
         &self,
         unknowns: &[f64],

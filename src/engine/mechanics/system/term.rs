@@ -6,8 +6,9 @@
 //! R(q) = Σₖ Rₖ(q, t),     Rₖ = ∂Eₖ/∂q  or  −Fₖ,     J = Σₖ ∂Rₖ/∂q
 //! ```
 //!
-//! over all unknowns q, 4 per node (x, y, z in m and the angle of its edge in rad), then those of frames. [`super::terms`] lists the
-//! terms; all other parts of [`super::System`] use that list. A term declares
+//! over all unknowns q: 4 per node (x, y, z in m and the angle of its edge in rad), followed by
+//! those of frames. [`super::terms`] lists the terms; all other parts of [`super::System`] use
+//! that list. A term declares
 //!
 //! - the entries of its Jacobian outside the band of the rods ([`Term::elements`]);
 //! - its state at a time ([`Term::drive`]) and at a configuration ([`Term::update`]);
@@ -20,8 +21,9 @@
 //! All methods except the residual have default implementations. Calls are virtual, but few: one per term and
 //! evaluation.
 //!
-//! Clamps and joints are not terms: they prescribe or eliminate unknowns ([`super::clamps`], [`super::joints`]), and the reactions on them
-//! are what the sum leaves. The flow of a fluid is solved for by the stage; its term is the drag that this gives.
+//! Clamps and joints are not terms: they prescribe or eliminate unknowns ([`super::clamps`],
+//! [`super::joints`]), and their reactions are the remaining residual. The stage solves for the
+//! flow of a fluid; the term of the fluid is the resulting drag.
 
 use super::build::Assembly;
 use super::demand::Demand;
@@ -33,7 +35,7 @@ use crate::mechanics::SceneError;
 use crate::mechanics::rod::{ElasticEnergy, ElasticRods, ReferenceFrames, RodGeometry};
 use crate::mechanics::scene::Scene;
 
-/// Where forces are evaluated.
+/// Configuration at which forces are evaluated.
 #[derive(Clone, Copy)]
 pub(crate) struct Configuration<'a> {
     pub assembly: &'a Assembly,
@@ -61,9 +63,9 @@ pub(crate) enum Kind {
     Contact,
 }
 
-/// A force, or what changes others.
+/// A force, or a part of a scene that changes other forces.
 pub(crate) trait Term {
-    /// Creates the term of a scene whose unknowns are numbered.
+    /// Creates the term of a scene with numbered unknowns.
     ///
     /// # Errors
     /// [`SceneError`] for an invalid scene.
@@ -71,28 +73,31 @@ pub(crate) trait Term {
     where
         Self: Sized;
 
-    /// Kind of force, which error messages name.
+    /// Kind of force, as named in error messages.
     fn kind(&self) -> Kind;
 
-    /// Unknowns that it couples in addition to those in the band of the rods, up to twelve in each element. Their number never changes.
+    /// Unknowns that the term couples in addition to those in the band of the rods, up to twelve
+    /// in each element. The number of elements never changes.
     fn elements(&self, _assembly: &Assembly) -> Vec<Element> {
         Vec::new()
     }
 
-    /// Whether it is part of the equations of many systems at once ([`super::copies`]), or zero in this scene.
+    /// Whether the term is zero in this scene or supports the equations of many systems at once
+    /// ([`super::copies`]).
     fn has_copies(&self) -> bool {
         false
     }
 
-    /// Whether it couples nodes of different rods, or distant ones of the same.
+    /// Whether the term couples nodes of different rods, or distant nodes of one rod.
     fn couples_nodes(&self) -> bool {
         false
     }
 
-    /// Takes on what a time, s, prescribes. It may change the natural strains of rods, with their geometry.
+    /// Applies the values prescribed at a time, s. It may change the natural strains of rods, for
+    /// which it has their geometry.
     fn drive(&mut self, _time: f64, _rods: &mut ElasticRods, _geometry: &mut RodGeometry) {}
 
-    /// Takes over a configuration, which residual and energy then are those of.
+    /// Sets the configuration for which residual and energy are then evaluated.
     fn update(&mut self, _at: &Configuration) {}
 
     /// Elastic energy at the last update.
@@ -100,12 +105,13 @@ pub(crate) trait Term {
         ElasticEnergy::default()
     }
 
-    /// Another potential, J, and the sum of the magnitudes that add up to it: rounding leaves some last digits of these.
+    /// Another potential, J, and the sum of the magnitudes of its summands: the rounding error is
+    /// a few units in the last place of that sum.
     fn potential(&self, _unknowns: &[f64]) -> [f64; 2] {
         [0.0; 2]
     }
 
-    /// Whether its forces have a potential, so that its Jacobian is symmetric.
+    /// Whether the forces of the term have a potential, so that its Jacobian is symmetric.
     fn has_potential(&self) -> bool {
         true
     }
@@ -113,7 +119,7 @@ pub(crate) trait Term {
     /// Adds its part of the residual, N and N m, at the last evaluation.
     fn add_forces(&self, at: &Configuration, residual: &mut [f64]);
 
-    /// Adds how its part of the residual changes with the unknowns, N/m.
+    /// Adds the derivative of its part of the residual with respect to the unknowns, N/m.
     fn add_jacobian(&self, _at: &Configuration, _entries: &mut Entries) {}
 
     /// Evaluates its part of the residual and adds it.
@@ -127,20 +133,21 @@ pub(crate) trait Term {
         self.add_jacobian(at, entries);
     }
 
-    /// Adds to `forces`, N, how large the forces on each unknown are that may balance each other: those of a motion by themselves.
+    /// Adds to `forces`, N, the magnitudes of forces on each unknown that may balance each other,
+    /// such as those of a motion alone.
     fn add_sizes(&self, at: &Configuration, forces: &mut [f64]) {
         if self.kind() == Kind::Motion {
             self.add_forces(at, forces);
         }
     }
 
-    /// Keeps what belongs to the end of an accepted step, the last evaluation.
+    /// Stores data of the last evaluation, which is the end of an accepted step.
     fn accept(&mut self, _assembly: &Assembly, _geometry: &RodGeometry) {}
 
     /// Starts the next step, or the next equilibrium, at the present configuration.
     fn commit(&mut self) {}
 
-    /// Continues from a time, s, at which a state was committed.
+    /// Restores a state that was committed at a time, s.
     fn resume(&mut self, _time: f64) {}
 
     /// Its data in a checkpoint.
@@ -148,21 +155,22 @@ pub(crate) trait Term {
         Vec::new()
     }
 
-    /// Continues from the next data of a checkpoint, as many as [`Self::memory`] returned.
+    /// Restores the term from the next values of a checkpoint, as many as [`Self::memory`]
+    /// returned.
     ///
     /// # Errors
-    /// The difference, if the checkpoint belongs to another scene.
+    /// The difference if the checkpoint belongs to another scene.
     fn restore(&mut self, _memory: &mut dyn Iterator<Item = Vec<f64>>) -> Result<(), &'static str> {
         Ok(())
     }
 
-    /// Adds the times at which what it depends on changes its rate.
+    /// Adds the times at which the rates of its prescribed values change.
     fn list_events(&self, _events: &mut Vec<Event>) {}
 
     /// Multiplies a load of the scene by a factor in addition to its schedule.
     fn scale_load(&mut self, _load: usize, _factor: f64) {}
 
-    /// Reason why a scene with it does not meet a demand; `None` if it does.
+    /// Reason why a scene with this term does not meet a demand; `None` if it does.
     fn refuses(&self, _demand: Demand) -> Option<SceneError> {
         None
     }

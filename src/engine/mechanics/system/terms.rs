@@ -1,4 +1,4 @@
-//! The forces of a scene: the one list of them.
+//! The list of all forces of a scene.
 
 use super::actuation::Actuators;
 use super::build::Assembly;
@@ -26,7 +26,7 @@ macro_rules! terms {
         }
 
         impl Terms {
-            /// Creates the terms of a scene whose unknowns are numbered.
+            /// Creates the terms of a scene with numbered unknowns.
             ///
             /// # Errors
             /// [`SceneError`] for an invalid scene.
@@ -39,7 +39,7 @@ macro_rules! terms {
                 [$(&self.$name,)*]
             }
 
-            /// All of them, to be changed.
+            /// All terms, mutable.
             pub(crate) fn all_mut(&mut self) -> [&mut dyn Term; Self::COUNT] {
                 [$(&mut self.$name,)*]
             }
@@ -56,14 +56,14 @@ terms! {
     elasticity: Elasticity,
     /// Springs between nodes, between frames and about hinges.
     springs: Springs,
-    /// Forces that the scene describes by code.
+    /// Forces that the scene defines by code.
     node_forces: NodeForces,
     /// Dashpots of the material, which change the natural strains and the stiffness of rods in a stage.
     damping: Damping,
-    /// Forces and moments from outside.
+    /// External forces and moments.
     loads: Loads,
     inertia: Inertia,
-    /// Drag by coefficients of the scene.
+    /// Drag with coefficients given by the scene.
     drag: LinearDrag,
     /// Drag of a fluid near the motion of a stage.
     fluid: LocalDrag,
@@ -76,36 +76,36 @@ impl Terms {
         self.all().map(|term| term.elements(assembly))
     }
 
-    /// Whether one couples nodes of different rods, or distant ones of the same.
+    /// Whether a term couples nodes of different rods, or distant nodes of one rod.
     pub(crate) fn couple_nodes(&self) -> bool {
         self.all().iter().any(|term| term.couples_nodes())
     }
 
-    /// Checks that a scene with them meets a demand.
+    /// Checks whether a scene with these terms meets a demand.
     ///
     /// # Errors
-    /// The reason of the last term that refuses.
+    /// The reason of the last term that does not support it.
     pub(crate) fn admit(&self, demand: Demand) -> Result<(), SceneError> {
         let terms = self.all().into_iter().rev();
         let refusal = terms.filter_map(|term| term.refuses(demand)).next();
         refusal.map_or(Ok(()), Err)
     }
 
-    /// Their data in a checkpoint.
+    /// Data of all terms for a checkpoint.
     pub(crate) fn memory(&self) -> Vec<Vec<f64>> {
         self.all().iter().flat_map(|term| term.memory()).collect()
     }
 
-    /// Continues from the data of a checkpoint.
+    /// Restores the data of a checkpoint.
     ///
     /// # Errors
-    /// The difference, if the checkpoint belongs to another scene.
+    /// The difference if the checkpoint belongs to another scene.
     pub(crate) fn restore(&mut self, memory: Vec<Vec<f64>>) -> Result<(), &'static str> {
         let mut memory = memory.into_iter();
         for term in self.all_mut() {
             term.restore(&mut memory)?;
         }
-        // None but dashpots have one that depends on the scene.
+        // Only dashpots have data whose size depends on the scene.
         memory.next().map_or(Ok(()), |_| Err("damping"))
     }
 }

@@ -54,7 +54,8 @@ fn held(rod: usize, node: usize, holds_position: bool) -> Clamp {
     }
 }
 
-/// Clamped at the start, framed in the middle, an own frame at the end; beside it a ring with a clamp.
+/// A rod clamped at the start, with a frame held in the middle and another frame at the end;
+/// beside it a ring with a clamp.
 fn elastic_scene() -> Scene {
     Scene {
         rods: vec![rod("arc", arc(8, 0.0), false), rod("ring", ring(7), true)],
@@ -127,7 +128,8 @@ fn jacobian_error(system: &mut System, unknowns: &[f64], stage: Option<&Stage>, 
     worst / jacobian.amax()
 }
 
-/// The scene with lumped masses, and with consistent inertia of rods that are bent by nature or straight.
+/// The scene with lumped masses, and with consistent inertia of rods that are naturally curved or
+/// straight.
 fn elastic_scenes() -> [Scene; 3] {
     [0, 1, 2].map(|case| {
         let mut scene = elastic_scene();
@@ -285,7 +287,7 @@ fn candidates_without_contact_are_in_the_pattern() {
             .map(|k| Vector3::new(0.4, 0.2 * (f64::from(k) - 2.0), 2.0 + height))
             .collect::<Vec<_>>()
     };
-    // A ring couples its ends, contact or not.
+    // A ring couples its ends, with or without contact.
     let scene = Scene {
         rods: vec![rod("ring", ring(7), true), rod("rod", across(1.0), false)],
         contact: Some(ContactParameters {
@@ -304,7 +306,7 @@ fn candidates_without_contact_are_in_the_pattern() {
         unknowns
     };
     let stage = stage_at(&system, far.clone());
-    // Lowered so slowly that the last candidates came before the first contact.
+    // Lowered so slowly that the last candidates were built before the first contact.
     let mut height = 1.0;
     let contacts = loop {
         let unknowns = at_height(height);
@@ -320,7 +322,8 @@ fn candidates_without_contact_are_in_the_pattern() {
     assert!(contacts > 0 && height > 0.0);
 }
 
-/// A free ring of unit length and 120 edges, straight by nature, with frames that turn four times around.
+/// A free, naturally straight ring of unit length and 120 edges, with frames that turn around four
+/// times.
 fn twisted_ring(contact: Option<ContactParameters>) -> Scene {
     let (edges, radius) = (120, 0.01);
     let corner = |k: usize| {
@@ -380,7 +383,7 @@ fn the_inertia_of_a_twisted_ring_is_that_of_its_eigenvalues() {
             system.solve(solution.as_mut_slice()).unwrap();
             let error = (solution - expected).amax();
             assert!(error < 1e-8, "shift {shift}: {error:e}");
-            // The symmetric factors have solved it: no others have taken their place.
+            // The symmetric factors solved it: no others have replaced them.
             assert!(system.factor().unwrap().is_some(), "shift {shift}");
         }
     }

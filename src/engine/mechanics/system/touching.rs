@@ -13,11 +13,12 @@ use crate::mechanics::{Overlap, Vector3};
 /// The contact model of a scene, and the pairs that it ignores.
 pub(super) struct ContactOfScene {
     pub contact: ContactSystem,
-    /// A sentence for every root at which a rod starts inside another body.
+    /// A message for every root at which a rod starts inside another body.
     pub roots: Vec<String>,
 }
 
-/// The contact model of a scene with its first candidates; `None` where everything passes through.
+/// Creates the contact model of a scene with its first candidates; `None` if bodies do not
+/// interact by contact.
 ///
 /// # Errors
 /// [`Overlap`] names two bodies that overlap as placed.
@@ -50,7 +51,8 @@ pub(super) fn contact_of(
         friction: plane.friction.unwrap_or(parameters.friction),
     });
     let stiffness_per_force = parameters.stiffness_per_force(surface.largest_moving_radius());
-    // The stiffness follows from the forces that bend each rod, so that a stiff post does not stiffen the contacts of a soft rod.
+    // The stiffness follows from the forces that bend each rod, so that a stiff post does not
+    // stiffen the contacts of a soft rod.
     let least_of_rods = || {
         let rods = scene.rods.iter().zip(&assembly.scales);
         rods.map(|(rod, scale)| {
@@ -117,7 +119,7 @@ fn join(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
     }
 }
 
-/// Adds the bodies that are balls for contact, where they are thicker than their rods.
+/// Adds the bodies that contact treats as balls, if they are thicker than their rods.
 fn add_balls(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
     let owner = |node: usize| {
         let mut points = assembly.joints.points.iter();
@@ -145,7 +147,8 @@ fn add_balls(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
 }
 
 impl System {
-    /// Contact ignored at roots, where rods start inside other bodies, a sentence for each.
+    /// Messages on contact ignored at roots, where rods start inside other bodies, one sentence
+    /// each.
     pub(crate) fn remarks_on_roots(&self) -> &[String] {
         &self.terms.contact.roots
     }
@@ -158,9 +161,8 @@ impl System {
         }
     }
 
-    /// Returns the bodies that overlap by more than is allowed at `unknowns`, which need not be the point of the last
-    /// evaluation; candidates
-    /// are brought up to date.
+    /// Returns the bodies that overlap by more than the allowed amount at `unknowns`, which may
+    /// differ from the last evaluation; candidates are updated.
     pub(crate) fn excessive_penetration_at(&mut self, unknowns: &[f64]) -> Option<Overlap> {
         if !self.candidates_are_complete(unknowns) {
             self.update_candidates(unknowns);
@@ -178,13 +180,13 @@ impl System {
         !self.has_constraints() && contact.is_some_and(ContactSystem::is_deep)
     }
 
-    /// Whether surfaces touch at the last evaluation that a barrier should have kept apart.
+    /// Whether, at the last evaluation, surfaces touch despite a barrier.
     pub(crate) fn touches_barrier(&self) -> bool {
         self.contact().is_some_and(ContactSystem::touches_barrier)
     }
 
-    /// Names two edges that pass through each other, or nearly so, on the straight paths of all nodes from one set of
-    /// unknowns to another.
+    /// Names two edges that pass, or nearly pass, through each other on the straight paths of all
+    /// nodes from one set of unknowns to another.
     pub(crate) fn passage(&mut self, from: &[f64], to: &[f64]) -> Option<[String; 2]> {
         let contact = self.terms.contact.model.as_mut()?;
         copy_positions(from, &mut self.terms.contact.positions);

@@ -1,8 +1,10 @@
-//! Elements of the contacts whose friction acts at the surfaces: it couples angles of edges with positions.
+//! Elements of contacts with friction at the surfaces, which couples angles of edges with
+//! positions.
 //!
-//! Such a contact has up to 14 unknowns, the positions of four nodes and the angles of two edges. With all four it has three
-//! elements: of the positions, and of those of either body with both angles. A contact of one rod with a plane or an obstacle moves
-//! three nodes at most, and has one.
+//! Such a contact has up to 14 unknowns: the positions of four nodes and the angles of two edges.
+//! With all four nodes it has three elements: one for the positions, and one per body for its
+//! positions and both angles. A contact of one rod with a plane or an obstacle moves at most three
+//! nodes and has one element.
 
 use crate::linalg::{Element, ElementMatrix, UNUSED};
 use crate::mechanics::contact::{
@@ -26,8 +28,8 @@ const OF_ONE: Places = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, NO];
 /// Where the angles begin.
 const ANGLES: usize = 12;
 
-/// Numbers of the first elements of contacts that turn edges among those of all contacts; there are none where friction acts on the
-/// centrelines.
+/// Indices of the first elements of contacts that turn edges among those of all contacts; empty if
+/// friction acts on the centrelines.
 #[derive(Default)]
 pub(super) struct TurnedElements {
     of_pairs: Vec<Option<usize>>,
@@ -35,8 +37,8 @@ pub(super) struct TurnedElements {
 }
 
 impl TurnedElements {
-    /// Adds to `elements` those of the coupled pairs of rods, and, where planes and obstacles rub, those of all edges and of all so many
-    /// nodes with them, and of pieces of rods at rims.
+    /// Adds to `elements` those of the coupled pairs of rods. With friction on planes and
+    /// obstacles it also adds those of all edges, of all nodes, and of pieces of rods at rims.
     pub(crate) fn list(
         elements: &mut Vec<Element>,
         contact: &ContactSystem,
@@ -104,7 +106,8 @@ fn elements_of(levers: &Levers) -> Vec<Element> {
     places.map(|places| places.map(unknown)).collect()
 }
 
-/// What a contact adds to the matrices of its elements, which each entry of its Jacobian is in once.
+/// Contribution of a contact to the matrices of its elements; each entry of its Jacobian occurs
+/// once.
 pub(super) fn matrices_of(contact: &TurnedContact) -> Vec<ElementMatrix> {
     let Some(jacobian) = &contact.jacobian else {
         return Vec::new();
@@ -135,14 +138,14 @@ fn places_of(levers: &Levers) -> &'static [Places] {
     }
 }
 
-/// Moments of friction at the surfaces in the last evaluation, by the unknowns on which they act: on the angles of edges (N m), and
-/// their couples of forces on nodes (N).
+/// Moments of friction at the surfaces in the last evaluation, by the unknowns on which they act:
+/// moments on the angles of edges (N m), and couples of forces on nodes (N).
 pub(crate) fn moments(contact: &ContactSystem) -> impl Iterator<Item = (usize, f64)> {
     let turned = contact.turned().iter();
     turned.flat_map(|one| over_unknowns(one, &one.moments))
 }
 
-/// Entries of a vector over the unknowns of a contact, by their numbers among all.
+/// Entries of a vector over the unknowns of a contact, with their indices among all unknowns.
 pub(crate) fn over_unknowns(
     contact: &TurnedContact,
     entries: &Row,

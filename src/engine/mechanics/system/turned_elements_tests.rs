@@ -23,7 +23,7 @@ fn rubbing(model: ContactModel) -> ContactParameters {
     }
 }
 
-/// A rod of five edges along x, slightly bent, with the nodes in its middle lowest.
+/// A slightly bent rod of five edges along x, with its middle nodes lowest.
 fn bent() -> RodDescription {
     let node = |k: usize| {
         let x = 0.02 * k as f64 - 0.05;
@@ -36,7 +36,7 @@ fn bent() -> RodDescription {
     }
 }
 
-/// A rod of four edges over the line x ≈ `x` at about a height, which ends at a little y > 0.
+/// A rod of four edges over the line x ≈ `x` at a given height, which ends at a small y > 0.
 fn over(x: f64, z: f64) -> RodDescription {
     RodDescription {
         centreline: line(
@@ -68,8 +68,8 @@ fn with_ball(rod: usize, node: usize, radius: f64) -> Body {
     }
 }
 
-/// Asserts that the Jacobian in a step, in which all slide a little, is the derivative of the residual; and that so many pairs and
-/// planes touch at least.
+/// Asserts that the Jacobian in a step with small slips is the derivative of the residual, and
+/// that at least the given numbers of pairs and planes touch.
 fn compare(scene: &Scene, touching: [usize; 2]) {
     let mut system = System::new(scene).unwrap();
     let mut unknowns = system.assembly.unknowns.clone();
@@ -150,7 +150,7 @@ fn spheres_on_rods() {
         scene.rods[1] = over(-0.011, HEIGHT + radius + RADIUS + GAP);
         scene.obstacles = vec![turning("ball", RigidBody::sphere(beside, 0.05))];
         compare(&scene, [2, 0]);
-        // With each other, one of them at the end of its rod.
+        // In contact with each other, one of them at the end of its rod.
         let mut scene = above(radius, 6e-3);
         scene.rods[1].centreline = line(
             Vector3::new(-0.01, 3e-5, HEIGHT + radius + 6e-3 + GAP),

@@ -1,8 +1,9 @@
-//! How far edges turn within a step.
+//! Rotation of edges within a step.
 //!
-//! The twist of a vertex is chosen in each step as the nearest to the last one of all that differ by whole turns. Where an edge turns by
-//! nearly half a turn within a step this is a guess, and a wrong one loses a turn of the rod: where its ends are held, or it is
-//! closed, the rod keeps that ever after.
+//! In each step the twist of a vertex is chosen, from all values that differ by whole turns, as
+//! the one nearest to the last twist. If an edge turns by nearly half a turn within a step this is
+//! a guess, and a wrong guess loses a turn of the rod. If its ends are held or it is closed, the
+//! rod keeps this error permanently.
 
 use super::System;
 
@@ -19,8 +20,8 @@ pub(crate) struct Turn {
 }
 
 impl System {
-    /// The edge that turns farthest between the start of a step and the last evaluation, where that is too far for a rod that keeps
-    /// its turns.
+    /// The edge that turns farthest between the start of a step and the last evaluation, if that
+    /// is too far for a rod that keeps its turns.
     pub(crate) fn excessive_turn(&self) -> Option<Turn> {
         let rods = &self.assembly.rods;
         let cosine = |edge: usize| {
@@ -39,7 +40,8 @@ impl System {
         })
     }
 
-    /// Whether a rod cannot turn out of its twist: it is closed, or its frame is held at two places.
+    /// Whether a rod cannot lose its twist by turning: it is closed, or its frame is held at two
+    /// places.
     fn keeps_turns(&self, rod: usize) -> bool {
         let holds_frame = |drive: &&super::Drive| {
             let holds = !drive.ghosts.is_empty() || !drive.edges.is_empty();

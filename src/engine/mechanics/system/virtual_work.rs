@@ -1,10 +1,12 @@
-//! Strains along a virtual motion, and the forces that do the virtual work of given moments: what adjoints of motions are made of.
+//! Strains along a virtual motion, and the forces equivalent to given moments, for adjoints of
+//! motions.
 //!
-//! Elastic forces R = Σ M ∂ε/∂q do the work λ·R = Σ M dε[λ] in a virtual motion λ, with the derivatives dε[λ] of the strains along
-//! it, so that these hold all that a change of stiffness or of natural strains does to λ·R.
+//! Elastic forces R = Σ M ∂ε/∂q do the work λ·R = Σ M dε[λ] in a virtual motion λ, with the
+//! derivatives dε[λ] of the strains along it. These derivatives therefore determine the full
+//! effect on λ·R of a change of stiffness or of natural strains.
 //!
-//! Strains are in the order of the vertices, [`OF_VERTEX`] each (κ¹⁰, κ²⁰, κ¹¹, κ²¹, τ; see [`crate::mechanics::rod::vertex`]), then the
-//! lengths of the edges in m.
+//! Strains are in the order of the vertices, [`OF_VERTEX`] each (κ¹⁰, κ²⁰, κ¹¹, κ²¹, τ; see
+//! [`crate::mechanics::rod::vertex`]), followed by the lengths of the edges in m.
 
 use super::System;
 use crate::mechanics::rod::topology::position;
@@ -46,7 +48,7 @@ impl OfStrains {
         self.vertices.iter().flatten().chain(&self.edges)
     }
 
-    /// Adds products of two others, times a factor.
+    /// Adds a factor times the products of two other lists.
     pub(crate) fn add_products(&mut self, factor: f64, one: &Self, other: &Self) {
         let products = one.all().zip(other.all());
         for (sum, (one, other)) in self.all_mut().zip(products) {
@@ -62,16 +64,18 @@ impl OfStrains {
     }
 }
 
-/// What the strains of the last evaluation are multiplied with, N m and N.
+/// Coefficients of a strain of the last evaluation, N m and N.
 #[derive(Debug)]
 pub(crate) struct StrainLaws {
     /// Stiffness K of the springs.
     pub stiffness: OfStrains,
-    /// Derivative of the energy of the stage over the strain: that of the springs and of the dashpots.
+    /// Derivative of the energy of the stage with respect to the strain: that of the springs and
+    /// of the dashpots.
     pub moment: OfStrains,
-    /// Stiffness K T/H of the dashpots; `None` without any.
+    /// Stiffness K T/H of the dashpots; `None` if there are none.
     pub dashpot: Option<OfStrains>,
-    /// Weights of the strains at the start of the step and of the two before it in those from which the dashpots count.
+    /// Weights of the strains at the start of the step and of the two before it in the reference
+    /// strain of the dashpots.
     pub start_weights: [f64; 3],
 }
 
@@ -142,14 +146,14 @@ impl System {
         along
     }
 
-    /// Σ cₖ ∂εₖ/∂q at the last evaluation: the forces of given moments c. The entry of the angle of an edge is the derivative over the
-    /// spin of its frame.
+    /// Σ cₖ ∂εₖ/∂q at the last evaluation: the forces equivalent to given moments c. The entry of
+    /// the angle of an edge is the derivative with respect to the spin of its frame.
     pub(crate) fn forces_of_moments(&self, moments: &OfStrains) -> Vec<f64> {
         let mut forces = vec![0.0; self.residual.len()];
         let largest =
             |of: &mut dyn Iterator<Item = &f64>| of.fold(0.0_f64, |sum, one| sum.max(one.abs()));
         let bending = largest(&mut moments.vertices.iter().flatten());
-        // So that no edge is endlessly long by nature.
+        // Prevents an infinite natural length of an edge.
         let stretching = 2.0 * largest(&mut moments.edges.iter());
         if bending == 0.0 && stretching == 0.0 {
             return forces;

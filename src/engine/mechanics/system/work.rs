@@ -1,10 +1,11 @@
 //! The energy that forces add in a step.
 //!
-//! An implicit step removes at most the stored amount from a convex energy φ: f·(q₁ − q₀) ≤ φ(q₀) − φ(q₁) with the force f = −∇φ
-//! at the end of the step. The energy of a contact is convex in its gap, elastic energy in the strains. Gaps and strains are
-//! nearly linear in the unknowns as long as rotations within the step are small. Rods that move around each other by a
-//! large part of their thickness, however, are pushed apart along a normal that has turned meanwhile, and a compressed
-//! edge is accelerated as it turns. A step in which that adds energy is repeated.
+//! An implicit step with the force f = −∇φ at the end of the step removes at most the stored
+//! amount from a convex energy φ: f·(q₁ − q₀) ≤ φ(q₀) − φ(q₁). The energy of a contact is convex
+//! in its gap, and elastic energy in the strains. Gaps and strains are nearly linear in the
+//! unknowns if rotations within the step are small. However, rods that move around each other by a
+//! large part of their thickness are pushed apart along a normal that has turned meanwhile, and a
+//! compressed edge is accelerated as it turns. A step in which this adds energy is repeated.
 
 use super::term::Kind;
 use super::turned_elements::moments;
@@ -14,25 +15,29 @@ use crate::mechanics::contact::ContactSystem;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
 
-/// Energy that is negligible, over the kinetic and elastic energy of the scene.
+/// Negligible energy, relative to the kinetic and elastic energy of the scene.
 const NEGLIGIBLE: f64 = 1e-3;
-/// The same for contacts in steps of the midpoint rule, which do not remove energy either: an impact takes many of them.
+/// Negligible energy of contacts in steps of the midpoint rule, which do not remove energy either:
+/// an impact takes many of them.
 const NEGLIGIBLE_IN_THE_MIDDLE: f64 = 1e-5;
-/// The same over the work of all contact forces along the distance tolerance δ: rods at rest move by less, in alternating directions.
+/// Negligible energy relative to the work of all contact forces along the distance tolerance δ:
+/// rods at rest move by less, in alternating directions.
 const NEGLIGIBLE_WAY: f64 = 0.2;
-/// Turn of an edge within a step, rad, up to which strains count as linear: the error is half of its square.
+/// Rotation of an edge within a step, rad, up to which strains count as linear: the error is half
+/// its square.
 const FAR_TURN: f64 = 0.1;
 
 impl System {
-    /// Energy that contacts bring into a step that ends at `unknowns`, where they were evaluated last, J, where it is not
-    /// negligible; of contact forces that hold where the step ends. Rigid contacts hold no energy.
+    /// Energy that contacts add in a step that ends at `unknowns`, where they were last evaluated,
+    /// J; only if it is not negligible. It is that of contact forces constant at their values at
+    /// the end of the step. Rigid contacts store no energy.
     pub(crate) fn work_of_contact(&self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
         let contact = self.contact()?;
         let (work, forces) = self.work_and_forces(contact, stage, unknowns);
         let way = NEGLIGIBLE_WAY * contact.parameters().distance_tolerance * forces;
         let kinetic = self.kinetic_energy_at_start(stage);
         let is_small = |made: f64, energy: f64| made <= NEGLIGIBLE * energy + way;
-        // Before the step they held something, too: that is looked at only where it matters.
+        // The energy that contacts stored before the step is computed only when it matters.
         let most = work + contact.energy();
         if is_small(most, kinetic) {
             return None;
@@ -80,9 +85,9 @@ impl System {
         (work, forces)
     }
 
-    /// Energy that contacts add in a step of the midpoint rule that ends at `unknowns`, J, where it is not negligible; of
-    /// normal forces in the middle of the step, with the energy added by a change of the contact stiffness. `None` also where nothing
-    /// touches.
+    /// Energy that contacts add in a step of the midpoint rule that ends at `unknowns`, J; only if
+    /// it is not negligible. It is that of normal forces in the middle of the step, plus the
+    /// energy added by a change of the contact stiffness. `None` also if nothing touches.
     pub(crate) fn work_of_contact_in_the_middle(
         &mut self,
         stage: &Stage,
@@ -101,7 +106,7 @@ impl System {
         (made > NEGLIGIBLE_IN_THE_MIDDLE * energy).then_some(made)
     }
 
-    /// Work of the normal forces of all contacts along the way to `unknowns`, J.
+    /// Work of the normal forces of all contacts along the path to `unknowns`, J.
     fn normal_work(&self, contact: &ContactSystem, unknowns: &[f64]) -> f64 {
         let moved = |node: usize| position(unknowns, node) - self.terms.contact.step_start[node];
         let mut work = 0.0;
@@ -124,14 +129,14 @@ impl System {
         work
     }
 
-    /// Energy that contacts hold at `positions`, J.
+    /// Energy stored in contacts at `positions`, J.
     pub(crate) fn contact_energy_at(&self, positions: &[Vector3]) -> f64 {
         let contact = self.contact();
         contact.map_or(0.0, |contact| contact.energy_at(positions))
     }
 
-    /// Work on the rods in the step of obstacles that move against the normal forces of the contacts, J; and the sum of these
-    /// forces, N.
+    /// Work that moving obstacles do on the rods in the step against the normal forces of the
+    /// contacts, J; and the sum of these forces, N.
     pub(crate) fn work_of_obstacles(&self) -> (f64, f64) {
         let Some(contact) = self.contact() else {
             return (0.0, 0.0);
@@ -153,9 +158,10 @@ impl System {
         )
     }
 
-    /// Energy that elastic forces add in a step of implicit Euler that ends at `unknowns`, where they were evaluated last,
-    /// J, where it is not negligible: more than inertia loses in the step, ½ ‖v₁ − v₀‖²_M. A rod that spins as a rigid body
-    /// has that back from the forces that turn its velocities.
+    /// Energy that elastic forces add in a step of implicit Euler that ends at `unknowns`, where
+    /// they were last evaluated, J; only if it is not negligible, i.e. more than inertia loses in
+    /// the step, ½ ‖v₁ − v₀‖²_M. A rod that spins as a rigid body regains that loss from the
+    /// forces that turn its velocities.
     pub(crate) fn work_of_elasticity(&mut self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
         if !self.turns_far(stage, unknowns) {
             return None;

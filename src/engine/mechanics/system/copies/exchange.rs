@@ -1,4 +1,4 @@
-//! Numbers of systems that go into the lanes, and evaluations that return from them.
+//! Data transfer from systems into the lanes, and of evaluations back to the systems.
 
 use super::super::{Stage, System};
 use super::Copies;
@@ -43,8 +43,8 @@ impl Copies {
         }
     }
 
-    /// Gives the last evaluation to the systems of some lanes: their residual and geometry are then as if they had evaluated
-    /// themselves.
+    /// Copies the last evaluation of some lanes to their systems: residual and geometry are then
+    /// as if the systems had evaluated themselves.
     pub(crate) fn give(&self, systems: &mut [(usize, &mut System)]) {
         let mut geometries: Vec<_> = (systems.iter_mut())
             .map(|(lane, system)| (*lane, &mut system.geometry, &system.ghosts[..]))

@@ -58,7 +58,7 @@ pub(super) struct Motion<'a, T: ?Sized> {
 }
 
 impl Motion<'_, [Lanes]> {
-    /// That of the unknowns from `first` on.
+    /// Motion of the unknowns from `first` on.
     fn from(&self, first: usize) -> Self {
         Self {
             unknowns: &self.unknowns[first..],
@@ -68,7 +68,7 @@ impl Motion<'_, [Lanes]> {
         }
     }
 
-    /// That of the node whose first unknown is `first`.
+    /// Motion of the node whose first unknown is `first`.
     fn of_node(&self, first: usize) -> Motion<'_, OfNode> {
         Motion {
             unknowns: node(self.unknowns, first),
@@ -88,8 +88,8 @@ impl Motion<'_, [Lanes]> {
 }
 
 kernel! {
-    /// Adds −F + M/hₐ ((q − qₙ)/h − vₙ) with the masses lumped at each unknown of a node: a loop over all nodes would be vectorised
-    /// across these, with gathers.
+    /// Adds −F + M/hₐ ((q − qₙ)/h − vₙ) for the unknowns of one node with their lumped masses. A
+    /// loop over all nodes would be vectorised across nodes, with gathers.
     fn add_loads_and_inertia(motion: &Motion<OfNode>, loads_and_masses: [&OfNode; 2], residual: &mut OfNode) {
         let [loads, masses] = loads_and_masses;
         for k in 0..STRIDE {
@@ -104,7 +104,7 @@ kernel! {
 }
 
 kernel! {
-    /// Adds what the accelerations make of the masses that neighbours share: see [`super::super::mass`].
+    /// Adds the inertia forces of masses that neighbours share: see [`super::super::mass`].
     fn add_shared_inertia(motion: &Motion<[Lanes]>, shared: &[Lanes], residual: &mut [Lanes]) {
         let mut own = [NONE; STRIDE];
         for k in 0..STRIDE {

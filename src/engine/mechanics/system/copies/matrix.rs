@@ -1,4 +1,4 @@
-//! Jacobians of all copies, and the corrections that follow from them.
+//! Jacobians of all copies, and the corrections computed from them.
 
 use super::sweep::Piece;
 use super::{Copies, NONE};
@@ -10,8 +10,8 @@ use crate::mechanics::rod::STRIDE;
 type Columns = [[Lanes; HALF_BANDWIDTH + 1]; STRIDE];
 
 impl Copies {
-    /// Solves J d = −R at the last evaluation for the corrections d, 0 at held unknowns. A lane whose Jacobian is singular gets no
-    /// numbers.
+    /// Solves J d = −R at the last evaluation for the corrections d, which are 0 at held unknowns.
+    /// A lane with a singular Jacobian gets NaN.
     ///
     /// Each column is filled and eliminated while it is in the cache.
     pub(crate) fn solve(&mut self) {
@@ -77,9 +77,9 @@ fn hold(held: &[bool], columns: &mut Columns) {
 }
 
 kernel! {
-    /// Adds M/(hₐ h) of a node, lumped, and that of the masses that it shares with the next, none where there is no `link`;
-    /// `steps` are 1/hₐ and 1/h. Rows still sum to the lumped masses (`Assembly::add_shared_masses`), for which what was
-    /// `kept` of the node before.
+    /// Adds M/(hₐ h) for the lumped mass of a node and for the mass that it shares with the next
+    /// node, if there is a `link`; `steps` are 1/hₐ and 1/h. `kept` is the value retained for the
+    /// previous node, so that rows still sum to the lumped masses (`Assembly::add_shared_masses`).
     fn add_masses(
         steps: [&Lanes; 2],
         masses: &[Lanes],

@@ -1,9 +1,10 @@
-//! The equations of [`LANES`] systems at once, one in each lane: residual and Jacobian of [`super::System`], of the same operations in
-//! the same order.
+//! The equations of [`LANES`] systems at once, one in each lane: residual and Jacobian of
+//! [`super::System`], computed by the same operations in the same order.
 //!
-//! The systems have the same rods with the same unknowns held, and differ in numbers: stiffness, masses, loads, natural strains,
-//! clamps that move. Of the forces, those take part whose terms state it ([`super::term::Term::has_copies`]): elasticity with actuators
-//! and dashpots, dead loads, inertia, linear drag. They fill a band, and nothing else.
+//! The systems have the same rods and the same held unknowns, and differ in values: stiffness,
+//! masses, loads, natural strains, moving clamps. Only forces whose terms declare it take part
+//! ([`super::term::Term::has_copies`]): elasticity with actuators and dashpots, dead loads,
+//! inertia, linear drag. Their Jacobian is a band without other entries.
 
 mod exchange;
 mod forces;
@@ -21,7 +22,7 @@ use std::ops::Range;
 pub(crate) use exchange::{Member, set_lanes};
 
 const NONE: Lanes = [0.0; LANES];
-/// Systems that are remembered to be of the same kind: beyond, they are compared again.
+/// Number of systems remembered to be of the same kind; further systems are compared again.
 const MOST_KEPT: usize = 1 << 16;
 
 /// Copies of a system and its stage; arrays over unknowns.
@@ -30,7 +31,7 @@ pub(crate) struct Copies {
     rods: RodCopies,
     pub held: Vec<bool>,
     masses: LaneVector,
-    /// Masses that nodes share with the next.
+    /// Masses that nodes share with the next node.
     shared: Vec<Shared>,
     loads: LaneVector,
     /// Empty without drag.
@@ -46,30 +47,31 @@ pub(crate) struct Copies {
     pub residual: LaneVector,
     band: BandedLanes,
     sweep: Vec<sweep::Piece>,
-    /// Numbers of systems that were found to be like these.
+    /// Identifiers of systems that were found to be like these.
     fitting: HashSet<u64>,
 }
 
 /// Masses that each node of a chain shares with the next.
 struct Shared {
     first_node: usize,
-    /// In the order of the unknowns from the first node on, one less than nodes.
+    /// Shared masses in the order of the unknowns from the first node on, one entry less than
+    /// nodes.
     masses: LaneVector,
 }
 
-/// Residual that counts as none on a rod.
+/// Tolerance of the residual of a rod.
 pub(crate) struct Allowance {
     pub unknowns: Range<usize>,
     /// N.
     pub force: Lanes,
     /// Weight of the residual of the rod.
     pub weight: Lanes,
-    /// By which moments are multiplied, 1/m.
+    /// Factor on moments, 1/m.
     pub per_length: Lanes,
 }
 
 impl System {
-    /// Whether all of its forces are of the kinds above.
+    /// Whether all forces of the system are of the kinds above.
     pub(crate) fn has_copies(&self) -> bool {
         let terms = self.terms.all();
         self.assembly.joints.is_empty() && terms.iter().all(|term| term.has_copies())
@@ -77,7 +79,7 @@ impl System {
 }
 
 impl Copies {
-    /// Storage for systems like this; `None` where one of its forces has no copies.
+    /// Storage for systems like this; `None` if one of its forces has no copies.
     pub(crate) fn new(system: &System) -> Option<Self> {
         let assembly = &system.assembly;
         if !system.has_copies() {

@@ -1,27 +1,29 @@
 //! The order in which Jacobians are filled and eliminated, node by node.
 //!
-//! A column is complete when all vertices and edges that reach it are added. Of those that share an entry, earlier ones in the lists
-//! of the rods come first, vertices before edges: every entry is the same sum as where all vertices, then all edges are added.
+//! A column is complete when all vertices and edges that reach it are added. Terms of one entry
+//! are added in the order of the rods' lists, vertices before edges, so that every entry is the
+//! same sum as if all vertices and then all edges were added.
 
 use crate::mechanics::rod::{RodCopies, STRIDE};
 
 /// Part of the work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Piece {
-    /// The columns of a node become zero.
+    /// Set the columns of a node to zero.
     Begin(usize),
-    /// A vertex is added, by its number.
+    /// Add a vertex, given by its index.
     Vertex(usize),
-    /// An edge is added, by its number.
+    /// Add an edge, given by its index.
     Edge(usize),
-    /// The columns of a node are completed and eliminated; whether one of the unknowns that they reach is held.
+    /// Complete and eliminate the columns of a node; the flag is set if an unknown that they reach
+    /// is held.
     Node { node: usize, holds: bool },
 }
 
-/// Unknowns that a column reaches, its own included.
+/// Number of unknowns that a column reaches, its own included.
 const REACH: usize = crate::linalg::HALF_BANDWIDTH + 1;
 
-/// The order for rods, some of whose unknowns are held.
+/// The order for rods with the given held unknowns.
 pub(super) fn plan(rods: &RodCopies, held: &[bool]) -> Vec<Piece> {
     let nodes = held.len() / STRIDE;
     let reached: Vec<_> = (rods.unknowns_of_vertices())
@@ -61,13 +63,13 @@ struct Plan {
     /// Vertices that reach each node, in their order.
     at_nodes: Vec<Vec<usize>>,
     is_added: Vec<bool>,
-    /// Nodes whose columns are begun.
+    /// Number of nodes whose columns have been started.
     begun: usize,
     pieces: Vec<Piece>,
 }
 
 impl Plan {
-    /// Begins the columns of the nodes before `end`.
+    /// Starts the columns of the nodes before `end`.
     fn begin(&mut self, end: usize) {
         for node in self.begun..end {
             self.pieces.push(Piece::Begin(node));
@@ -75,7 +77,8 @@ impl Plan {
         self.begun = self.begun.max(end);
     }
 
-    /// Adds the vertices numbered below `end` that reach a node, each after all before it that reach one of its nodes.
+    /// Adds the vertices below `end` that reach a node. Before each one, all earlier vertices that
+    /// reach one of its nodes are added.
     fn add_vertices(&mut self, node: usize, end: usize) {
         for place in 0..self.at_nodes[node].len() {
             let vertex = self.at_nodes[node][place];
@@ -101,7 +104,7 @@ mod tests {
     use crate::mechanics::system::System;
     use crate::mechanics::test_support::{clamp, line, section};
 
-    /// Two rods of which the first has clamps at both ends and inside.
+    /// Two rods; the first has clamps at both ends and inside.
     fn system() -> System {
         let rod = |name: &str, y: f64| {
             let nodes = line(Vector3::y() * y, Vector3::new(1.0, y, 0.0), 6);
@@ -157,7 +160,8 @@ mod tests {
                 |piece: &Piece| matches!(piece, Piece::Node { node, holds: true } if *node == of);
             pieces.iter().any(is_held)
         };
-        // The second rod is free, except for the angle after its last edge. A column reaches two or three nodes beyond its own.
+        // The second rod is free, except for the angle after its last edge. A column reaches two
+        // or three nodes beyond its own node.
         assert!((0..7).all(holds) && !(7..10).any(holds) && (11..14).all(holds));
     }
 }

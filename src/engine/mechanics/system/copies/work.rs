@@ -5,8 +5,8 @@ use super::Copies;
 use crate::linalg::instruction_set::{LANES, Lanes, kernel};
 
 impl Copies {
-    /// Whether the residual of the last evaluation, at `unknowns`, may do work on a rod: [`super::System::residual_does_work`] returns
-    /// false in the lanes where it may not.
+    /// Whether the residual of the last evaluation, at `unknowns`, may do work on a rod. In lanes
+    /// with `false`, [`super::System::residual_does_work`] returns false as well.
     pub(crate) fn may_do_work(&self, unknowns: &[Lanes]) -> [bool; LANES] {
         let mut found = [false; LANES];
         for allowance in self.rods_that_move() {
@@ -37,8 +37,8 @@ impl Copies {
 }
 
 kernel! {
-    /// Adds the work of the residual on the way from the start of the stage, and the energy beside which it may be negligible, without
-    /// that of elasticity.
+    /// Adds the work of the residual along the path from the start of the stage, and the energy
+    /// against which it may be negligible, without elastic energy.
     fn add_work(
         numbers: [&[Lanes]; 5],
         held: &[bool],

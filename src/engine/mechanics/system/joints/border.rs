@@ -1,18 +1,19 @@
-//! The Newton system of sliding nodes: that of the rods without them, with a border.
+//! The Newton system with sliding nodes: the system of the rods without slides, with a border.
 //!
-//! With the moves δ of all nodes, free as they are without the joints, the change η of the force of each joint, and the
-//! change σ of its parameter,
+//! Let δ be the moves of all nodes, which are free as if without the joints, η the change of the
+//! force of each joint, and σ the change of its parameter. Then
 //!
 //! ```text
 //! ⎡ K    L ⎤ ⎡ δ ⎤     ⎡ r ⎤      L = [ W − E | w' R ],      D = ⎡ 0      X'    ⎤
 //! ⎣ Nᵀ   D ⎦ ⎣ z ⎦  =  ⎣ s ⎦ ,    z = (η, σ),                    ⎣ X'ᵀ    R·X'' ⎦
 //! ```
 //!
-//! where E selects the sliding node and W the nodes that carry it: the first rows of the border are δx = W δq + X' σ. N is L except
-//! in the middle of a step, where the node moves by other weights than its force ([`super::slide`]). So K keeps its pattern
-//! wherever a node slides, a band remains a band, and four additional solutions per joint and a small dense matrix,
-//! S = D − Nᵀ K⁻¹ L, are the price. The numbers of negative eigenvalues of K and S add up to those of the whole
-//! (Haynsworth 1968), of which three a joint belong to the constraints.
+//! where E selects the sliding node and W the nodes that carry it: the first rows of the border
+//! are δx = W δq + X' σ. N is L except in the middle of a step, where the node moves by weights
+//! other than those of its force ([`super::slide`]). So K keeps its pattern wherever a node
+//! slides, and a band remains a band. The price is four additional solutions per joint and a small
+//! dense matrix, S = D − Nᵀ K⁻¹ L. The numbers of negative eigenvalues of K and S add up to that
+//! of the whole matrix (Haynsworth 1968); three of them per joint belong to the constraints.
 
 use super::Joints;
 use super::slide::Slide;
@@ -28,7 +29,7 @@ const OWN: usize = 4;
 /// Factors of the border; empty without sliding nodes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Border {
-    /// Their values when it was factored.
+    /// Values of the border when it was factored.
     slides: Vec<Slide>,
     /// Entries of Nᵀ and their unknowns: a row for each unknown of the border.
     rows: Vec<Vec<(usize, f64)>>,
@@ -41,8 +42,9 @@ pub(crate) struct Border {
 type Solved = Result<(), SingularMatrix>;
 
 impl Border {
-    /// Factors the border of `joints` over unknowns of which some are `held`; `diagonals` are those of the matrix at the
-    /// parameters, and `solve` solves with K. Of the inertia of K it makes that of the whole.
+    /// Factors the border of `joints` over unknowns, some of which are `held`. `diagonals` are the
+    /// diagonal entries of the matrix at the parameters, and `solve` solves with K. Converts the
+    /// inertia of K to that of the whole matrix.
     ///
     /// # Errors
     /// The errors of `solve`, and a singular matrix S.
@@ -107,8 +109,8 @@ impl Border {
         Ok(inertia)
     }
 
-    /// Solves in place with the factors of the last [`Self::factor`], for the unknowns without joints and the parameters;
-    /// `solve` solves with K.
+    /// Solves in place with the factors of the last [`Self::factor`], first for the unknowns
+    /// without joints, then for the parameters; `solve` solves with K.
     ///
     /// # Errors
     /// The errors of `solve`.
@@ -131,7 +133,7 @@ impl Border {
         for (row, entry) in self.rows.iter().zip(own.iter_mut()) {
             *entry -= dot(row, right_hand_side);
         }
-        // Singular matrices have been refused.
+        // `factor` has rejected singular matrices.
         schur.solve_mut(&mut own);
         for (solution, part) in self.solutions.iter().zip(own.iter()) {
             for (entry, solution) in right_hand_side.iter_mut().zip(solution) {
@@ -154,8 +156,8 @@ impl Border {
         self.slides.iter().for_each(|slide| slide.spread(moves));
     }
 
-    /// The inertia of the Newton system of the free unknowns from that of K, which counts each parameter as one that is
-    /// positive and each sliding node as free.
+    /// The inertia of the Newton system of the free unknowns from that of K, which counts each
+    /// parameter as a positive eigenvalue and each sliding node as free.
     fn whole(&self, of_rods: Inertia, schur: &DMatrix<f64>) -> Inertia {
         let (mut forces, mut along) = (Vec::new(), Vec::new());
         for (number, slide) in self.slides.iter().enumerate() {
@@ -176,7 +178,7 @@ impl Border {
             let eigenvalues = matrix.symmetric_eigenvalues();
             eigenvalues.iter().filter(|value| **value < 0.0).count()
         };
-        // One after the other, since they have different units.
+        // Each in turn, since they have different units.
         let between = part(&forces, &along);
         let of_forces = part(&forces, &forces);
         let carried = of_forces.clone().lu().solve(&between);
@@ -206,7 +208,7 @@ fn constraint(slide: &Slide, weights: &Weights, axis: usize, size: usize) -> Vec
     column
 }
 
-/// w' R; none where a stop holds the node.
+/// w' R; zero if a stop holds the node.
 fn turning(slide: &Slide, size: usize) -> Vec<f64> {
     let mut column = vec![0.0; size];
     if !slide.is_stopped {

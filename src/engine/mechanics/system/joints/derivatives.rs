@@ -1,14 +1,17 @@
-//! From derivatives over rotations of frames to those over the unknowns.
+//! Conversion of derivatives with respect to rotations of frames to those with respect to the
+//! unknowns.
 //!
-//! Kernels write moments T and their derivatives D = ∂T/∂ψ over rotations ψ seen from outside. For ends of a rotation this
-//! is D = S − ½ [T]× with the second derivative S along exp([ψ]×), and over ℓφ
+//! Kernels compute moments T and their derivatives D = ∂T/∂ψ with respect to rotations ψ in the
+//! fixed frame. For ends of a rotation this is D = S − ½ [T]× with the second derivative S along
+//! exp([ψ]×). With respect to ℓφ, moment and derivative are
 //!
 //! ```text
 //! Jᵀ T/ℓ,     (Jᵀ D J + ∂(Jᵀ T)/∂φ)/ℓ²
 //! ```
 //!
-//! which is symmetric. With a hinge of the axis a, seen from outside, the moment T' on its frame counts in T and in the moment
-//! a·T' over its angle; the derivative of the one over the other is D' a.
+//! which is symmetric. For a hinge with the axis a in the fixed frame, the moment T' on its frame
+//! contributes to T and to the moment a·T' on its angle; the derivative of T with respect to the
+//! angle is D' a.
 
 use super::super::Stage;
 use super::Joints;
@@ -20,12 +23,14 @@ use crate::mechanics::{Matrix3, Vector3, rotation};
 /// Index of the angle of a hinge among the unknowns of a half vertex, and of the element of a frame.
 pub(super) const HINGE: usize = TURNING_ROTATION + 3;
 pub(super) const OWN_HINGE: usize = 3;
-/// Index of the position of the node in the element of a frame with a body whose centre of mass is off it.
+/// Index of the position of the node in the element of a frame with a body whose centre of mass is
+/// away from the node.
 pub(super) const OWN_NODE: usize = 6;
 
 impl Joints {
-    /// Derivatives of the rotation of a frame, seen from outside: over the rotation ℓφ of its group, J/ℓ, and the axis of its hinge at
-    /// the last evaluation, which was at `unknowns`.
+    /// Derivatives of the rotation of a frame, in the fixed frame, at the last evaluation, which
+    /// was at `unknowns`: J/ℓ with respect to the rotation ℓφ of its group, and the axis of its
+    /// hinge.
     pub(crate) fn rates_of_frame(
         &self,
         number: usize,
@@ -38,7 +43,8 @@ impl Joints {
         (jacobian, axis)
     }
 
-    /// Turn of a frame, seen from outside, for a change of the unknowns; the last evaluation was at `unknowns`.
+    /// Rotation of a frame, in the fixed frame, for a change of the unknowns; the last evaluation
+    /// was at `unknowns`.
     pub(crate) fn turn_of_frame(&self, number: usize, unknowns: &[f64], change: &[f64]) -> Vector3 {
         let (jacobian, axis) = self.rates_of_frame(number, unknowns);
         let (base, hinge) = self.unknowns_of_frame(number);
@@ -46,9 +52,10 @@ impl Joints {
         jacobian * position(change, base / STRIDE) + about_axis.unwrap_or_else(Vector3::zeros)
     }
 
-    /// Makes the elements of half vertices, which hold second derivatives over rotations seen from outside, and those of the
-    /// frames themselves derivatives of the residual over the unknowns. In a stage the inertia and the drag of the tips of bodies
-    /// are 1/(h hₐ) times the masses of all unknowns and 1/h times the resistance; to be called after
+    /// Converts the elements of half vertices, which contain second derivatives with respect to
+    /// rotations in the fixed frame, and those of the frames themselves to derivatives of the
+    /// residual with respect to the unknowns. In a stage, inertia and drag of the tips of bodies
+    /// are 1/(h hₐ) times the masses of all unknowns and 1/h times the resistance. Call this after
     /// [`Self::gather_moments`].
     pub(crate) fn transform(
         &self,
@@ -78,7 +85,7 @@ impl Joints {
                     let square = Matrix3::identity() * arm.norm_squared();
                     (square - arm * arm.transpose()) * per_move
                 };
-                // The same along all axes: that of a sphere.
+                // Equal along all axes, as for a sphere.
                 let resistance = stage
                     .and_then(|stage| Some(stage.resistance.get(first / STRIDE)?.m11 / stage.step));
                 let of_drag = resistance.unwrap_or(0.0);
@@ -138,7 +145,7 @@ impl Joints {
     }
 }
 
-/// Fills in row and column of the angle of a hinge: those of a rotation about its axis.
+/// Fills the row and column of the angle of a hinge with those of a rotation about its axis.
 fn turn_with_hinge(matrix: &mut ElementMatrix, axis: Option<&Vector3>) {
     let Some(axis) = axis else { return };
     let along = |values: [f64; 3]| Vector3::from(values).dot(axis);
@@ -151,7 +158,8 @@ fn turn_with_hinge(matrix: &mut ElementMatrix, axis: Option<&Vector3>) {
     }
 }
 
-/// From derivatives over a rotation seen from outside to those over ℓφ: rows by Jᵀ, columns by J.
+/// Converts derivatives with respect to a rotation in the fixed frame to those with respect to ℓφ:
+/// rows by Jᵀ, columns by J.
 fn over_vector(matrix: &mut ElementMatrix, jacobian: &Matrix3) {
     let places: [usize; 3] = std::array::from_fn(|axis| TURNING_ROTATION + axis);
     for row in matrix.iter_mut() {

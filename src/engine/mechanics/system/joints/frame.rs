@@ -1,38 +1,43 @@
 //! A frame that turns with a joint or body: rods are clamped to it.
 //!
-//! Its rotation is R = exp([φ]×) B with a rotation vector φ and a rotation B that stays for many steps; the unknowns are the
-//! components of ℓφ, with a length ℓ that makes them as large as the moves of nodes. Moments T, seen from outside, are
-//! Jᵀ(φ) T/ℓ over them ([`crate::mechanics::rotation`]). The frame of a hinge turns by an angle α more, R' = R exp(α [a]×).
+//! Its rotation is R = exp([φ]×) B with a rotation vector φ and a rotation B that is constant over
+//! many steps. The unknowns are the components of ℓφ, with a length ℓ that makes them as large as
+//! the moves of nodes. Moments T, in the fixed frame, are Jᵀ(φ) T/ℓ over the unknowns
+//! ([`crate::mechanics::rotation`]). The frame of a hinge turns by an additional angle α, R' = R
+//! exp(α [a]×).
 //!
-//! A body of the moments of inertia I₁, I₂, I₃ moves like three masses mₖ = ½ (I₁ + I₂ + I₃ − 2 Iₖ)/ℓ² at the tips of its
-//! principal axes, pₖ = ℓ R eₖ, seen from its centre: ½ Σ mₖ ṗₖ² is its energy of rotation. The tips have a place among the
-//! unknowns, so that time schemes keep their history; they are not unknowns themselves, but follow from φ.
+//! A body with the moments of inertia I₁, I₂, I₃ moves like three masses mₖ = ½ (I₁ + I₂ + I₃ − 2
+//! Iₖ)/ℓ² at the tips of its principal axes, pₖ = ℓ R eₖ relative to its centre: its rotational
+//! energy is ½ Σ mₖ ṗₖ². The tips are stored among the unknowns, so that time schemes keep their
+//! history, but they are not unknowns themselves: they follow from φ.
 
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::{GhostEdge, STRIDE};
 use crate::mechanics::scene::HingeSpring;
 use crate::mechanics::{Matrix3, UnitQuaternion, Vector3, rotation};
 
-/// Turn of a frame beyond which its rotation vector is reset, rad: far from a whole turn, where J is singular.
+/// Turn of a frame above which its rotation vector is reset, rad: far from a full turn, where J is
+/// singular.
 const LARGEST_TURN: f64 = 1.0;
 
-/// The mass of a body whose centre is off its node: see [`super::super::eccentric`].
+/// The mass of a body with a centre away from its node: see [`super::super::eccentric`].
 #[derive(Clone, Debug)]
 pub struct EccentricMass {
-    /// Number of the node among those of all rods.
+    /// Index of the node among those of all rods.
     pub node: usize,
-    /// Place of the first of the tips of its principal axes among the unknowns.
+    /// Index, among the unknowns, of the first tip of its principal axes.
     pub first_tip: usize,
     /// kg.
     pub mass: f64,
-    /// From the node to the centre, along the principal axes and over their length ℓ.
+    /// Vector from the node to the centre, along the principal axes, divided by their length ℓ.
     pub parts: [f64; 3],
 }
 
 /// A frame and the rods clamped to it.
 #[derive(Clone, Debug)]
 pub struct TurningFrame {
-    /// First of its unknowns: ℓφ, and the angle of a hinge (rad) after them. Of the frame of a hinge only that is free.
+    /// Index of the first of its unknowns: ℓφ, followed by the angle of a hinge (rad). For the
+    /// frame of a hinge only the angle is free.
     pub first_unknown: usize,
     /// ℓ, m.
     pub length: f64,
@@ -40,30 +45,31 @@ pub struct TurningFrame {
     pub base: UnitQuaternion,
     /// Rotation when the reference frames were committed.
     pub committed: UnitQuaternion,
-    /// Number of the frame that a hinge ties it to, and the axis a of the hinge as placed.
+    /// Index of the frame to which a hinge ties this frame, and the axis a of the hinge as placed.
     pub hinge: Option<(usize, Vector3)>,
     /// The spring about that hinge.
     pub spring: Option<HingeSpring>,
-    /// First unknown of the tips of the principal axes, which are `axes` as placed.
+    /// Index of the first unknown of the tips of the principal axes, which are `axes` as placed.
     pub body: Option<(usize, [Vector3; 3])>,
-    /// The node that carries that body and its radius, m, where it is a ball.
+    /// The node that carries the body, and the radius of the body, m, if it is a ball.
     pub ball: Option<(usize, f64)>,
-    /// The mass of that body, where its centre is off the node.
+    /// The mass of the body, if its centre is away from the node.
     pub eccentric: Option<EccentricMass>,
-    /// Ghost edges that turn with it, as placed.
+    /// Ghost edges that turn with the frame, as placed.
     pub ghosts: Vec<(usize, GhostEdge)>,
-    /// Elements of the half vertices of these.
+    /// Elements of the half vertices of these ghost edges.
     pub elements: Vec<usize>,
-    /// The element of its own unknowns.
+    /// The element of the unknowns of the frame.
     pub element: usize,
-    /// A node of the scene at which a rod is clamped to it, by whose forces it is judged.
+    /// A node of the scene at which a rod is clamped to the frame; the forces of this rod set the
+    /// tolerance of the frame.
     pub node: usize,
-    /// The clamp that holds it: its rotation is then prescribed, and is that of B.
+    /// The clamp that holds the frame: its rotation is then prescribed, and equal to B.
     pub clamp: Option<usize>,
 }
 
 impl TurningFrame {
-    /// A frame as placed, without rods clamped to it.
+    /// Creates a frame as placed, without rods clamped to it.
     pub(crate) fn new(first_unknown: usize, hinge: Option<(usize, Vector3)>) -> Self {
         Self {
             first_unknown,
@@ -99,13 +105,14 @@ impl TurningFrame {
         Some((first, axes.map(|axis| rotation * axis * self.length)))
     }
 
-    /// Whether the rotation vector has become long and is free.
+    /// Whether the rotation vector is free and has become long.
     pub(crate) fn is_long(&self, unknowns: &[f64]) -> bool {
         self.hinge.is_none() && self.rotation_vector(unknowns).norm() >= LARGEST_TURN
     }
 
-    /// Resets the rotation vector, with the present rotation as base; the change of chart is exact for the present motion
-    /// (unknowns and velocities), the first one, and for earlier ones.
+    /// Resets the rotation vector, with the present rotation as base. The change of chart is exact
+    /// for the first motion, which has the present unknowns and velocities, and for earlier
+    /// motions.
     pub(crate) fn begin_anew(&mut self, motions: &mut [[&mut [f64]; 2]]) {
         let Some([unknowns, _]) = motions.first() else {
             return;

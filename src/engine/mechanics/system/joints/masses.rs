@@ -6,7 +6,8 @@ use crate::mechanics::Vector3;
 use crate::mechanics::rod::STRIDE;
 
 impl Joints {
-    /// Makes a mass matrix of all nodes and tips of bodies one over the free unknowns, Pᵀ M P, with frames as placed.
+    /// Converts a mass matrix of all nodes and tips of bodies to one over the free unknowns, Pᵀ M
+    /// P, with frames as placed.
     pub(crate) fn gather_masses(&self, unknowns: &[f64], matrix: &mut nalgebra::DMatrix<f64>) {
         for (number, frame) in self.frames.iter().enumerate() {
             let Some((first, tips)) = frame.tips(&self.rotations[number]) else {
@@ -60,8 +61,8 @@ impl Joints {
         self.reduce(matrix);
     }
 
-    /// Makes a matrix over the owners of all positions one over the free unknowns: Pᵀ M P over those that sliding nodes
-    /// follow.
+    /// Converts a matrix over the owners of all positions to one over the free unknowns: Pᵀ M P
+    /// over the unknowns that sliding nodes follow.
     pub(super) fn reduce(&self, matrix: &mut nalgebra::DMatrix<f64>) {
         for slide in &self.slides {
             let own = STRIDE * slide.node;

@@ -1,19 +1,20 @@
-//! Joints and bodies: nodes that are one point, and frames that turn freely with rods clamped to them.
+//! Joints and bodies: nodes that coincide, and frames that turn freely with rods clamped to them.
 //!
-//! **Points.** The positions of joined nodes are one set of unknowns: that of one of them, the owner. Residuals and rows and
-//! columns of the Jacobian of the others are added to its own, x = P r and so Pᵀ R and Pᵀ J P: the joint holds exactly,
-//! and its force needs no unknown.
+//! **Points.** The positions of joined nodes are one set of unknowns, that of one of the nodes,
+//! the owner. Residuals, and rows and columns of the Jacobian, of the other nodes are added to
+//! those of the owner: x = P r gives Pᵀ R and Pᵀ J P. The joint holds exactly, and its force needs
+//! no unknown.
 //!
-//! **Frames.** Rods that meet rigidly, at a hinge or in a body are clamped to a frame ([`frame::TurningFrame`]), with the half
-//! vertex of every clamp ([`crate::mechanics::rod`], `turning_ghost`), so that the joint is at the node and its
-//! error is of second order in the edge length. In the middle of a rod the two half vertices in series are as stiff as the
-//! whole one was.
-//! Kernels write moments on frames seen from outside; how these and their derivatives become those over the unknowns is in
-//! [`derivatives`].
+//! **Frames.** Rods that meet rigidly, at a hinge or in a body are clamped to a frame
+//! ([`frame::TurningFrame`]), with the half vertex of every clamp ([`crate::mechanics::rod`],
+//! `turning_ghost`), so that the joint is at the node and its error is of second order in the edge
+//! length. In the middle of a rod the two half vertices in series are as stiff as the original
+//! vertex. Kernels compute moments on frames in the fixed frame; [`derivatives`] converts these
+//! and their derivatives to those over the unknowns.
 //!
-//! **Slides.** A node that slides along a rod has the position of a place there ([`slide`]), which depends on the rod and
-//! on one unknown. Since the nodes that carry it change from edge to edge, it is not eliminated from the matrix, but by a border of it
-//! ([`border`]).
+//! **Slides.** A node that slides along a rod has the position of a point of the rod ([`slide`]),
+//! which depends on the rod and on one unknown. Since the nodes that carry it change from edge to
+//! edge, it is not eliminated within the matrix, but by a border of the matrix ([`border`]).
 
 pub(crate) mod border;
 mod derivatives;
@@ -53,26 +54,29 @@ const NO_START: SceneError = SceneError::Unsuitable(
 /// Joints and bodies of a scene, with its unknowns numbered.
 #[derive(Clone, Debug, Default)]
 pub struct Joints {
-    /// Nodes that have the position of another one: own number and that of the owner.
+    /// Nodes that have the position of another node: the index of the node and that of the owner.
     pub points: Vec<[usize; 2]>,
-    /// Frames; those that hinges tie come after those that they are tied to.
+    /// Frames; those tied by hinges come after the frames to which they are tied.
     pub frames: Vec<TurningFrame>,
-    /// Frames that turn as one with another until a weld breaks: their places among the unknowns, own and that of the owner.
+    /// Frames that turn together with another frame until a weld breaks: their places among the
+    /// unknowns, own place and that of the owner.
     pub welds: Vec<[usize; 2]>,
-    /// Nodes that slide along rods; each owns its point.
+    /// Nodes that slide along rods; each owns its position.
     pub slides: Vec<Slide>,
-    /// Unknowns at the start of the step of which a scheme solves the middle; `None` where it solves the end.
+    /// Unknowns at the start of the step if the scheme solves for the middle of the step; `None`
+    /// if it solves for the end.
     start: Option<Vec<f64>>,
     /// Scratch: rotation of each frame at the last evaluation.
     rotations: Vec<UnitQuaternion>,
-    /// Scratch: moment on each frame, those on frames that hinges tie to it included, at the last evaluation, N m.
+    /// Scratch: moment on each frame at the last evaluation, including those on frames tied to it
+    /// by hinges, N m.
     moments: Vec<Vector3>,
     /// Scratch: forces on the tips of bodies at the last evaluation, N.
     tip_forces: Vec<[Vector3; 3]>,
 }
 
 impl Joints {
-    /// With every frame as placed.
+    /// Creates the joints with every frame as placed.
     pub(crate) fn new(points: Vec<[usize; 2]>, frames: Vec<TurningFrame>) -> Self {
         Self {
             rotations: vec![UnitQuaternion::identity(); frames.len()],
@@ -86,7 +90,7 @@ impl Joints {
         }
     }
 
-    /// Checks that a scene with them meets a demand.
+    /// Checks whether a scene with these joints meets a demand.
     ///
     /// # Errors
     /// The reason why it does not.
@@ -104,7 +108,7 @@ impl Joints {
         self.points.is_empty() && self.frames.is_empty() && self.slides.is_empty()
     }
 
-    /// The unknowns that others own.
+    /// The unknowns that are owned by others.
     pub(crate) fn shared(&self) -> Vec<SharedUnknown> {
         let of_point = |&[node, owner]: &[usize; 2]| {
             (0..3).map(move |axis| SharedUnknown {
@@ -115,13 +119,14 @@ impl Joints {
         self.tied().flat_map(of_point).collect()
     }
 
-    /// Places among the unknowns of which three are those of another place: joined nodes and welded frames.
+    /// Places among the unknowns with three unknowns owned by another place: joined nodes and
+    /// welded frames.
     fn tied(&self) -> impl Iterator<Item = &[usize; 2]> {
         self.points.iter().chain(&self.welds)
     }
 
-    /// The unknowns of an element of the rods as the Jacobian has them: half vertices of hinges refer to the frame that these
-    /// are tied to, and the angle.
+    /// The unknowns of an element of the rods as numbered in the Jacobian: half vertices of hinges
+    /// refer to the frame to which they are tied, and to the angle.
     pub(crate) fn elements(&self, of_rods: &[Element]) -> Vec<Element> {
         let mut elements = of_rods.to_vec();
         for frame in &self.frames {
@@ -156,14 +161,14 @@ impl Joints {
         self.rotations[frame]
     }
 
-    /// First unknown of the rotation in which a frame takes part, and the angle of its hinge.
+    /// First unknown of the rotation that moves a frame, and the angle of its hinge.
     pub(crate) fn unknowns_of_frame(&self, number: usize) -> (usize, Option<usize>) {
         let frame = &self.frames[number];
         let hinge = frame.hinge.map(|_| frame.first_unknown + 3);
         (self.free_rotation(frame), hinge)
     }
 
-    /// First unknown of the rotation that a frame takes part in.
+    /// First unknown of the rotation that moves a frame.
     fn free_rotation(&self, frame: &TurningFrame) -> usize {
         let base = frame.hinge.map_or(frame, |(base, _)| &self.frames[base]);
         base.first_unknown
@@ -183,7 +188,7 @@ impl Joints {
         }
     }
 
-    /// Writes the ghost edges that turn with the frames at `unknowns`.
+    /// Updates the ghost edges that turn with the frames at `unknowns`.
     pub(crate) fn turn_ghosts(&mut self, unknowns: &[f64], ghosts: &mut [GhostEdge]) {
         self.rotate(unknowns);
         for (frame, rotation) in self.frames.iter().zip(&self.rotations) {
@@ -199,12 +204,14 @@ impl Joints {
         }
     }
 
-    /// Moment on a frame at the last [`Self::gather_moments`], those on frames that hinges tie to it included, N m.
+    /// Moment on a frame at the last [`Self::gather_moments`], including those on frames tied to
+    /// it by hinges, N m.
     pub(crate) fn moment_on(&self, frame: usize) -> Vector3 {
         self.moments[frame]
     }
 
-    /// Gives a frame on a hinge a rotation of its own, that at `unknowns` with its rate at `velocity`, before it is freed.
+    /// Gives a frame on a hinge its own rotation, before it is freed: that at `unknowns` with its
+    /// rate at `velocity`.
     pub(crate) fn take_over_rotation(
         &mut self,
         number: usize,
@@ -223,14 +230,15 @@ impl Joints {
         }
     }
 
-    /// The frames of the last evaluation are those from which the next step counts turns.
+    /// Commits the frames of the last evaluation as the reference for rotations in the next step.
     pub(crate) fn commit(&mut self) {
         for (frame, rotation) in self.frames.iter_mut().zip(&self.rotations) {
             frame.committed = *rotation;
         }
     }
 
-    /// Writes what follows from other unknowns: positions of joined nodes, tips of the principal axes of bodies.
+    /// Sets the dependent values: positions of joined nodes, and tips of the principal axes of
+    /// bodies.
     pub(crate) fn complete(&mut self, unknowns: &mut [f64]) {
         if self.is_empty() {
             return;
@@ -254,21 +262,22 @@ impl Joints {
         }
     }
 
-    /// From now on unknowns are those in the middle of a step from `start`, or, without one, those of its end.
+    /// Sets whether unknowns are those in the middle of a step from `start`, or at its end if
+    /// `start` is `None`.
     pub(crate) fn begin_step(&mut self, start: Option<&[f64]>) {
         if !self.slides.is_empty() {
             self.start = start.map(<[f64]>::to_vec);
         }
     }
 
-    /// Takes the places of sliding nodes from `unknowns`.
+    /// Sets the positions of sliding nodes from `unknowns`.
     pub(crate) fn place(&mut self, unknowns: &[f64]) {
         for slide in &mut self.slides {
             slide.place(unknowns, self.start.as_deref());
         }
     }
 
-    /// Whether a node, or the one whose position it has, slides along a rod.
+    /// Whether a node, or the owner of its position, slides along a rod.
     pub(crate) fn slides_at(&self, node: usize) -> bool {
         let mut points = self.points.iter();
         let owner = points.find_map(|&[own, owner]| (own == node).then_some(owner));
@@ -276,7 +285,7 @@ impl Joints {
         self.slides.iter().any(|slide| slide.node == owner)
     }
 
-    /// Unknowns that others determine: those of joined and of sliding nodes.
+    /// Unknowns determined by others: those of joined and of sliding nodes.
     pub(crate) fn dependent(&self) -> Vec<usize> {
         let mut dependent: Vec<usize> = self.shared().iter().map(|one| one.unknown).collect();
         let of_slide = |slide: &Slide| STRIDE * slide.node..STRIDE * slide.node + 3;
@@ -284,7 +293,8 @@ impl Joints {
         dependent
     }
 
-    /// Adds the forces on nodes whose positions others determine to the forces on the latter.
+    /// Adds the forces on nodes with dependent positions to the forces on the nodes that determine
+    /// these.
     pub(crate) fn gather(&self, forces: &mut [f64]) {
         self.gather_points(forces);
         if !self.slides.is_empty() {
@@ -293,7 +303,8 @@ impl Joints {
         }
     }
 
-    /// Adds what acts on joined nodes, and welded frames, to what acts on the owners of their positions and rotations.
+    /// Adds the forces on joined nodes and welded frames to those on the owners of their positions
+    /// and rotations.
     pub(crate) fn gather_points(&self, forces: &mut [f64]) {
         for &[node, owner] in self.tied() {
             for axis in 0..3 {
@@ -302,14 +313,15 @@ impl Joints {
         }
     }
 
-    /// Moves joined nodes and welded frames as the owners of their positions and rotations.
+    /// Moves joined nodes and welded frames with the owners of their positions and rotations.
     pub(crate) fn spread_points(&self, moves: &mut [f64]) {
         for &[node, owner] in self.tied() {
             moves.copy_within(STRIDE * owner..STRIDE * owner + 3, STRIDE * node);
         }
     }
 
-    /// Makes a Jacobian over the owners of all positions, of which some unknowns are `held`, one over the free unknowns.
+    /// Converts a Jacobian over the owners of all positions, with some `held` unknowns, to one
+    /// over the free unknowns.
     pub(crate) fn reduce_jacobian(&self, matrix: &mut nalgebra::DMatrix<f64>, held: &[bool]) {
         self.reduce(matrix);
         for slide in &self.slides {
@@ -341,8 +353,9 @@ impl Joints {
         }
     }
 
-    /// Makes moments on frames, seen from outside, and forces on the tips of bodies generalised forces over the unknowns;
-    /// `unknowns` are those of the last [`Self::turn_ghosts`].
+    /// Converts moments on frames, in the fixed frame, and forces on the tips of bodies to
+    /// generalised forces over the unknowns; `unknowns` are those of the last
+    /// [`Self::turn_ghosts`].
     pub(crate) fn gather_moments(&mut self, unknowns: &[f64], forces: &mut [f64]) {
         for (number, frame) in self.frames.iter().enumerate() {
             let slot = frame.first_unknown;
@@ -395,8 +408,9 @@ impl System {
         joints.gather(changes);
     }
 
-    /// Completes a derivative of all unknowns over a parameter, at `unknowns` of the last evaluation: tips of bodies turn with their frames,
-    /// and tips and sliding nodes have the derivative at fixed unknowns in `explicit` in addition.
+    /// Completes a derivative of all unknowns with respect to a parameter, at `unknowns` of the
+    /// last evaluation. Tips of bodies turn with their frames; tips and sliding nodes also have
+    /// the derivative at fixed unknowns in `explicit`.
     pub(crate) fn spread_change(&self, unknowns: &[f64], explicit: &[f64], change: &mut [f64]) {
         let joints = &self.assembly.joints;
         for (number, frame) in joints.frames.iter().enumerate() {
@@ -417,7 +431,8 @@ impl System {
         joints.spread_points(change);
     }
 
-    /// Makes the product of the whole Jacobian of the last evaluation with `moves` that of the one over the free unknowns.
+    /// Converts the product of the full Jacobian of the last evaluation with `moves` to that of
+    /// the Jacobian over the free unknowns.
     pub(crate) fn gather_product(&self, moves: &[f64], product: &mut [f64]) {
         let joints = &self.assembly.joints;
         joints.gather(product);
@@ -430,7 +445,7 @@ impl System {
         }
     }
 
-    /// Makes a residual over all nodes, frames and bodies one over the free unknowns.
+    /// Converts a residual over all nodes, frames and bodies to one over the free unknowns.
     pub(super) fn gather_at_joints(&mut self, unknowns: &[f64]) {
         self.breaking.note(&self.residual);
         let joints = &mut self.assembly.joints;
@@ -443,20 +458,21 @@ impl System {
         joints.gather(&mut self.residual);
     }
 
-    /// From now on unknowns are those in the middle of a step from `start`, or, without one, those of its end.
+    /// Sets whether unknowns are those in the middle of a step from `start`, or at its end if
+    /// `start` is `None`.
     pub(crate) fn begin_step(&mut self, start: Option<&[f64]>) {
         self.assembly.joints.begin_step(start);
     }
 
-    /// Frames whose rotation vectors at `unknowns` have become long.
+    /// Frames with long rotation vectors at `unknowns`.
     pub(crate) fn long_rotations(&self, unknowns: &[f64]) -> Vec<usize> {
         let frames = self.assembly.joints.frames.iter().enumerate();
         let long = frames.filter(|(_, frame)| frame.is_long(unknowns));
         long.map(|(number, _)| number).collect()
     }
 
-    /// Resets the rotation vectors of some frames, with the present rotations as bases; the change of chart is exact for all
-    /// `motions`, the present unknowns and velocities, and earlier ones.
+    /// Resets the rotation vectors of some frames, with the present rotations as bases. The change
+    /// of chart is exact for all `motions`: the present unknowns and velocities, and earlier ones.
     pub(crate) fn begin_rotations_anew(
         &mut self,
         frames: &[usize],
@@ -467,16 +483,16 @@ impl System {
         }
     }
 
-    /// The rotations from which those of the frames count, for a checkpoint.
+    /// The base rotations of the frames, for a checkpoint.
     pub(crate) fn frame_bases(&self) -> Vec<UnitQuaternion> {
         let frames = self.assembly.joints.frames.iter();
         frames.map(|frame| frame.base).collect()
     }
 
-    /// Restores those of a checkpoint.
+    /// Restores the base rotations from a checkpoint.
     ///
     /// # Errors
-    /// The difference, if the checkpoint belongs to another scene.
+    /// The difference if the checkpoint belongs to another scene.
     pub(crate) fn restore_frame_bases(
         &mut self,
         bases: &[UnitQuaternion],

@@ -1,5 +1,5 @@
-//! Nodes that are one point, and frames that turn together: found from the description of a scene before its rods are
-//! numbered.
+//! Nodes that coincide, and frames that turn together, from the description of a scene before its
+//! rods are numbered.
 
 use super::Joints;
 use super::frame::TurningFrame;
@@ -15,11 +15,11 @@ use std::collections::BTreeMap;
 pub(in crate::mechanics::system) struct PlannedFrame {
     /// Nodes at which rods are clamped to it.
     pub nodes: Vec<RodNode>,
-    /// The frame to which a hinge ties it, and the axis of the hinge as placed.
+    /// The frame to which a hinge ties this frame, and the axis of the hinge as placed.
     pub hinge: Option<(usize, Vector3)>,
     /// The spring about that axis.
     pub spring: Option<HingeSpring>,
-    /// The frame with which it turns as one until the weld breaks.
+    /// The frame with which this frame turns until the weld breaks.
     pub weld: Option<usize>,
     /// Whether a body with inertia turns with it.
     pub bears_body: bool,
@@ -28,13 +28,13 @@ pub(in crate::mechanics::system) struct PlannedFrame {
 /// A node that slides along a rod.
 #[derive(Clone, Debug)]
 pub(in crate::mechanics::system) struct PlannedSlide {
-    /// The node, and that of the rod where it begins.
+    /// The node, and the node of the rod at which its slide begins.
     pub nodes: [RodNode; 2],
     /// First and last node of that rod along which it may slide.
     pub rail: [usize; 2],
 }
 
-/// A hinge that has not found its frames yet.
+/// A hinge whose frames are not determined yet.
 struct PlannedHinge {
     name: String,
     nodes: [RodNode; 2],
@@ -42,13 +42,14 @@ struct PlannedHinge {
     spring: Option<HingeSpring>,
 }
 
-/// Unknowns that the joints of a scene take from those of its rods, and that their frames add; none where they cannot be.
+/// Number of unknowns that the joints of a scene remove from those of its rods, and number that
+/// their frames add; zero if the joints are invalid.
 pub fn joint_unknowns(scene: &Scene) -> [usize; 2] {
     let Ok(plan) = JointPlan::new(scene) else {
         return [0; 2];
     };
     let taken = plan.points.iter().map(|point| 3 * (point.len() - 1));
-    // Three of the position, and one more for the place on the rod.
+    // Three of the position, and one more for the parameter along the rod.
     let slides = plan.slides.len();
     let added = plan
         .frames
@@ -75,7 +76,7 @@ impl PlannedFrame {
 pub(in crate::mechanics::system) struct JointPlan {
     /// Nodes that are one point.
     pub points: Vec<Vec<RodNode>>,
-    /// Frames; those that hinges tie come after those that they are tied to.
+    /// Frames; those tied by hinges come after the frames to which they are tied.
     pub frames: Vec<PlannedFrame>,
     /// Nodes that slide along rods.
     pub slides: Vec<PlannedSlide>,
@@ -84,7 +85,8 @@ pub(in crate::mechanics::system) struct JointPlan {
 
 impl JointPlan {
     /// # Errors
-    /// [`SceneError::Joint`] where nodes are missing or apart, or joints hold the same motion twice.
+    /// [`SceneError::Joint`] if nodes are missing or apart, or if joints hold the same motion
+    /// twice.
     pub(crate) fn new(scene: &Scene) -> Result<Self, SceneError> {
         let mut points = Groups::default();
         let mut rigid = Groups::default();
@@ -159,7 +161,8 @@ impl JointPlan {
         Ok(plan)
     }
 
-    /// The frames of groups of nodes: of those that hinges tie together, the one with the most hinges carries the others.
+    /// Builds the frames of groups of nodes. Of frames tied together by hinges, the one with the
+    /// most hinges carries the others.
     fn add_frames(
         &mut self,
         mut groups: Vec<Vec<RodNode>>,
@@ -216,14 +219,15 @@ impl JointPlan {
         &mut self.frames[number]
     }
 
-    /// Places of four unknowns that the frames and slides need: one for a rotation, three for the tips of a body, one for a
-    /// place along a rod.
+    /// Number of places of four unknowns that the frames and slides need: one for a rotation,
+    /// three for the tips of a body, one for the parameter along a rod.
     pub(crate) fn places(&self) -> usize {
         let of_frames: usize = self.frames.iter().map(PlannedFrame::places).sum();
         of_frames + self.slides.len()
     }
 
-    /// The frames with their unknowns after those of `nodes` nodes; rods are yet to be clamped to them.
+    /// The frames with their unknowns after those of `nodes` nodes, before rods are clamped to
+    /// them.
     pub(crate) fn with_unknowns(&self, nodes: usize) -> Joints {
         let mut place = nodes;
         let frames = self.frames.iter().map(|frame| {
@@ -243,8 +247,8 @@ impl JointPlan {
     }
 }
 
-/// First and last node along which the first node of a slide may go: those of the other rod, or those on its own rod that
-/// lie on the same side of it as the second one.
+/// First and last node along which the first node of a slide may slide: the ends of the other rod,
+/// or of the part of its own rod that is on the same side as the second node.
 fn rail_of(scene: &Scene, [node, start]: [RodNode; 2]) -> Result<[usize; 2], JointError> {
     let rod = &scene.rods[start.rod];
     let last = rod.centreline.len() - 1;
@@ -261,7 +265,7 @@ fn rail_of(scene: &Scene, [node, start]: [RodNode; 2]) -> Result<[usize; 2], Joi
     })
 }
 
-/// Whether slides leave each sliding node one place, and let no place depend on itself.
+/// Whether slides give each sliding node a single position, and no position depends on itself.
 fn judge_slides(
     scene: &Scene,
     slides: &[(String, PlannedSlide)],
@@ -314,7 +318,7 @@ fn is_alone(scene: &Scene, joint: &Joint) -> bool {
     scene.joints.iter().filter(touches).count() == 1
 }
 
-/// Whether the nodes of a joint exist, are two, and lie at one point.
+/// Whether a joint has two existing nodes at one point.
 fn check_places(scene: &Scene, nodes: &[RodNode; 2]) -> Result<(), JointError> {
     let span = span(scene, nodes)?;
     if span.is_a_point() {
@@ -325,7 +329,7 @@ fn check_places(scene: &Scene, nodes: &[RodNode; 2]) -> Result<(), JointError> {
     })
 }
 
-/// Sets of nodes that grow together.
+/// Sets of nodes, which can be merged.
 #[derive(Default)]
 struct Groups {
     parent: BTreeMap<RodNode, RodNode>,

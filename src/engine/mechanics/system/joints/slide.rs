@@ -1,17 +1,20 @@
 //! A node that slides along a rod without friction.
 //!
-//! Its position is that of a place on the rod's curve ([`Track`]), whose parameter s replaces it as the unknown:
+//! Its position is that of a point on the rod's curve ([`Track`]), whose parameter s replaces the
+//! position as the unknown:
 //!
 //! ```text
 //! x = X(s, q) = Σ wⱼ(s) xⱼ,    what acts on x, R:   wⱼ R on xⱼ,   R·X' on s
 //! ```
 //!
-//! So the force of the joint is across the rod, momentum is conserved, and for every s the node is exactly on the curve. At the
-//! ends of an open rod stops take what pushes s outwards.
+//! So the force of the joint is normal to the rod, momentum is conserved, and for every s the node
+//! is exactly on the curve. At the ends of an open rod, stops carry the force that pushes s
+//! outwards.
 //!
-//! **From the middle of a step.** The implicit midpoint rule extrapolates from the middle to the end. At the middle the place is
-//! x = ½ (xₙ + X(2s − sₙ, 2q − qₙ)), so that the step ends on the curve; forces are transmitted at the middle, at (s, q).
-//! For a straight rod at rest that keeps energy exactly.
+//! **From the middle of a step.** The implicit midpoint rule extrapolates from the middle to the
+//! end. At the middle the position is x = ½ (xₙ + X(2s − sₙ, 2q − qₙ)), so that the step ends on
+//! the curve; forces are transmitted at the middle, at (s, q). For a straight rod at rest this
+//! conserves energy exactly.
 
 use super::track::{Track, Weights};
 use crate::mechanics::Vector3;
@@ -25,13 +28,13 @@ pub struct Slide {
     /// The unknown s.
     pub unknown: usize,
     pub(super) track: Track,
-    /// Place at which forces are transmitted.
+    /// Point at which forces are transmitted.
     pub(super) grip: Grip,
-    /// Derivatives of the position of the node over s and q.
+    /// Derivatives of the position of the node with respect to s and q.
     pub(super) follow: Grip,
-    /// Residual of the node by all that acts on it, R, N.
+    /// Residual R of the node from all forces on it, N.
     pub(super) residual: Vector3,
-    /// Whether a stop takes the force along the rod.
+    /// Whether a stop carries the force along the rod.
     pub(super) is_stopped: bool,
 }
 
@@ -62,7 +65,7 @@ fn sum(factors: &[f64; 4], nodes: &[usize; 4], of: impl Fn(usize) -> Vector3) ->
 }
 
 impl Slide {
-    /// A node at the place given by the unknown.
+    /// Creates a slide with the node at the point given by the unknown.
     pub(crate) fn new(node: usize, unknown: usize, track: Track, unknowns: &[f64]) -> Self {
         let weights = track.at(unknowns[unknown]);
         let grip = Grip::new(weights, |node| position(unknowns, node));
@@ -87,7 +90,7 @@ impl Slide {
         self.track.ends().is_none()
     }
 
-    /// Mean edge length of that rod, m: what s counts.
+    /// Mean edge length of that rod, m: the unit of s.
     pub(crate) fn edge(&self) -> f64 {
         self.track.edge
     }
@@ -97,7 +100,8 @@ impl Slide {
         self.residual.norm()
     }
 
-    /// Least and largest s, in the middle of a step from `start` such that the step ends within the rod.
+    /// Least and largest s such that, from the middle of a step from `start`, the step ends within
+    /// the rod.
     fn ends(&self, start: Option<&[f64]>) -> Option<[f64; 2]> {
         let ends = self.track.ends()?;
         Some(match start {
@@ -106,7 +110,8 @@ impl Slide {
         })
     }
 
-    /// Writes where the node is, and s where a stop keeps it; in the middle of a step from `start`.
+    /// Sets the position of the node, and s if a stop holds the node; in the middle of a step from
+    /// `start`.
     pub(super) fn complete(&self, unknowns: &mut [f64], start: Option<&[f64]>) {
         if let Some([least, largest]) = self.ends(start) {
             unknowns[self.unknown] = unknowns[self.unknown].clamp(least, largest);
@@ -122,13 +127,13 @@ impl Slide {
         unknowns[own..own + 3].copy_from_slice(here.as_slice());
     }
 
-    /// s where a step from `start` ends of which `unknowns` are the middle.
+    /// Value of s at the end of a step from `start` with `unknowns` in its middle.
     fn parameter(&self, unknowns: &[f64], start: Option<&[f64]>) -> f64 {
         let now = unknowns[self.unknown];
         start.map_or(now, |start| 2.0 * now - start[self.unknown])
     }
 
-    /// Takes its configuration from `unknowns`, in the middle of a step from `start`.
+    /// Sets the configuration from `unknowns`, in the middle of a step from `start`.
     pub(super) fn place(&mut self, unknowns: &[f64], start: Option<&[f64]>) {
         let weights = self.track.at(unknowns[self.unknown]);
         self.grip = Grip::new(weights, |node| position(unknowns, node));
@@ -141,7 +146,8 @@ impl Slide {
         };
     }
 
-    /// Keeps the residual of the node, and whether a stop at `unknowns` takes its part along the rod.
+    /// Stores the residual of the node, and whether a stop at `unknowns` carries its part along
+    /// the rod.
     pub(super) fn note(&mut self, residual: &[f64], unknowns: &[f64], start: Option<&[f64]>) {
         self.residual = position(residual, self.node);
         let along = residual[self.unknown] + self.residual.dot(&self.grip.tangent);
@@ -180,7 +186,7 @@ impl Slide {
     }
 }
 
-/// Position of a node at the end of a step from `start` of which `unknowns` are the middle.
+/// Position of a node at the end of a step from `start` with `unknowns` in its middle.
 fn place(unknowns: &[f64], start: Option<&[f64]>, node: usize) -> Vector3 {
     let now = position(unknowns, node);
     start.map_or(now, |start| now * 2.0 - position(start, node))

@@ -1,4 +1,4 @@
-//! Residual and Jacobian of sliding nodes against finite differences, and slides that cannot be.
+//! Residual and Jacobian of sliding nodes against finite differences, and invalid slides.
 
 use super::tests::{compare_jacobian, compare_residual, own, perturbed, stage_at};
 use super::*;
@@ -20,8 +20,9 @@ fn slide(name: &str, nodes: [RodNode; 2]) -> Joint {
     joint(name, nodes, JointKind::Slide)
 }
 
-/// A clamped arc along which the end of a strut slides, to which the last rod is joined; the other end of the strut slides on a
-/// ring, and the third rod is a noose: its end slides along itself. Springs load all of them, a heavy node hangs on the arc.
+/// A clamped arc with a strut that slides along it at one end, to which the last rod is joined.
+/// The other end of the strut slides on a ring. The third rod is a noose: its end slides along the
+/// rod itself. Springs load all of them, and a heavy node hangs on the arc.
 fn frame() -> Scene {
     let arc = |k: usize| {
         let angle = 0.25 * k as f64;
@@ -202,7 +203,7 @@ fn slides_that_cannot_be_are_named() {
     let (name, reason) = refused(&|scene| scene.joints[0].nodes[1] = at(0, 4));
     assert_eq!(name, "foot");
     assert!(matches!(reason, JointError::Apart { distance } if distance > 0.2));
-    // Along its own rod, from its own neighbour.
+    // Slides along its own rod, from its own neighbour.
     let (_, reason) = refused(&|scene| scene.joints[3].nodes[1] = at(2, 7));
     assert!(matches!(reason, JointError::Apart { distance } if distance > 0.2));
     let (name, reason) = refused(&|scene| {

@@ -1,9 +1,9 @@
-//! Distance of nodes that joints and springs tie.
+//! Distance between nodes that joints and springs connect.
 
 use crate::mechanics::scene::{RodNode, Scene};
 use crate::mechanics::{JointError, Vector3};
 
-/// Farthest that the nodes of a joint may be apart, over the shorter of the edges there.
+/// Largest distance between the nodes of a joint, relative to the shorter of the edges there.
 const SAME_POINT: f64 = 1e-6;
 
 /// Distance of two nodes as placed.
@@ -20,7 +20,7 @@ impl Span {
     }
 }
 
-/// Distance of the nodes of a joint, where they exist and are two.
+/// Distance between the nodes of a joint, if it has two existing nodes.
 pub(super) fn span(scene: &Scene, nodes: &[RodNode; 2]) -> Result<Span, JointError> {
     if nodes[0] == nodes[1] {
         return Err(JointError::SameNode);

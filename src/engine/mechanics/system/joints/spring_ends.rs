@@ -6,7 +6,8 @@ use super::turned::{TurnedEnd, wall_at, wrong};
 use crate::mechanics::scene::{Scene, Spring};
 use crate::mechanics::{JointError, SceneError};
 
-/// Whether the joints, springs and bodies of a scene can be, as far as that does not depend on its clamps.
+/// Whether the joints, springs and bodies of a scene are valid, as far as that does not depend on
+/// its clamps.
 ///
 /// # Errors
 /// [`SceneError::Joint`].
@@ -25,7 +26,7 @@ impl JointPlan {
     /// Length of a spring without force, m.
     ///
     /// # Errors
-    /// [`SceneError::Joint`] where its nodes are missing or one point, or it has no direction.
+    /// [`SceneError::Joint`] if its nodes are missing or coincide, or if it has no direction.
     pub(crate) fn rest_length(&self, scene: &Scene, spring: &Spring) -> Result<f64, SceneError> {
         let found = span(scene, &spring.nodes).and_then(|span| {
             if spring.stiffness == 0.0 {
@@ -40,7 +41,7 @@ impl JointPlan {
                     Err(JointError::NoDirection { rest_length })
                 }
                 Some(rest_length) => Ok(rest_length),
-                // What rounding leaves of a point would be a direction.
+                // Rounding errors of coincident points would otherwise define the direction.
                 None if span.is_a_point() => Ok(0.0),
                 None => Ok(span.distance),
             }
@@ -51,7 +52,7 @@ impl JointPlan {
     /// Frames with which the ends of a torsional spring turn.
     ///
     /// # Errors
-    /// [`SceneError::Joint`] where both turn as one.
+    /// [`SceneError::Joint`] if both ends turn with the same frame.
     pub(crate) fn turned_ends(
         &self,
         scene: &Scene,

@@ -24,10 +24,12 @@ fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
     }
 }
 
-/// A star of five rods about the origin: the first two welded, the third in a hinge with a body, the fourth through the
-/// origin with its middle welded, too, the fifth in a ball joint; a sixth hangs by a ball joint at the first one's end. Springs
-/// resist the hinge, tie a clamped end, joined nodes and free ones, stretched, compressed and without a length of their own;
-/// others turn free ends, the sides of the hinge, and the hinge against the clamp.
+/// A star of five rods about the origin: the first two are welded, the third is at a hinge with a
+/// body, the fourth passes through the origin with its middle welded too, and the fifth is in a
+/// ball joint. A sixth hangs by a ball joint at the end of the first. Springs resist the hinge and
+/// connect a clamped end, joined nodes and free ones; they are stretched, compressed, or without a
+/// natural length. Other springs turn free ends, the sides of the hinge, and the hinge against the
+/// clamp.
 fn star() -> Scene {
     let origin = Vector3::zeros();
     let [a, b, c, d, e, f] = [
@@ -94,7 +96,7 @@ fn tie(name: &str, nodes: [RodNode; 2], rest_length: Option<f64>) -> Spring {
     }
 }
 
-/// One that only turns what it ties.
+/// A spring that only turns the frames that it connects.
 fn turning_spring(name: &str, nodes: [RodNode; 2], rest_rotation: Vector3) -> Spring {
     let turning = TurningStiffness {
         stiffness: 0.3,
@@ -125,7 +127,7 @@ pub(super) fn perturbed(system: &mut System, size: f64) -> Vec<f64> {
     for k in own(system) {
         unknowns[k] += size * ((1.7 * k as f64).sin() + (0.3 * (k * k) as f64).cos());
     }
-    // Between nodes, where the curve along which nodes slide has third derivatives.
+    // Between nodes, because at nodes the third derivatives of the curve jump.
     for slide in &system.assembly.joints.slides {
         unknowns[slide.unknown] += 0.37;
     }
@@ -140,7 +142,7 @@ fn moved(system: &mut System, unknowns: &[f64], unknown: usize, by: f64) -> Vec<
     moved
 }
 
-/// Holds the residual, perturbed by so much, against differences of the energy.
+/// Compares the residual, perturbed by a given amount, with differences of the energy.
 pub(super) fn compare_residual(scene: &Scene, sizes: [f64; 3]) {
     let mut system = System::new(scene).unwrap();
     for size in sizes {
@@ -189,15 +191,15 @@ pub(super) fn stage_at(system: &System) -> Stage {
     }
 }
 
-/// Holds the Jacobian, perturbed by so much, at rest or in a step, against differences of the residual, which err by `bound`
-/// of its largest entry.
+/// Compares the Jacobian, perturbed by a given amount, at rest or in a step, with differences of
+/// the residual, whose error is at most `bound` times its largest entry.
 pub(super) fn compare_jacobian(scene: &Scene, cases: &[(f64, bool)], bound: f64) {
     let system = System::new(scene).unwrap();
     let stage = stage_at(&system);
     compare_jacobian_of(system, &stage, cases, bound);
 }
 
-/// The same in a step with a given stage.
+/// Compares the Jacobian in a step with a given stage.
 fn compare_jacobian_of(mut system: System, stage: &Stage, cases: &[(f64, bool)], bound: f64) {
     for &(size, is_in_step) in cases {
         let stage = is_in_step.then_some(stage);
@@ -212,7 +214,7 @@ fn compare_jacobian_of(mut system: System, stage: &Stage, cases: &[(f64, bool)],
         let step = 1e-6;
         for column in own(&system) {
             let mut difference = vec![0.0; unknowns.len()];
-            // Of fourth order: contact laws fall by e within some hundred such steps.
+            // Fourth-order differences: contact laws fall by e within some hundred such steps.
             for (by, weight) in [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)] {
                 let moved = moved(&mut system, &unknowns, column, by * step);
                 system.evaluate(&moved, stage);
@@ -254,7 +256,8 @@ fn the_jacobian_of_bodies_that_meet_drag_as_they_turn_is_exact_and_symmetric() {
     compare_jacobian_of(system, &stage, &[(0.0, true), (0.2, true)], 1e-8);
 }
 
-/// The star with one more rod at the end of its third one, by a weld that may break, and bodies on both sides of that.
+/// The star with one more rod, attached to the end of its third rod by a breakable weld with
+/// bodies on both sides.
 fn star_with_breakable_weld() -> Scene {
     let mut scene = star();
     let end = scene.rods[2].centreline[3];

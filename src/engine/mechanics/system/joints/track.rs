@@ -1,20 +1,23 @@
 //! The centreline of a rod as a smooth curve, along which a node slides.
 //!
-//! A chain of straight edges would hold what slides at its nodes: a ring on a rope that is bent at a node must climb the next
-//! edge. So the curve between the nodes xₖ and xₖ₊₁ is the cubic with their positions and the tangents
+//! A chain of straight edges would hold a sliding node at the nodes of the chain: a ring on a rope
+//! that is bent at a node must climb the next edge. So the curve between the nodes xₖ and xₖ₊₁ is
+//! the cubic with their positions and the tangents
 //!
 //! ```text
 //! mₖ = [ (xₖ₊₁ − xₖ) l₋/l₊ + (xₖ − xₖ₋₁) l₊/l₋ ]/(l₋ + l₊)
 //! ```
 //!
-//! of the parabola through three nodes (Catmull and Rom 1974, for edges of the lengths l₋ and l₊; at the ends of an open rod
-//! the parabola is that of the last three nodes, and two nodes are a straight line). It runs through all nodes, its tangent is
-//! continuous, it keeps straight lines and evenly divided parabolas, and is off a smooth rod by the third order of the edge
-//! length. The parameter is the natural arc length over the mean edge: a number of edges.
+//! of the parabola through three nodes (Catmull and Rom 1974, for edges of the lengths l₋ and l₊).
+//! At the ends of an open rod the parabola is that of the last three nodes; two nodes give a
+//! straight line. The curve passes through all nodes, its tangent is continuous, it reproduces
+//! straight lines and evenly divided parabolas, and it differs from a smooth rod by the third
+//! order of the edge length. The parameter is the natural arc length divided by the mean edge
+//! length: a number of edges.
 //!
-//! A force F across the rod bends it a little more where it acts at a node than between two, by some 0.03 F² h³/EI of energy
-//! with edges of the length h: so much must be overcome from node to node, by a force along the rod of up to about
-//! 0.1 F² h²/EI.
+//! A force F across the rod bends it a little more where it acts at a node than between two nodes.
+//! The difference in energy is about 0.03 F² h³/EI with edges of the length h, and to move from
+//! node to node takes a force along the rod of up to about 0.1 F² h²/EI.
 
 use crate::mechanics::rod::RodRange;
 
@@ -22,17 +25,17 @@ use crate::mechanics::rod::RodRange;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Track {
     first_node: usize,
-    /// Parameter of each node, and where a ring closes.
+    /// Parameter of each node, and that at which a ring closes.
     knots: Vec<f64>,
     closed: bool,
     /// Mean length of its edges, m.
     pub edge: f64,
 }
 
-/// Weights of the nodes at a place on the curve, whose position is Σ wⱼ xⱼ.
+/// Weights of the nodes for a point on the curve, whose position is Σ wⱼ xⱼ.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Weights {
-    /// Numbers of the nodes xⱼ; one may occur twice.
+    /// Indices of the nodes xⱼ; an index may occur twice.
     pub nodes: [usize; 4],
     /// wⱼ.
     pub values: [f64; 4],
@@ -60,18 +63,18 @@ impl Track {
         }
     }
 
-    /// Parameter of a node, by its number.
+    /// Parameter of a node, by its index.
     pub(crate) fn parameter(&self, node: usize) -> f64 {
         self.knots[node - self.first_node]
     }
 
-    /// The nodes that it runs through.
+    /// The nodes of the curve.
     pub(crate) fn nodes(&self) -> std::ops::Range<usize> {
         let nodes = self.knots.len() - usize::from(self.closed);
         self.first_node..self.first_node + nodes
     }
 
-    /// The ends of its parameter; `None` for a ring.
+    /// Range of the parameter; `None` for a ring.
     pub(crate) fn ends(&self) -> Option<[f64; 2]> {
         (!self.closed).then(|| [0.0, self.knots[self.knots.len() - 1]])
     }
@@ -88,7 +91,8 @@ impl Track {
         let length = self.knots[edge + 1] - self.knots[edge];
         let u = (along - self.knots[edge]) / length;
         let [begin, end] = [self.tangent(edge, 0), self.tangent(edge, 1)];
-        // Hermite's cubics and their derivatives over u: of the positions and of the tangents.
+        // Hermite cubics and their derivatives with respect to u: for the positions and for the
+        // tangents.
         let values = [
             (1.0 + 2.0 * u) * (1.0 - u) * (1.0 - u),
             u * u * (3.0 - 2.0 * u),
@@ -128,7 +132,8 @@ impl Track {
         }
     }
 
-    /// Weights of the four nodes about an edge, the one before it first, in the tangent at its first or second end.
+    /// Weights of four nodes, from the one before an edge on, in the tangent at its first or
+    /// second end.
     fn tangent(&self, edge: usize, end: usize) -> [f64; 4] {
         let edges = self.knots.len() - 1;
         let length = |edge: usize| self.knots[edge + 1] - self.knots[edge];
@@ -142,7 +147,8 @@ impl Track {
         let mut weights = [0.0; 4];
         if let Some(neighbour) = neighbour {
             let other = length(neighbour);
-            // The node at this end, the far one of the neighbour, and that of the edge itself.
+            // The node at this end, the far node of the neighbouring edge, and the other node of
+            // the edge itself.
             let (here, beyond, far) = if end == 0 { (1, 0, 2) } else { (2, 3, 1) };
             let sign = if end == 0 { 1.0 } else { -1.0 };
             let (own_slope, other_slope) =
@@ -153,7 +159,7 @@ impl Track {
         } else if edges == 1 {
             (weights[1], weights[2]) = (-1.0 / own, 1.0 / own);
         } else {
-            // Outwards from the end: the slope of the edge, less the bend towards the next one.
+            // Outwards from the end: the slope of the edge minus the bend towards the next one.
             let (here, far, next, sign, other) = if end == 0 {
                 (1, 2, 3, 1.0, length(edge + 1))
             } else {

@@ -7,15 +7,15 @@ use crate::mechanics::{JointError, SceneError};
 /// Frame with which one end of a torsional spring turns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::mechanics::system) enum TurnedEnd {
-    /// A frame to which the rod is clamped there, by its number.
+    /// A frame to which the rod is clamped at the node, by its index.
     Frame(usize),
-    /// The clamp that holds the frame of the rod there.
+    /// The clamp that holds the frame of the rod at the node.
     Clamped(RodNode),
     /// A rod at rest.
     Held,
 }
 
-/// The frame that turns with a node, except a free one.
+/// The frame that turns with a node, unless the node is free.
 pub(super) fn wall_at(scene: &Scene, at: RodNode) -> Option<TurnedEnd> {
     let mut clamps = scene.clamps.iter().filter(|clamp| clamp.holds_frame);
     if scene.rods[at.rod].held {

@@ -1,20 +1,23 @@
-//! Signorini's and Coulomb's laws of a single contact, as a linear law of its presumed state.
+//! Signorini's and Coulomb's laws of a single contact, as a linear law of the state that the
+//! contact is assumed to have.
 //!
-//! With the inertia ρ of the contact points (N/m), the wanted force λ of the last linear law and the gap and slip w that
-//! came with it, the projections
+//! With the inertia ρ of the contact points (N/m), the force λ of the last linear law and the
+//! corresponding gap and slip w, the projections
 //!
 //! ```text
 //! λ_n* = (λ_n − ρ w_n)₊,   λ_t* = P(λ_t − ρ w_t)
 //! ```
 //!
-//! on the half line and on the disk of radius μ λ_n* determine the state (Alart and Curnier 1991): open, sticking where the disk
-//! holds λ_t − ρ w_t, else sliding. λ* = λ is the solution. The law that follows is linear in the motion m of the contact
-//! points: λ = λ* − K w with a stiffness far above all others in the directions that are shut, and friction that turns with
-//! the slip while its size follows the normal force where they slide.
+//! onto the half line and onto the disk of radius μ λ_n* determine the state (Alart and Curnier
+//! 1991): open, sticking if the disk contains λ_t − ρ w_t, otherwise sliding. λ* = λ is the
+//! solution. The resulting law is linear in the motion m of the contact points: λ = λ* − K w, with
+//! a stiffness far above all others in the closed directions. Friction of a sliding contact turns
+//! with the slip, and its magnitude follows the normal force.
 //!
-//! [`ForceSearch`] goes from law to law until all projections are solutions at once. This is Newton's method for a function
-//! with corners, and may cycle, as it does where adjacent contacts on nearly parallel edges carry nearly the same
-//! load; then it follows smoothed laws to the solution.
+//! [`ForceSearch`] iterates these laws until all projections are solutions at once. This is
+//! Newton's method for a function with kinks, and may cycle, for example if adjacent contacts on
+//! nearly parallel edges carry nearly the same load; then it follows smoothed laws to the
+//! solution.
 
 use crate::linalg::ElementMatrix;
 use crate::mechanics::contact::{ContactConstraint, cut};
@@ -26,19 +29,20 @@ mod smoothed;
 pub(crate) use search::ForceSearch;
 pub(super) use search::Moves;
 
-/// Stiffness of directions that are shut, in units of ρ: contacts that do the same work, as at the joint of two edges,
-/// share their force, and rounding leaves ten digits of it.
+/// Stiffness of closed directions, in units of ρ. Redundant contacts, as at the joint of two
+/// edges, share their force by this stiffness; rounding leaves ten digits of it.
 const SHUT: f64 = 1e6;
-/// Part of its force that a contact keeps in the iteration in which it opens, and its stiffness then in units of ρ, so that
-/// iterations do not cycle.
+/// Part of the force that a contact keeps in the iteration in which it opens, and its stiffness
+/// then in units of ρ, so that iterations do not cycle.
 const KEPT_PART: f64 = 0.02;
 const KEPT_STIFFNESS: f64 = 20.0;
-/// Resistance to slip in units of ρ, as for the smoothed law of friction, and what of it remains after reversals of the
-/// slip.
+/// Resistance to slip in units of ρ, as for the smoothed law of friction, and the factor on it
+/// after reversals of the slip.
 const BEGINNING_PART: f64 = 4.0;
 const FREE_REVERSALS: i32 = 3;
 const PART_AFTER_REVERSAL: f64 = 0.25;
-/// Changes between sticking and sliding after which the slip is damped, by ρ times powers of two up to this one.
+/// Number of changes between sticking and sliding after which the slip is damped by ρ times powers
+/// of two, and the largest such power.
 const FREE_CHANGES: i32 = 3;
 const MOST_GOINGS: i32 = 6;
 
@@ -46,7 +50,7 @@ const MOST_GOINGS: i32 = 6;
 pub(super) struct RigidContact {
     normal: Vector3,
     friction: f64,
-    /// Gap and slip where the motion is zero, m.
+    /// Gap and slip at zero motion, m.
     start: Vector3,
     inertia: f64,
     /// Force to begin with, N.
@@ -57,11 +61,11 @@ pub(super) struct RigidContact {
     apart: Vector3,
     /// Its projection λ*, N.
     projected: Vector3,
-    /// Whether it kept a part of its force when it opened.
+    /// Whether the contact kept a part of its force when it opened.
     kept: bool,
     slid: Vector3,
     reversals: i32,
-    /// Whether it slid in the last iteration, and how often that has changed.
+    /// Whether the contact slid in the last iteration, and how often that has changed.
     slides: bool,
     changes: i32,
 }
@@ -73,7 +77,8 @@ pub(super) struct State {
 }
 
 impl RigidContact {
-    /// A contact whose points have moved by `slid` (m) since the step began, with its initial force.
+    /// A contact with points that have moved by `slid` (m) since the step began, and with its
+    /// initial force.
     pub(crate) fn new(constraint: &ContactConstraint, slid: Vector3, inertia: f64) -> Self {
         let normal = constraint.normal;
         let along = slid - normal * normal.dot(&slid);
@@ -116,7 +121,7 @@ impl RigidContact {
         self.projected
     }
 
-    /// By how much λ, w break the laws, N.
+    /// Violation of the laws by λ, w, N.
     fn violation(&mut self) -> f64 {
         let (pressure, traction, _) = self.project();
         self.projected = self.normal * pressure + traction;
@@ -138,7 +143,7 @@ impl RigidContact {
         (pressure, cut(towards, disk), towards)
     }
 
-    /// The law of the state that the last iteration suggests.
+    /// The linear law for the state that the last iteration suggests.
     fn advance(&mut self) -> State {
         let before = self.projected.dot(&self.normal);
         let (mut pressure, traction, towards) = self.project();
@@ -176,9 +181,10 @@ impl RigidContact {
             let reversed = self.slid.dot(&direction) < 0.0;
             self.slid = direction;
             self.reversals += i32::from(reversed);
-            // Perpendicular to the slip, that of the disk's projection.
+            // Derivative across the slip, that of the projection onto the disk.
             let turn = (BEGINNING_PART * self.inertia * disk / (size - disk)).min(shut);
-            // A slip that comes and goes approaches its end by degrees.
+            // A slip that alternates between sticking and sliding approaches its solution
+            // gradually.
             let goings = (self.changes - FREE_CHANGES).clamp(0, MOST_GOINGS);
             let damping = if goings > 0 {
                 self.inertia * 2f64.powi(goings)
@@ -198,18 +204,18 @@ impl RigidContact {
         }
     }
 
-    /// The force that moves its points by gap and slip, N.
+    /// The force that would move the contact points by gap and slip, N.
     fn size_of_gap(&self) -> f64 {
         self.inertia * self.apart.norm()
     }
 
-    /// Begins again with the force of the beginning.
+    /// Restarts from the initial force.
     fn begin_again(&mut self) {
         (self.wanted, self.apart) = (self.begun, self.start);
         self.forget_changes();
     }
 
-    /// Resets the number of changes of its state.
+    /// Resets the number of state changes.
     fn forget_changes(&mut self) {
         (self.reversals, self.changes, self.kept) = (0, 0, false);
     }
@@ -219,13 +225,14 @@ impl RigidContact {
         [self.wanted, self.apart]
     }
 
-    /// Goes a part of the way between two iterates.
+    /// Interpolates between two iterates.
     fn go_between(&mut self, from: &[Vector3; 2], to: &[Vector3; 2], part: f64) {
         let between = |k: usize| from[k] + (to[k] - from[k]) * part;
         (self.wanted, self.apart) = (between(0), between(1));
     }
 
-    /// Takes over what the solution of all linear laws moves the contact points by, m; returns the force of its law, N.
+    /// Stores the motion of the contact points in the solution of all linear laws, m; returns the
+    /// force of the linear law, N.
     fn follow(&mut self, state: &State, moved: &Vector3) -> Vector3 {
         self.apart = self.start + moved;
         self.wanted = state.force - state.stiffness * moved;

@@ -1,54 +1,62 @@
-//! The search for forces that satisfy the laws of many contacts at once.
+//! Search for forces that satisfy the laws of many contacts at once.
 //!
-//! Newton's method for a function with corners goes from the states of all contacts to the forces that they require, and
-//! from these to the next states. It converges in a few iterations where few states change, and may cycle where many do. Then the laws
-//! are smoothed ([`super::smoothed`]), and the width of the smoothing falls as iterations follow it down to zero. Every
-//! iterate solves the equations of the rods, and so does every point between two of them: a step that makes the smoothed laws worse
-//! is shortened without another solution of a linear system.
+//! Newton's method for a function with kinks computes forces from the states of all contacts, and
+//! the next states from these forces. It converges in a few iterations if few states change, and
+//! may cycle if many do. Then the laws are smoothed ([`super::smoothed`]), and the width of the
+//! smoothing is reduced step by step to zero. Every iterate solves the equations of the rods, and
+//! so does every point between two iterates. A step that increases the violation of the smoothed
+//! laws is therefore shortened without another solution of a linear system.
 //!
-//! The rods are linearised again as they move, and forces are solved only to that accuracy: smoothed laws are followed to a width
-//! in proportion to the motion, and from there on after the next linearisation. Where they are followed no farther, wider ones are
-//! solved, and the rods linearised where these lead. Near the end, the states of narrow laws are those of the exact ones except for a few.
+//! The rods are linearised again as they move, and forces are solved only to the corresponding
+//! accuracy: smoothed laws are followed down to a width proportional to the motion, and further
+//! after the next linearisation. If they cannot be followed further, the laws are solved at a
+//! larger width, and the rods are linearised at that solution. Near the end, the states of narrow
+//! laws are those of the exact laws with few exceptions.
 
 use super::{RigidContact, State};
 use crate::mechanics::Vector3;
 
-/// Iterations from state to state; where they do not cycle, they take three or four.
+/// Maximum number of iterations from state to state; without cycles they take three or four.
 const ITERATIONS: usize = 12;
-/// Growth of the violation by which they count as cycling, and the part of the first one that may be left after so many.
+/// Growth of the violation at which the iterations count as cycling; below, the part of the first
+/// violation that may remain after a number of iterations.
 const CYCLING_GROWTH: f64 = 10.0;
 const PATIENCE: usize = 6;
 const LEFT_OVER: f64 = 1e-2;
-/// Iterations with smoothed laws before the contact problem counts as unsolved; they take about fifteen.
+/// Maximum number of iterations with smoothed laws before the contact problem counts as unsolved;
+/// they take about fifteen.
 const SMOOTHED_ITERATIONS: usize = 60;
 
-/// Width ν of smoothed laws at first, in units of the typical force, and by what it falls.
+/// Initial width ν of smoothed laws, in units of the typical force, and the factor by which it
+/// falls.
 const FIRST_WIDTH: f64 = 1.0;
 const REDUCTION: f64 = 0.1;
-/// Width from which down the exact laws are tried, mostly with success, and the least.
+/// Width at and below which the exact laws are tried, mostly with success, and the smallest width.
 const NARROW_WIDTH: f64 = 1e-4;
 const LEAST_WIDTH: f64 = 1e-6;
-/// Iterations at a width, which mostly takes two to five, after which wider laws are solved first, and the rods linearised again if
-/// they still move.
+/// Maximum number of iterations at a width, which mostly takes two to five. After these, the laws
+/// are solved at a larger width, and the rods linearised again if they still move.
 const STUCK_ITERATIONS: usize = 10;
-/// Violation of smoothed laws, in units of their width, up to which they count as satisfied.
+/// Largest violation of smoothed laws, in units of their width, at which they count as satisfied.
 const FOLLOWED: f64 = 2.0;
-/// Times that a step is halved that makes the smoothed laws worse.
+/// Maximum number of times that a step is halved if it increases the violation of the smoothed
+/// laws.
 const HALVINGS: usize = 6;
 
 /// Largest violation of the laws of a solution, relative to the largest force.
 const TOLERANCE: f64 = 1e-9;
-/// Largest violation while rods still move, or width of the smoothed laws that are solved, relative to the typical force, and the same
-/// per move in radii: normals turn as much. From the second move on, in radii, forces are found to the end.
+/// Largest violation, or width of solved smoothed laws, while rods still move, relative to the
+/// typical force; and the same per move in radii, since normals turn as much. At motions below the
+/// third value, in radii, forces are solved completely.
 const LOOSEST: f64 = 0.1;
 const LOOSENESS: f64 = 0.1;
 const SLIGHT_MOVE: f64 = 1e-3;
 
-/// Displacements of the solution of all linear laws.
+/// Displacements in the solution of all linear laws.
 pub(in crate::mechanics::system) struct Moves {
     /// The contact points, m.
     pub contacts: Vec<Vector3>,
-    /// The node that moves farthest, in radii.
+    /// Largest displacement of a node, in radii.
     pub farthest: f64,
 }
 
@@ -65,14 +73,16 @@ struct Sizes {
     typical: f64,
     /// Violation that is always accepted, N.
     negligible: f64,
-    /// The least motion of the node that moves farthest, in radii, of all iterations: wide laws move rods that lie still.
+    /// Smallest value, over all iterations, of the largest displacement of a node, in radii: wide
+    /// laws move even rods at rest.
     farthest: f64,
 }
 
 impl ForceSearch {
-    /// Finds forces that satisfy the laws of all contacts; returns whether it succeeded before iterations ran out. `move_by` solves for the
-    /// motion under the linear laws that it is given, one per contact. Laws count as satisfied where they are violated by no more
-    /// than a part of the largest force, or by `negligible`, N; more is left while rods move far.
+    /// Finds forces that satisfy the laws of all contacts; returns whether it succeeded before
+    /// iterations ran out. `move_by` solves for the motion under the given linear laws, one per
+    /// contact. Laws count as satisfied if their violation is at most a fraction of the largest
+    /// force, or `negligible`, N; the limit is larger while rods move far.
     pub(in crate::mechanics::system) fn find<E>(
         &mut self,
         contacts: &mut [RigidContact],
@@ -94,7 +104,8 @@ impl ForceSearch {
         self.follow_smoothed_laws(contacts, &mut sizes, &mut move_by)
     }
 
-    /// Follows smoothed laws to narrower ones: as far as the motion of the rods requires, or to the exact ones.
+    /// Follows smoothed laws to smaller widths: as far as the motion of the rods requires, or to
+    /// the exact laws.
     fn follow_smoothed_laws<E>(
         &mut self,
         contacts: &mut [RigidContact],
@@ -143,7 +154,7 @@ impl ForceSearch {
 }
 
 impl Sizes {
-    /// Error of forces that is allowed where the rods still move, N.
+    /// Allowed error of forces while the rods still move, N.
     fn allowed(&self) -> f64 {
         if self.farthest > SLIGHT_MOVE {
             (LOOSENESS * self.farthest).min(LOOSEST) * self.typical
@@ -153,8 +164,8 @@ impl Sizes {
     }
 }
 
-/// Shortens a step from `left` that has made the squared violation of smoothed laws larger than `before`, N², which becomes what it is
-/// then; returns the part of the step that is left.
+/// Shortens a step from `left` that has increased the squared violation of smoothed laws above
+/// `before`, N², and updates `before`; returns the remaining part of the step.
 fn shorten(
     contacts: &mut [RigidContact],
     left: &[[Vector3; 2]],
@@ -181,7 +192,7 @@ fn iterates(contacts: &[RigidContact]) -> Vec<[Vector3; 2]> {
     contacts.iter().map(RigidContact::iterate).collect()
 }
 
-/// Moves all contacts a part of the way between two iterates.
+/// Interpolates all contacts between two iterates.
 fn go_between(
     contacts: &mut [RigidContact],
     from: &[[Vector3; 2]],
@@ -193,8 +204,8 @@ fn go_between(
     }
 }
 
-/// Whether iterations from the states of all contacts lead from a solution of narrow laws to one of the exact laws; if not, they are
-/// undone.
+/// Whether iterations from the states of all contacts lead from a solution of narrow laws to a
+/// solution of the exact laws; if not, they are undone.
 fn is_solved_near<E>(
     contacts: &mut [RigidContact],
     sizes: &mut Sizes,
@@ -209,7 +220,8 @@ fn is_solved_near<E>(
     Ok(solved)
 }
 
-/// Iterations from the states of all contacts to the next ones; returns whether they converged or cycle.
+/// Iterates from the states of all contacts to the next ones; returns whether this converged or
+/// cycles.
 fn from_state_to_state<E>(
     contacts: &mut [RigidContact],
     sizes: &mut Sizes,
@@ -232,8 +244,8 @@ fn from_state_to_state<E>(
     Ok(false)
 }
 
-/// Median of the nonzero forces of contacts, N: where iterations cycle some are far too large. Where all are zero, the force of
-/// the inertia that closes or opens the largest gap.
+/// Median of the nonzero contact forces, N: when iterations cycle, some forces are far too large.
+/// If all are zero, the inertial force that closes or opens the largest gap.
 fn typical_force(contacts: &[RigidContact]) -> f64 {
     let sizes = contacts.iter().map(|contact| contact.force().norm());
     let mut sizes: Vec<f64> = sizes.filter(|size| *size > 0.0).collect();
@@ -245,8 +257,8 @@ fn typical_force(contacts: &[RigidContact]) -> f64 {
     })
 }
 
-/// Takes over the motions under linear laws; returns by how much the contacts break their laws now, N: zero where that
-/// counts as satisfied, infinite where a number is not finite.
+/// Stores the motions under linear laws; returns the present violation of the laws, N: zero if it
+/// counts as satisfied, infinite if a value is not finite.
 fn follow(
     contacts: &mut [RigidContact],
     states: &[State],
@@ -271,7 +283,7 @@ fn follow(
     }
 }
 
-/// Sum of the squares by which smoothed laws of width `width` (N) are broken, N².
+/// Sum of the squared violations of smoothed laws of width `width` (N), N².
 fn squared_violation(contacts: &[RigidContact], width: f64) -> f64 {
     let squares = contacts
         .iter()

@@ -1,15 +1,17 @@
-//! The laws of a single contact, smoothed: a path along which Newton's method finds the solution where it cycles without.
+//! Smoothed laws of a single contact: a path along which Newton's method finds the solution when
+//! it would otherwise cycle.
 //!
-//! The half line and the disk of [`RigidContact`] become, with a width ν (N),
+//! With a width ν (N), the half line and the disk of [`RigidContact`] become
 //!
 //! ```text
 //! λ_n ρ w_n = ν²,   ρ w_t = −2 ν² λ_t/(μ² λ_n² − ‖λ_t‖²),
 //! ```
 //!
-//! which are those of Signorini and Coulomb for ν = 0: with logarithms as barriers at both surfaces, as interior point methods have
-//! them. Solved for the force that belongs to λ − ρ w, the first is Chen, Harker, Kanzow and Smale's function
-//! ½ (z + √(z² + 4ν²)). A contact that neither presses nor gapes yields as much as its inertia, at any force, so that no
-//! states are left to cycle through.
+//! which for ν = 0 are the laws of Signorini and Coulomb: they have logarithmic barriers at both
+//! surfaces, as in interior point methods. Solved for the force that belongs to λ − ρ w, the first
+//! is Chen, Harker, Kanzow and Smale's function ½ (z + √(z² + 4ν²)). A contact between pressing
+//! and open yields like its inertia at any force, so that there are no states among which to
+//! cycle.
 
 use super::{RigidContact, SHUT, State};
 use crate::mechanics::{Matrix3, Vector3};
@@ -18,21 +20,21 @@ use crate::mechanics::{Matrix3, Vector3};
 const STIFFENED: f64 = 4.0;
 /// Radius of the disk, in units of ν, below which there is no friction.
 const LEAST_DISK: f64 = 1e-6;
-/// Iterations for friction on the disk, which mostly takes three or four.
+/// Maximum number of iterations for friction on the disk, which mostly takes three or four.
 const RESOLVING_ITERATIONS: usize = 60;
-/// Change of a part of the disk that ends them.
+/// Change, as a fraction of the disk, at which these iterations end.
 const RESOLVED_CHANGE: f64 = 1e-12;
 
 /// Forces of the smoothed laws.
 struct Smoothed {
     pressure: f64,
-    /// Friction along `direction`: what it leaves of μ λ_n, as a part of that.
+    /// Friction along `direction`; below, the fraction of μ λ_n that friction leaves unused.
     rest: f64,
     direction: Vector3,
 }
 
 impl RigidContact {
-    /// The smoothed laws of width ν (N), linear where they hold next to the last motion.
+    /// The smoothed laws of width ν (N), linearised where they hold near the last motion.
     pub(super) fn smooth(&mut self, width: f64) -> State {
         let found = self.resolve(width);
         let Smoothed {
@@ -68,7 +70,7 @@ impl RigidContact {
         }
     }
 
-    /// By how much λ, w break the smoothed laws, N.
+    /// Violation of the smoothed laws by λ, w, N.
     pub(super) fn smoothed_violation(&self, width: f64) -> f64 {
         let Smoothed {
             pressure,
@@ -107,8 +109,9 @@ impl RigidContact {
     }
 }
 
-/// The y from 0 to 1 with x + a x/(1 − x²) = `size` for x = 1 − y and a = `width`: Newton's method in y, since x may be so near to 1
-/// that no digits of y would be left, and bisection where it leaves the bracket.
+/// Solves x + a x/(1 − x²) = `size` for y = 1 − x from 0 to 1, with a = `width`. It uses Newton's
+/// method in y, since x may be too close to 1 to leave digits of y, and bisection if that leaves
+/// the bracket.
 fn rest_of_disk(size: f64, width: f64) -> f64 {
     let over = size - 1.0;
     let root = libm::hypot(over, (2.0 * width).sqrt());
@@ -179,7 +182,8 @@ mod tests {
                 let towards = contact.wanted - contact.apart * stiffened;
                 let law = contact.smooth(width);
                 let (force, size) = (contact.projected, contact.projected.norm());
-                // Where the smoothed laws hold; from there the contact points move by as much as they yield.
+                // Solution of the smoothed laws; from there the contact points move by the amount
+                // by which they yield.
                 let holds = (force - towards) / stiffened - contact.start;
                 let far = size / law.stiffness.norm();
                 let by = Vector3::from_fn(|_, _| direction() - 0.5) * far;
@@ -215,7 +219,7 @@ mod tests {
                 let rest = rest_of_disk(size, width);
                 let force = (1.0 - rest) * (1.0 + width / (rest * (2.0 - rest)));
                 let error = (force / size - 1.0).abs();
-                // Where hardly any of the disk is used, rounding matters.
+                // Where friction uses hardly any of the disk, rounding matters.
                 let rounding = 2e-12 / (1.0 - rest);
                 assert!(error < 1e-9 + rounding, "{size} {width}: {rest} {error}");
             }

@@ -17,19 +17,19 @@ struct Problem {
 struct Solution {
     forces: Vec<Vector3>,
     motions: Vec<Vector3>,
-    /// Solutions of linear laws that it took.
+    /// Number of solutions of linear laws.
     iterations: usize,
 }
 
 const AXES: [usize; 3] = [2, 0, 1];
 
 impl Problem {
-    /// As hard as contact of tangled rods: every contact moves every other.
+    /// As difficult as contact of tangled rods: every contact moves every other.
     fn random(seed: u64, contacts: usize, rank: usize) -> Self {
         let mut number = uniform_numbers(seed);
         let mut symmetric = || 2.0 * number() - 1.0;
         let rows = DMatrix::from_fn(3 * contacts, rank, |_, _| symmetric());
-        // Free motions that forces can undo, which also an operator of deficient rank admits.
+        // Free motions that forces can cancel, even with an operator of deficient rank.
         let free = DVector::from_fn(rank, |_, _| symmetric());
         let friction = (0..contacts).map(|_| 0.5 + 0.5 * symmetric()).collect();
         Self {
@@ -39,8 +39,8 @@ impl Problem {
         }
     }
 
-    /// Every second contact is next to the one before, and moves as that one does except for a part `apart` of a motion of its own, as
-    /// neighbours on nearly parallel edges.
+    /// Every second contact is next to the previous one and moves with it, except for a fraction
+    /// `apart` of its own motion, like neighbours on nearly parallel edges.
     fn paired(seed: u64, contacts: usize, rank: usize, apart: f64) -> Self {
         let mut problem = Self::random(seed, contacts, rank);
         for row in (0..3 * contacts).filter(|row| row % 6 >= 3) {
@@ -89,12 +89,12 @@ impl Problem {
         matrix.lu().solve(&load).unwrap()
     }
 
-    /// The solution from the given forces; `None` where there is none, or none was found.
+    /// The solution from the given forces; `None` if none was found.
     fn solve_from(&self, start: impl Fn(usize) -> Vector3) -> Option<Solution> {
         self.solve_moving(start, |_| 0.0)
     }
 
-    /// The same for rods that move by so many radii in the iteration of a number.
+    /// The solution for rods that move by a given number of radii in each iteration.
     fn solve_moving(
         &self,
         start: impl Fn(usize) -> Vector3,
@@ -143,7 +143,7 @@ impl Problem {
             worst = worst.max((force.z * motion.z).abs());
             let (traction, slip) = (force.xy(), motion.xy());
             worst = worst.max(traction.norm() - friction * force.z);
-            // Dissipation is the largest there is: −λ_t·w_t = μ λ_n ‖w_t‖.
+            // Friction dissipates as much as possible: −λ_t·w_t = μ λ_n ‖w_t‖.
             let dissipation = -traction.dot(&slip);
             worst = worst.max((dissipation - friction * force.z * slip.norm()).abs());
         }
@@ -277,8 +277,8 @@ fn contacts_that_do_the_same_share_the_force() {
     assert!((forces[0].z - 0.5).abs() < 1e-5 && (forces[0] - forces[1]).norm() < 1e-9);
 }
 
-/// Many heaps of contacts beside each other, in which iterations from state to state cycle: sweeps by the alternating direction
-/// method of multipliers left some of them unsolved.
+/// Many separate heaps of contacts, in which iterations from state to state cycle. The alternating
+/// direction method of multipliers left some of them unsolved.
 #[test]
 fn neighbours_that_bear_nearly_the_same_load_find_their_forces() {
     for (contacts, rank) in [(20, 30), (40, 60), (40, 90)] {
@@ -303,7 +303,8 @@ fn rods_that_move_far_take_fewer_iterations() {
     assert!(iterations(1.0) < iterations(0.0));
 }
 
-/// Found in a step of a heap that took wide laws, which move rods by themselves, for the solution, and so began again and again.
+/// Found in a step of a heap. Wide laws move rods by themselves; this motion was taken for that of
+/// the solution, and the search restarted again and again.
 #[test]
 fn what_wide_laws_move_does_not_count_as_motion_of_the_rods() {
     for seed in 0..10 {

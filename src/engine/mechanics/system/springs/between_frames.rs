@@ -1,26 +1,30 @@
-//! A spring that turns the material frames of two rods towards each other.
+//! A torsional spring between the material frames of two rods.
 //!
-//! Of the rotations A and B of the frames since they were placed, and the rotation Q₀ of the second against the first at which
-//! there is no moment, the spring rests at B = A Q₀. The rotation from there,
+//! Let A and B be the rotations of the frames since they were placed, and Q₀ the rotation of the
+//! second frame relative to the first at which there is no moment. The spring is at rest at B = A
+//! Q₀. The rotation from there,
 //!
 //! ```text
 //! B Q₀ᵀ Aᵀ = exp([θ]×),   ‖θ‖ ≤ π,   E = ½ c ‖θ‖²
 //! ```
 //!
-//! turns the second frame by the angle ‖θ‖ too far, about an axis seen from outside: the moment per angle c is the same about
-//! all axes. Turning A by φ and B by ψ, seen from outside, too, changes θ by J⁻¹ ψ − J⁻ᵀ φ with the left Jacobian J(θ) of the
-//! rotation group ([`rotation::left_jacobian`]; Solà et al. 2018, Eqs. 143 to 146), which leaves θ unchanged, J⁻¹ θ = J⁻ᵀ θ = θ.
-//! So
+//! turns the second frame by the excess angle ‖θ‖ about an axis in the fixed frame: the moment per
+//! angle c is the same about all axes. Turning A by φ and B by ψ, also in the fixed frame, changes
+//! θ by J⁻¹ ψ − J⁻ᵀ φ with the left Jacobian J(θ) of the rotation group
+//! ([`rotation::left_jacobian`]; Solà et al. 2018, Eqs. 143 to 146). J maps θ to itself, J⁻¹ θ =
+//! J⁻ᵀ θ = θ. So
 //!
 //! ```text
 //! T_B = ∂E/∂ψ = c θ,      ∂T_B/∂ψ = c J⁻¹,    ∂T_B/∂φ = −c J⁻ᵀ
 //! T_A = ∂E/∂φ = −c θ,     ∂T_A/∂φ = c J⁻ᵀ,    ∂T_A/∂ψ = −c J⁻¹
 //! ```
 //!
-//! The moments are opposite, so that angular momentum is conserved. Of the derivative of a moment over the rotation of its own
-//! frame, D = S − ½ [T]×, joints need the symmetric part S ([`super::super::joints`]), which is ½ c (J⁻¹ + J⁻ᵀ).
+//! The moments are opposite, so that angular momentum is conserved. Joints need only the symmetric
+//! part S of the derivative of a moment with respect to the rotation of its own frame, D = S − ½
+//! [T]× ([`super::super::joints`]), which is ½ c (J⁻¹ + J⁻ᵀ).
 //!
-//! At half a turn, ‖θ‖ = π, the energy has a ridge: the spring turns back the shorter way.
+//! At half a turn, ‖θ‖ = π, the energy has a ridge: beyond it the spring turns back the shorter
+//! way.
 
 use super::super::clamps::Drive;
 use super::super::joints::Joints;
@@ -29,13 +33,14 @@ use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::add_to_node;
 use crate::mechanics::{Matrix3, UnitQuaternion, Vector3, rotation};
 
-/// Indices of the angles of the hinges of both frames among the unknowns of its element, after their rotations.
+/// Indices of the angles of both frames' hinges among the unknowns of the spring's element, after
+/// the rotations.
 const HINGES: [usize; 2] = [6, 7];
 
 /// Frame with which one end turns.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum SpringEnd {
-    /// A frame of the joints, by its number.
+    /// A frame of the joints, by its index.
     Frame(usize),
     /// A clamp, by its number.
     Clamp(usize),
@@ -46,9 +51,9 @@ pub(super) enum SpringEnd {
 /// A spring between two frames.
 #[derive(Clone, Debug)]
 pub(super) struct FrameSpring {
-    /// Number of the spring of the scene.
+    /// Index of the spring in the scene.
     pub number: usize,
-    /// Frames of the rotations A and B.
+    /// Frames with the rotations A and B.
     pub ends: [SpringEnd; 2],
     /// c, N m/rad.
     pub stiffness: f64,
@@ -59,7 +64,7 @@ pub(super) struct FrameSpring {
 }
 
 impl FrameSpring {
-    /// Takes its configuration from frames and clamps at a time (s).
+    /// Updates the spring from frames and from clamps at a time (s).
     pub(crate) fn turn(&mut self, joints: &Joints, drives: &[Drive], time: f64) {
         let [first, second] = self.ends.map(|end| match end {
             SpringEnd::Frame(number) => joints.rotation(number),
@@ -74,20 +79,20 @@ impl FrameSpring {
         0.5 * self.stiffness * self.vector.norm_squared()
     }
 
-    /// Derivatives of the energy over rotations of both ends, N m.
+    /// Derivatives of the energy with respect to rotations of both ends, N m.
     pub(crate) fn moments(&self) -> [Vector3; 2] {
         let moment = self.vector * self.stiffness;
         [-moment, moment]
     }
 
-    /// The derivative of a moment over the rotation of its own frame, except −½ [T]×, and of that on the first frame over
-    /// the rotation of the second, N m.
+    /// The derivative of a moment with respect to the rotation of its own frame, except −½ [T]×,
+    /// and that of the moment on the first frame with respect to the rotation of the second, N m.
     fn derivatives(&self) -> [Matrix3; 2] {
         let across = rotation::inverse_left_jacobian(&self.vector) * self.stiffness;
         [(across + across.transpose()) * 0.5, -across]
     }
 
-    /// Adds the moments on frames, seen from outside, to `gradient`.
+    /// Adds the moments on frames, in the fixed frame, to `gradient`.
     pub(crate) fn add_gradient(&self, joints: &Joints, gradient: &mut [f64]) {
         for (end, moment) in self.ends.iter().zip(self.moments()) {
             if let SpringEnd::Frame(number) = *end {
@@ -97,7 +102,8 @@ impl FrameSpring {
         }
     }
 
-    /// Its unknowns: the rotations of the groups of both frames, then the angles of their hinges.
+    /// The unknowns of the spring: the rotations of the groups of both frames, then the angles of
+    /// their hinges.
     pub(crate) fn element(&self, joints: &Joints) -> Element {
         let mut element = [UNUSED; 12];
         for (end, side) in self.ends.iter().enumerate() {
@@ -112,8 +118,8 @@ impl FrameSpring {
         element
     }
 
-    /// Adds second derivatives at `unknowns` to the matrix of its element; what the moments do as rotation vectors change is
-    /// that of the frames.
+    /// Adds second derivatives at `unknowns` to the matrix of the element. The contribution of the
+    /// moments as rotation vectors change is added by the frames.
     pub(crate) fn add_hessian(
         &self,
         joints: &Joints,
@@ -122,7 +128,7 @@ impl FrameSpring {
     ) {
         let [own, across] = self.derivatives();
         let blocks = [[own, across], [across.transpose(), own]];
-        // How the unknowns turn the ends, a column each.
+        // Rotations of the ends per unknown, one column each.
         let mut rates = [[Vector3::zeros(); 8]; 2];
         for (end, side) in self.ends.iter().enumerate() {
             if let SpringEnd::Frame(number) = *side {
@@ -149,7 +155,7 @@ impl FrameSpring {
 mod tests {
     use super::*;
 
-    /// A spring at rest at a rotation, with its ends turned from there.
+    /// A spring at rest at a given rotation, with its ends turned from there.
     fn turned(rest: Vector3, first: &UnitQuaternion, second: &UnitQuaternion) -> FrameSpring {
         let rest = rotation::from_vector(rest);
         let vector = rotation::to_vector(&(second * rest.inverse() * first.inverse()));

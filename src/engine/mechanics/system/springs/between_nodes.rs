@@ -1,19 +1,20 @@
 //! A spring between two nodes.
 //!
-//! Of the stiffness k and the length L without force, with the vector d from the one node to the other, r = ‖d‖ long, it has
+//! With the stiffness k, the length L without force, and the vector d of length r = ‖d‖ from one
+//! node to the other, it has
 //!
 //! ```text
 //! E = ½ k (r − L)²,   ∂E/∂d = k (1 − L/r) d,   ∂²E/∂d² = k [ (1 − L/r) 1 + L/r d⊗d/r² ]
 //! ```
 //!
-//! Without L that is k d and k 1 at every distance. Where the nodes of another one meet exactly its force has no
-//! direction, and is taken to be none.
+//! If L = 0 these are k d and k 1 at every distance. For L > 0 the force has no direction where
+//! the nodes meet exactly, and is set to zero.
 
 use crate::mechanics::{Matrix3, Vector3};
 
 #[derive(Clone, Debug)]
 pub(super) struct NodeSpring {
-    /// Numbers of its nodes among those of all rods.
+    /// Indices of its nodes among those of all rods.
     pub nodes: [usize; 2],
     /// k, N/m.
     pub stiffness: f64,
@@ -24,7 +25,7 @@ pub(super) struct NodeSpring {
 }
 
 impl NodeSpring {
-    /// L/r; 0 where the direction is lost.
+    /// L/r; 0 if the direction is undefined.
     fn rest_part(&self) -> f64 {
         let length = self.span.norm();
         if length > 0.0 {

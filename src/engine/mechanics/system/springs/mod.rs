@@ -41,7 +41,7 @@ struct AngleSpring {
 }
 
 impl Springs {
-    /// Force of one between nodes, k (r − L), N.
+    /// Force of a spring between nodes, k (r − L), N.
     pub(crate) fn force(&self, number: usize) -> f64 {
         self.between_nodes[number].force()
     }
@@ -53,7 +53,8 @@ impl Springs {
         spring.map_or(0.0, |spring| spring.moments()[1].norm())
     }
 
-    /// Gives `assembly` what the last digits of positions and rotations leave in the forces of springs.
+    /// Adds the rounding errors of the forces of springs, from positions and rotations, to those
+    /// of `assembly`.
     fn round(&self, assembly: &mut Assembly) {
         let frames = assembly.joints.frames.iter();
         let frames: Vec<_> = frames.map(|frame| (frame.node, frame.length)).collect();
@@ -72,7 +73,7 @@ impl Springs {
         }
     }
 
-    /// Takes the spring about a hinge away, whose angle is an unknown.
+    /// Removes and returns the spring about a hinge whose angle is an unknown.
     pub(crate) fn leave_hinge(&mut self, angle: usize) {
         self.about_hinges.retain(|spring| spring.unknown != angle);
     }
@@ -87,7 +88,7 @@ impl Springs {
         }
     }
 
-    /// Moment of the springs that turn against a clamp, on it, N m.
+    /// Moment on a clamp of the springs that turn against it, N m.
     pub(crate) fn moment_on_clamp(&self, clamp: usize) -> Vector3 {
         let mut moment = Vector3::zeros();
         for spring in &self.between_frames {
@@ -100,20 +101,20 @@ impl Springs {
         moment
     }
 
-    /// Whether one turns against a clamp.
+    /// Whether a spring turns against a clamp.
     pub(crate) fn turns_against(&self, clamp: usize) -> bool {
         let mut ends = self.between_frames.iter().flat_map(|spring| &spring.ends);
         ends.any(|end| matches!(end, SpringEnd::Clamp(number) if *number == clamp))
     }
 
-    /// Takes rotations from the frames of the last evaluation, and from clamps at a time (s).
+    /// Updates rotations from the frames of the last evaluation, and from clamps at a time (s).
     pub(crate) fn turn(&mut self, joints: &Joints, drives: &[Drive], time: f64) {
         for spring in &mut self.between_frames {
             spring.turn(joints, drives, time);
         }
     }
 
-    /// Takes lengths and angles of hinges from `unknowns`.
+    /// Updates lengths and angles of hinges from `unknowns`.
     pub(crate) fn stretch(&mut self, unknowns: &[f64]) {
         for spring in &mut self.between_nodes {
             let [from, to] = spring.nodes.map(|node| position(unknowns, node));
@@ -124,8 +125,9 @@ impl Springs {
         }
     }
 
-    /// Whether one between nodes turns, or is stretched, by more than `part` of its length without force where its ends move
-    /// so. The force of one without such a length is linear however far it turns.
+    /// Whether a spring between nodes turns, or is stretched, by more than `part` of its length
+    /// without force under a motion of its ends. A spring with zero such length is excluded, since
+    /// its force is linear however far it turns.
     pub(crate) fn turn_by(&self, part: f64, moved: impl Fn(usize) -> Vector3) -> bool {
         self.between_nodes.iter().any(|spring| {
             let [from, to] = spring.nodes.map(&moved);
@@ -136,7 +138,7 @@ impl Springs {
 
 impl Term for Springs {
     /// # Errors
-    /// [`SceneError::Joint`] where one cannot be.
+    /// [`SceneError::Joint`] if a spring is invalid.
     fn new(scene: &Scene, assembly: &mut Assembly) -> Result<Self, SceneError> {
         let plan = if scene.springs.is_empty() {
             JointPlan::default()
@@ -227,7 +229,8 @@ impl Term for Springs {
         self.turn(&at.assembly.joints, &at.assembly.drives, at.time);
     }
 
-    /// Springs between nodes count as stretching, springs between frames and about hinges as bending.
+    /// Springs between nodes count as stretching energy, springs between frames and about hinges
+    /// as bending energy.
     fn energy(&self, _: &Assembly, _: &RodGeometry) -> ElasticEnergy {
         let of_angle = |spring: &AngleSpring| {
             let turn = spring.angle - spring.rest_angle;
@@ -243,7 +246,7 @@ impl Term for Springs {
         }
     }
 
-    /// Moments on frames are seen from outside.
+    /// Moments on frames are in the fixed frame.
     fn add_forces(&self, at: &Configuration, residual: &mut [f64]) {
         for spring in &self.between_frames {
             spring.add_gradient(&at.assembly.joints, residual);
