@@ -1,4 +1,5 @@
-//! Derivatives over fields with frictional contact: against differences of whole runs, and against the forward mode.
+//! Derivatives with respect to fields in motions with frictional contact, compared with
+//! differences of whole runs and with the forward mode.
 
 use super::tests::{Course, SCHEMES, check_at, course, results};
 use super::{LARGEST_TRACE, Recording};
@@ -40,7 +41,8 @@ fn falling(model: ContactModel) -> Scene {
     scene
 }
 
-/// Largest difference between the derivatives over a force on a node and those of the forward mode, over the largest derivative.
+/// Largest difference between the derivatives with respect to a force on a node and those of the
+/// forward mode, relative to the largest derivative.
 fn against_forward(course: &Course, scene: &Scene, step: f64) -> f64 {
     let (node, gradients) = (7, course.gradients(scene, LARGEST_TRACE));
     let with = |force: f64| {
@@ -72,8 +74,8 @@ fn against_forward(course: &Course, scene: &Scene, step: f64) -> f64 {
     worst / largest
 }
 
-/// Checks with every model and scheme against the forward mode with a force of `step` (N), and some against differences over `shares`
-/// of the amounts of fields.
+/// Compares every model and scheme with the forward mode, with a force of `step` (N), and some of
+/// them with differences for changes by `shares` of the amounts of fields.
 #[track_caller]
 fn check_contact(
     name: &str,

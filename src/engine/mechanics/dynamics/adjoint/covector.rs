@@ -1,4 +1,4 @@
-//! The derivative of a result over the state.
+//! Derivative of a result with respect to the state.
 
 use super::SensitivityError;
 use super::weights::{HistoryWeights, MOTIONS, Weights};
@@ -6,21 +6,23 @@ use crate::mechanics::dynamics::simulation::Simulation;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::OfStrains;
 
-/// Starts of steps whose strains count in the rates of dashpots.
+/// Number of starts of steps whose strains enter the rates of dashpots.
 const STRAINS: usize = 3;
 
-/// Derivative of a result over the state.
+/// Derivative of a result with respect to the state.
 #[derive(Clone, Debug)]
 pub(super) struct Covector {
-    /// Over the unknowns at present and at the starts of the last steps.
+    /// With respect to the unknowns at present and at the starts of the last steps.
     pub unknowns: [Vec<f64>; MOTIONS],
-    /// Over the velocities there.
+    /// With respect to the velocities at these times.
     pub velocities: [Vec<f64>; MOTIONS],
-    /// Over the spins ρ of the frames from which the next step transports, one for each node: the edge that starts there.
+    /// With respect to the spins ρ of the frames from which the next step transports, one for each
+    /// node: that of the edge that starts there.
     pub spins: Vec<f64>,
-    /// Over the strains at present and at the starts of the last steps, as the dashpots of later steps count them.
+    /// With respect to the strains at present and at the starts of the last steps, as used by the
+    /// dashpots of later steps.
     pub strains: [OfStrains; STRAINS],
-    /// Over the contact stiffness k.
+    /// With respect to the contact stiffness k.
     pub stiffness: f64,
 }
 
@@ -43,8 +45,9 @@ impl Covector {
         }
     }
 
-    /// λ of the equilibrium at which a motion starts at rest, where a simulation is and has factored its Hessian. All motions of the
-    /// last steps are the same there, and the angles count from the frames at hand.
+    /// λ of the equilibrium at which a motion starts at rest. The simulation must be at this
+    /// equilibrium and have factored its Hessian. The states of all previous steps are the same
+    /// there, and the angles are measured from the present frames.
     ///
     /// # Errors
     /// [`SensitivityError::Singular`].
@@ -63,8 +66,9 @@ impl Covector {
 }
 
 impl Covector {
-    /// Begins the derivative over the start of a step (s), from that over its end: what was at the start of the last step is at present.
-    /// Returns the derivatives over the spins of the frames at its end.
+    /// Starts the derivative with respect to the start of a step (s) from that with respect to its
+    /// end: the state at the start of the last step becomes the present state. Returns the
+    /// derivatives with respect to the spins of the frames at the end of the step.
     pub(super) fn begin_start(
         &mut self,
         of_strains: &[f64],
@@ -86,7 +90,8 @@ impl Covector {
             .collect()
     }
 
-    /// Adds derivatives over what a scheme makes of the last steps, times a factor.
+    /// Adds a factor times derivatives with respect to the quantities that a scheme computes from
+    /// the last steps.
     pub(super) fn add_history<const N: usize>(
         &mut self,
         factor: f64,

@@ -1,26 +1,29 @@
-//! Derivatives of functions of few numbers among many, by differences.
+//! Derivatives, by differences, of functions that depend on few of many variables.
 //!
-//! The numbers that matter are found by halving: where all numbers of a range change at once and no result does, none of them
-//! matters. The place of one node among a thousand takes some tens of evaluations instead of thousands.
+//! The relevant variables are found by bisection: if all variables of a range change at once and
+//! no result changes, none of them matters. Finding one node among a thousand takes some tens of
+//! evaluations instead of thousands.
 
 use std::ops::Range;
 
-/// Part of its step by which a number differs in a range, with its number: so that the changes of two do not cancel.
+/// Fraction of its step by which each variable in a range differs, multiplied by its index, so
+/// that the changes of two variables do not cancel.
 const SPREAD: f64 = 0.618_034;
 
 /// Functions of numbers.
 pub(super) struct Functions<'a> {
-    /// The numbers where they are differentiated, which change for each evaluation.
+    /// The values at which the function is differentiated; they change for each evaluation.
     pub at: Vec<f64>,
     /// Values there.
     pub here: Vec<f64>,
     pub values: &'a mut dyn FnMut(&[f64]) -> Vec<f64>,
-    /// Step of each number; zero for one over which there is no derivative.
+    /// Step of each variable; zero for a variable without a derivative.
     pub step: &'a dyn Fn(usize) -> f64,
 }
 
 impl Functions<'_> {
-    /// Finds the derivatives over the numbers of a range: calls with a function, a number, and the derivative that is not zero.
+    /// Finds the derivatives with respect to the variables of a range; calls back with each
+    /// function, variable and nonzero derivative.
     pub(super) fn differentiate(
         &mut self,
         range: Range<usize>,
@@ -43,7 +46,8 @@ impl Functions<'_> {
         }
     }
 
-    /// Values where the numbers of a range are changed by a part of their steps; of several each by a different one.
+    /// Values with the variables of a range changed by a fraction of their steps, each of several
+    /// variables by a different fraction.
     fn after(&mut self, range: Range<usize>, part: f64) -> Vec<f64> {
         let apart = if range.len() > 1 { SPREAD } else { 0.0 };
         let before = self.at[range.clone()].to_vec();

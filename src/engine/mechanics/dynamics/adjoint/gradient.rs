@@ -1,4 +1,4 @@
-//! Derivatives of a result over fields along the rods.
+//! Derivatives of a result with respect to fields along the rods.
 
 use super::covector::{Covector, VirtualMotion};
 use crate::mechanics::Vector3;
@@ -7,15 +7,17 @@ use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::{STRIDE, Vertex};
 use crate::mechanics::system::{Assembly, OfStrains, StrainLaws};
 
-/// Derivatives of a result I over fields along all rods, an entry for each node, or for the edge that starts there.
+/// Derivatives of a result I with respect to fields along all rods, an entry for each node, or for
+/// the edge that starts there.
 ///
-/// Those over natural strains are per node, not per length: over a field κ̄(s) that changes by δκ̄(s), the change of I is
-/// Σᵢ (dI/dκ̄ᵢ) δκ̄(sᵢ). Their sum over a rod is the derivative over a value that is the same along it.
+/// Derivatives with respect to natural strains are per node, not per length: if a field κ̄(s)
+/// changes by δκ̄(s), the change of I is Σᵢ (dI/dκ̄ᵢ) δκ̄(sᵢ). Their sum over a rod is the
+/// derivative with respect to a value that is constant along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gradient {
-    /// Over the natural curvatures about m₁ and m₂ at the node, per 1/m.
+    /// With respect to the natural curvatures about m₁ and m₂ at the node, per 1/m.
     pub natural_curvature: Vec<[f64; 2]>,
-    /// Over the natural twist at the node, per rad/m.
+    /// With respect to the natural twist at the node, per rad/m.
     pub natural_twist: Vec<f64>,
     /// EI dI/dEI at the node, about m₁ and m₂.
     pub bending: Vec<[f64; 2]>,
@@ -23,9 +25,10 @@ pub struct Gradient {
     pub twisting: Vec<f64>,
     /// EA dI/dEA of the edge.
     pub stretching: Vec<f64>,
-    /// Over a dead force on the node during the whole motion, per N.
+    /// With respect to a dead force on the node during the whole motion, per N.
     pub force: Vec<Vector3>,
-    /// Over the velocity of the node at the start, per m/s; zero after an equilibrium, which starts at rest.
+    /// With respect to the initial velocity of the node, per m/s; zero after an equilibrium, which
+    /// starts at rest.
     pub velocity: Vec<Vector3>,
 }
 
@@ -34,11 +37,11 @@ pub struct Gradient {
 pub(super) struct Sums {
     /// Over natural strains.
     natural: OfStrains,
-    /// Over relative changes of stiffness.
+    /// With respect to relative changes of stiffness.
     stiffness: OfStrains,
-    /// Over forces on the unknowns.
+    /// With respect to forces on the unknowns.
     force: Vec<f64>,
-    /// Over velocities at the start.
+    /// With respect to initial velocities.
     velocity: Vec<f64>,
 }
 
@@ -55,7 +58,7 @@ impl Sums {
         }
     }
 
-    /// Adds the part of a step: −(∂R/∂p)ᵀ λ.
+    /// Adds the contribution of a step: −(∂R/∂p)ᵀ λ.
     pub(super) fn add(&mut self, along: &VirtualMotion, laws: &StrainLaws) {
         self.natural
             .add_products(1.0, &laws.stiffness, &along.strains);
@@ -65,7 +68,8 @@ impl Sums {
         pairs.for_each(|(sum, motion)| *sum += motion);
     }
 
-    /// Takes over the derivatives over the velocities of a motion that starts, and of the steps before, which have the same.
+    /// Adds the derivatives with respect to the velocities at the start of a motion and in the
+    /// steps before it, which have the same velocities.
     pub(super) fn start(&mut self, covector: &Covector) {
         for velocities in &covector.velocities {
             let pairs = self.velocity.iter_mut().zip(velocities);

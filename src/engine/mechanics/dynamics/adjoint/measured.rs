@@ -1,18 +1,18 @@
-//! Derivatives of results over the state at which they are measured, by differences: results are functions of few numbers of it each,
-//! and have no derivatives of their own.
+//! Derivatives of results with respect to the state at which they are measured, by differences:
+//! each result is a function of few variables of the state, without derivatives of its own.
 
 use super::covector::Covector;
 use super::differences::Functions;
 use crate::mechanics::dynamics::simulation::Simulation;
 use crate::mechanics::rod::STRIDE;
 
-/// Change of a position over the length of the shortest edge, of an angle, and of a velocity over the largest one: truncation and
-/// rounding errors are both about 1e-10.
+/// Step of a position relative to the length of the shortest edge, step of an angle, and step of a
+/// velocity relative to the largest one: truncation and rounding errors are both about 1e-10.
 const RELATIVE_STEP: f64 = 1e-5;
-/// Velocity of a motion at rest that is changed by the part above, m/s and rad/s.
+/// Velocity that stands for the largest one in a motion at rest, m/s and rad/s.
 const SLOW: f64 = 1e-3;
 
-/// Derivatives of results over the state of a simulation.
+/// Derivatives of results with respect to the state of a simulation.
 pub(super) fn derivatives(
     simulation: &mut Simulation,
     results: &dyn Fn(&Simulation) -> Vec<f64>,
@@ -38,7 +38,7 @@ pub(super) fn derivatives(
         simulation.publish();
         results(simulation)
     };
-    // Unknowns, and then velocities, are numbered in a row.
+    // Unknowns, followed by velocities, have consecutive indices.
     let step = |number: usize| {
         RELATIVE_STEP
             * match number.checked_sub(unknowns) {
@@ -55,7 +55,8 @@ pub(super) fn derivatives(
             None => {
                 covector.unknowns[0][number] = derivative;
                 if number % STRIDE == 3 {
-                    // The material frame turns by the angle, and with the frame that this counts from.
+                    // The material frame turns with the angle, and with the frame from which the
+                    // angle is measured.
                     covector.spins[number / STRIDE] = derivative;
                 }
             }

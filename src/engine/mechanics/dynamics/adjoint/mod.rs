@@ -1,48 +1,56 @@
-//! Derivatives of one result over everything along the rods: adjoint mode.
+//! Derivatives of one result with respect to all fields along the rods: adjoint mode.
 //!
-//! [`super::sensitivity`] carries the derivative of the whole state over one parameter forwards, a solve for each parameter and step.
-//! Here the derivative q̄ of one result over the state is carried backwards, a solve for each result and step, whatever the number of
-//! parameters. A step solves R(q; s, p) = 0 for its end q, from the state s at its start (see there). With the derivative q̄ of the
-//! result over q,
+//! [`super::sensitivity`] propagates the derivative of the whole state with respect to one
+//! parameter forwards, with a solve for each parameter and step. Here the derivative q̄ of one
+//! result with respect to the state is propagated backwards, with a solve for each result and
+//! step, whatever the number of parameters. A step solves R(q; s, p) = 0 for its end q, from the
+//! state s at its start (see there). With the derivative q̄ of the result with respect to q,
 //!
 //! ```text
 //! Jᵀ λ = q̄,     s̄ = −(∂R/∂s)ᵀ λ,     dI/dp += −(∂R/∂p)ᵀ λ,     J = ∂R/∂q
 //! ```
 //!
-//! at the solution of the step, from the last step to the first. J is symmetric where forces have a potential; else the solve is one with
-//! its transpose.
+//! at the solution of the step, from the last step to the first. J is symmetric if forces have a
+//! potential; otherwise the solve uses its transpose.
 //!
-//! **State.** s consists of unknowns and velocities at present and at the last steps, the strains of dashpots there, and the frames that
-//! the step transports in time. With the tangents s and t of an edge at the start and at the end of a step, the spin of its frame
-//! about t changes with both,
+//! **State.** s consists of unknowns and velocities at present and at the last steps, the strains
+//! of dashpots there, and the frames that the step transports in time. With the tangents s and t
+//! of an edge at the start and at the end of a step, the spin of its frame about t changes with
+//! both,
 //!
 //! ```text
 //! δψ = δθ + δρ + a·δs + c·δt,     a = −(s×t)/((1+s·t) lₛ),     c = −(s×t)/((1+s·t) lₜ)
 //! ```
 //!
-//! per change of the edge vectors of the lengths lₛ and lₜ, with the spin ρ of the frame that is transported. (a is c with
-//! both ends exchanged: the transport from t to s is the inverse one.) The elastic energy depends on θ, ρ and a·δs by ψ
-//! alone, so that all three have the same derivative of R, the column of J at θ without inertia and drag; the force
-//! (∂E/∂ψ) c on the edge depends on s by c as well. Where a clamp holds both nodes of an edge it prescribes ψ.
+//! per change of the edge vectors of the lengths lₛ and lₜ, with the spin ρ of the transported
+//! frame. (a is c with both ends exchanged, since the transport from t to s is the inverse.) The
+//! elastic energy depends on θ, ρ and a·δs only through ψ, so the derivatives of R with respect to
+//! all three are equal: the column of J at θ without inertia and drag. The force (∂E/∂ψ) c on the
+//! edge also depends on s through c. If a clamp holds both nodes of an edge, it prescribes ψ.
 //!
-//! **Inertia and drag** are linear in the start of the stage and in the velocity there, with symmetric matrices: their transpose is their own
-//! formula for λ. How both follow from the last steps is linear, too, and the same for all unknowns; the weights are read off the
+//! **Inertia and drag** are linear in the start of the stage and in the velocity there, with
+//! symmetric matrices: their transpose is the same formula applied to λ. The dependence of both on
+//! the last steps is also linear, and the same for all unknowns; the weights are read off the
 //! scheme (`weights`).
 //!
-//! **Strains.** λ·R = Σ M dε\[λ\] for elastic forces and dashpots, with the derivatives of the strains along λ
-//! (`system/virtual_work`): these hold dI/dp for stiffness and natural strains of every vertex.
+//! **Strains.** λ·R = Σ M dε\[λ\] for elastic forces and dashpots, with the derivatives of the
+//! strains along λ (`system/virtual_work`); dI/dp for stiffness and natural strains of every
+//! vertex follows from these.
 //!
-//! **Contact.** Friction acts on the slip since the start of the stage, to which it is transposed as dampers are. The contact stiffness k is
-//! part of s: contact forces are proportional to it, and where a step adapts it to the force on a node at the prediction, with bounds by
-//! energies and on a prediction that a contact shortens, it is pulled back through these (`stiffness_back`). The least stiffness is a number
-//! of the scene.
+//! **Contact.** Friction acts on the slip since the start of the stage and is transposed with
+//! respect to that start like a damper. The contact stiffness k is part of s, and contact forces
+//! are proportional to it. If a step adapts k to the force on a node at the prediction, bounded by
+//! energies and at a prediction that a contact shortens, its derivative is pulled back through
+//! these (`stiffness_back`). The least stiffness is a constant of the scene.
 //!
-//! **Cost.** The steps are stored as they are taken; where they fill [`LARGEST_TRACE`], only the states at which parts of the motion
-//! began are kept, and a part is taken once more, bit for bit, when its derivatives are due. A step back costs one linearisation
-//! and factorisation, where the step itself took two or three, and a solve for each result.
+//! **Cost.** The steps are stored as they are taken. When they fill [`LARGEST_TRACE`], only the
+//! states at the starts of parts of the motion are kept, and a part is repeated, bit for bit, when
+//! its derivatives are needed. A step back costs one linearisation and factorisation, whereas the
+//! step itself took two or three, and a solve for each result.
 //!
-//! **Not supported**, and refused: what [`super::sensitivity`] refuses, contact by complementarity, joints and bodies, fluids, the
-//! midpoint rule, relaxation (the standard linear solid), and rods that lengthen by themselves.
+//! **Not supported**, and rejected: everything that [`super::sensitivity`] rejects, contact by
+//! complementarity, joints and bodies, fluids, the midpoint rule, relaxation (the standard linear
+//! solid), and rods with actuated length.
 //!
 //! | file | what |
 //! |---|---|
@@ -78,13 +86,13 @@ use step_back::StepBack;
 use stiffness_back::StiffnessBack;
 use trace::Trace;
 
-/// Size up to which the states of steps are kept, bytes.
+/// Largest total size of the stored states of steps, bytes.
 pub const LARGEST_TRACE: usize = 256 << 20;
 
 /// A motion that is recorded for derivatives of results at its end.
 pub struct Recording {
     simulation: Simulation,
-    /// The same once more: it repeats steps.
+    /// A second simulation of the same scene, which repeats steps.
     centre: Simulation,
     trace: Trace,
     settled: bool,
@@ -136,11 +144,13 @@ impl Recording {
         Ok(report)
     }
 
-    /// Derivatives of results at the end of the motion so far. `results` returns them, always as many, from the positions, velocities and
-    /// strains of a simulation; forces that hold clamps are those of the last step, and not differentiated.
+    /// Derivatives of results at the end of the motion so far. `results` computes them, always the
+    /// same number, from the positions, velocities and strains of a simulation; the reactions of
+    /// clamps are those of the last step and are not differentiated.
     ///
     /// # Errors
-    /// [`SensitivityError::NotRepeated`] and [`SensitivityError::Singular`] where a step has no derivative.
+    /// [`SensitivityError::NotRepeated`] and [`SensitivityError::Singular`] if a step has no
+    /// derivative.
     pub fn gradients(
         &mut self,
         results: &dyn Fn(&Simulation) -> Vec<f64>,
@@ -149,9 +159,10 @@ impl Recording {
         Ok(over_all.into_iter().flatten().collect())
     }
 
-    /// The same over fields that change during a part of the motion only, for controls: a list for each result, with an entry for each
-    /// part. Parts are given by the times at which they end, s, in ascending order; a step is in the part in which it ends, an
-    /// equilibrium in the first, and what comes after the last one is in none.
+    /// Derivatives with respect to fields that change only during a part of the motion, for
+    /// controls: a list for each result, with an entry for each part. Parts are given by the times
+    /// at which they end, s, in ascending order. A step belongs to the part in which it ends, an
+    /// equilibrium to the first part; steps after the last part belong to none.
     ///
     /// # Errors
     /// The errors of [`Self::gradients`].
@@ -223,7 +234,7 @@ impl Recording {
     }
 }
 
-/// Checks what is supported beyond the scene itself.
+/// Checks for unsupported features beyond the scene itself.
 fn refuse(
     scene: &Scene,
     simulation: &Simulation,
@@ -270,10 +281,10 @@ fn refuse(
 }
 
 impl Simulation {
-    /// Is where a step began, or ended.
+    /// Moves to the state at which a step began or ended.
     ///
     /// # Errors
-    /// [`SensitivityError::Simulation`] if it is that of another scene.
+    /// [`SensitivityError::Simulation`] if the state belongs to another scene.
     fn take_up(&mut self, at: &SimulationState) -> Result<(), SensitivityError> {
         let foreign = |what: String| SimulationError::BadScene(SceneError::Checkpoint(what));
         let restored = self.system.terms.restore(at.strains.clone());

@@ -1,4 +1,5 @@
-//! A point at which a residual is differentiated: the solution of a step, or its prediction where forces there set the contact stiffness.
+//! A point at which a residual is differentiated: the solution of a step, or its prediction if the
+//! forces there set the contact stiffness.
 
 use super::covector::{Covector, VirtualMotion};
 use super::weights::HistoryWeights;
@@ -9,16 +10,16 @@ use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::{Edge, STRIDE};
 use crate::mechanics::system::{Stage, StrainLaws};
 
-/// A point, where a simulation has evaluated its forces.
+/// A point at which a simulation has evaluated its forces.
 pub(super) struct Point {
     pub weights: HistoryWeights,
-    /// Laws of the strains there.
+    /// Laws of the strains at the point.
     pub laws: StrainLaws,
     /// Moments ∂E/∂ψ on the edges, N m, one for each node.
     moments: Vec<f64>,
     /// Lengths of the edges at the start of the step, m, one for each node.
     lengths: Vec<f64>,
-    /// Its stage, for motions other than its own.
+    /// The stage of the point, for motions other than its own.
     stage: Stage,
     at_rest: Vec<f64>,
     /// Contacts that rub.
@@ -26,7 +27,8 @@ pub(super) struct Point {
 }
 
 impl Point {
-    /// The last evaluation of a simulation in a step (s), at these unknowns and with contacts that rub.
+    /// The last evaluation of a simulation in a step (s), at these unknowns and with contacts that
+    /// have friction.
     pub(super) fn new(
         simulation: &Simulation,
         (step, unknowns): (f64, &[f64]),
@@ -55,8 +57,10 @@ impl Point {
         }
     }
 
-    /// Adds −(∂R/∂s)ᵀ λ to a derivative over the start of the step, for a virtual motion λ with Jᵀ λ = `force`. `spins` are derivatives over
-    /// the spins of the frames at this point, to which those of λ are added; their sum goes to the start.
+    /// Adds −(∂R/∂s)ᵀ λ to a derivative with respect to the start of the step, for a virtual
+    /// motion λ with Jᵀ λ = `force`. `spins` are derivatives with respect to the spins of the
+    /// frames at this point; those of λ are added to them, and the sum is transferred to the
+    /// start.
     pub(super) fn pull_back(
         &mut self,
         covector: &mut Covector,
@@ -66,7 +70,8 @@ impl Point {
     ) -> VirtualMotion {
         let system = &simulation.system;
         let strains = system.strains_along(motion);
-        // Of inertia, drag and friction, where s is the start of the stage and the velocity there.
+        // Contribution of inertia, drag and friction, for which s is the start of the stage and
+        // the velocity there.
         let mut over_start = self.motion_forces(simulation, motion, true);
         for damper in &self.dampers {
             damper.add_to_start(
@@ -103,7 +108,7 @@ impl Point {
             covector.spins[node] += spin;
         }
 
-        // The strains from which dashpots count.
+        // The strains from which the dashpots compute their rates.
         if let Some(dashpot) = &self.laws.dashpot {
             for (own, weight) in covector.strains.iter_mut().zip(self.laws.start_weights) {
                 own.add_products(weight, dashpot, &strains);
@@ -113,7 +118,8 @@ impl Point {
         VirtualMotion { motion, strains }
     }
 
-    /// Forces of inertia and drag that belong to λ as the start of the stage, or as the velocity there: −(∂R/∂s)ᵀ λ with the opposite sign.
+    /// Forces of inertia and drag if λ is the start of the stage, or the velocity there: −(∂R/∂s)ᵀ
+    /// λ with the opposite sign.
     fn motion_forces(
         &mut self,
         simulation: &Simulation,
@@ -139,14 +145,14 @@ pub(super) fn along(vector: &[f64], edge: &Edge) -> Vector3 {
     position(vector, edge.end) - position(vector, edge.start)
 }
 
-/// Adds a derivative over the position of a node.
+/// Adds a derivative with respect to the position of a node.
 fn add_to_node(vector: &mut [f64], node: usize, force: &Vector3) {
     for axis in 0..3 {
         vector[STRIDE * node + axis] += force[axis];
     }
 }
 
-/// Adds a derivative over the vector of an edge to those over its nodes.
+/// Adds a derivative with respect to the vector of an edge to those with respect to its nodes.
 pub(super) fn add_to_edge(vector: &mut [f64], edge: &Edge, force: &Vector3) {
     add_to_node(vector, edge.end, force);
     add_to_node(vector, edge.start, &-force);

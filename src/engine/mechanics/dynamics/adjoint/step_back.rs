@@ -1,4 +1,4 @@
-//! How a step pulls derivatives back from its end to its start.
+//! Pull-back of derivatives from the end of a step to its start.
 
 use super::SensitivityError;
 use super::covector::{Covector, VirtualMotion, add, solve};
@@ -7,16 +7,17 @@ use crate::mechanics::dynamics::sensitivity::Replayed;
 use crate::mechanics::dynamics::simulation::Simulation;
 use crate::mechanics::system::StrainLaws;
 
-/// A step that is repeated, to be pulled back through.
+/// A repeated step, through which derivatives are pulled back.
 pub(super) struct StepBack {
     /// Its solution.
     point: Point,
-    /// The contact stiffness over that from which it was adapted.
+    /// Derivative of the contact stiffness with respect to the stiffness from which it was
+    /// adapted.
     stiffening: f64,
 }
 
 impl StepBack {
-    /// For the step that a simulation has repeated.
+    /// Creates the pull-back for the step that a simulation has repeated.
     pub(super) fn new(simulation: &Simulation, replayed: &Replayed) -> Self {
         let stage = &simulation.integrator.workspace.stage;
         let solution = &replayed.solution;
@@ -27,12 +28,13 @@ impl StepBack {
         }
     }
 
-    /// Laws of the strains at its end.
+    /// Laws of the strains at the end of the step.
     pub(super) fn laws(&self) -> &StrainLaws {
         &self.point.laws
     }
 
-    /// Makes the derivative over the end of the step one over its start; returns λ.
+    /// Converts the derivative with respect to the end of the step to one with respect to its
+    /// start; returns λ.
     ///
     /// # Errors
     /// [`SensitivityError::Singular`].
@@ -42,7 +44,8 @@ impl StepBack {
         simulation: &mut Simulation,
     ) -> Result<VirtualMotion, SensitivityError> {
         let step = simulation.integrator.workspace.stage.step;
-        // What the end of the step has an effect on: itself, the velocity there, dashpots, and the transport of frames.
+        // The end of the step affects itself, the velocity there, dashpots, and the transport of
+        // frames.
         let of_strains = simulation.system.forces_of_moments(&covector.strains[0]);
         let mut force = covector.unknowns[0].clone();
         add(&mut force, &of_strains);

@@ -1,7 +1,9 @@
-//! How derivatives over the contact stiffness of a step are pulled back, where it was adapted to forces at the prediction.
+//! Pull-back of derivatives with respect to the contact stiffness of a step that adapted it to
+//! forces at the prediction.
 //!
-//! The stiffness is a number of the force on one node there, so that it is pulled back as the residual is: along the virtual motion of that
-//! node. Energies may bound it, and a contact may shorten the prediction; how far it does depends on few nodes, and is differentiated
+//! The stiffness is a function of the force on one node at the prediction, so it is pulled back
+//! like the residual: along the virtual motion of that node. Energies may bound it, and a contact
+//! may shorten the prediction; the amount of shortening depends on few nodes and is differentiated
 //! by differences.
 
 use super::SensitivityError;
@@ -16,30 +18,32 @@ use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::system::{StiffnessCourse, StrainLaws};
 
-/// Change of a position over the length of an edge, for the part of a prediction that is free.
+/// Step of a position, relative to the length of an edge, for the free fraction of a prediction.
 const RELATIVE_STEP: f64 = 1e-6;
 
-/// The contact stiffness of a step that adapted it to the forces at its prediction, to be pulled back through.
+/// The contact stiffness of a step that adapted it to the forces at its prediction, through which
+/// derivatives are pulled back.
 pub(super) struct StiffnessBack {
     point: Point,
     course: StiffnessCourse,
     shortening: Option<Shortening>,
 }
 
-/// A prediction that a contact shortens: from the start q to q + c (p − q), with the part c of the way to the prediction p.
+/// A prediction shortened by a contact: from the start q to q + c (p − q), with the fraction c of
+/// the path to the prediction p.
 struct Shortening {
     part: f64,
     /// p − q.
     way: Vec<f64>,
-    /// Derivatives of c over q and p.
+    /// Derivatives of c with respect to q and p.
     over: [Vec<f64>; 2],
 }
 
 impl StiffnessBack {
-    /// For the step that a simulation has repeated.
+    /// Creates the pull-back for the step that a simulation has repeated.
     ///
     /// # Errors
-    /// [`SensitivityError::NotRepeated`] where something else than these forces set it.
+    /// [`SensitivityError::NotRepeated`] if the stiffness was not set by these forces.
     pub(super) fn new(
         simulation: &mut Simulation,
         replayed: &Replayed,
@@ -67,7 +71,8 @@ impl StiffnessBack {
         })
     }
 
-    /// Makes the derivative over the adapted stiffness one over the start of the step; returns λ.
+    /// Converts the derivative with respect to the adapted stiffness to one with respect to the
+    /// start of the step; returns λ.
     pub(super) fn pull_back(
         &mut self,
         covector: &mut Covector,
@@ -103,7 +108,7 @@ impl StiffnessBack {
             Adaption::Least => {}
         }
         let force = self.course.jacobian.multiply(&motion);
-        // The prediction moves where clamps do not hold it.
+        // The prediction moves only the unknowns that clamps do not hold.
         let entries = over_prediction.iter_mut().zip(&force);
         for ((entry, force), held) in entries.zip(&system.assembly.held) {
             *entry = if *held { 0.0 } else { *entry - force };
@@ -124,7 +129,8 @@ impl StiffnessBack {
 }
 
 impl Shortening {
-    /// For a simulation with such a prediction, of which this part is left.
+    /// Creates the derivative for a simulation with such a prediction, of which this fraction
+    /// remains.
     fn new(simulation: &mut Simulation, part: f64) -> Self {
         let start = simulation.state.unknowns.clone();
         let prediction = simulation.integrator.workspace.trial.unknowns.clone();
@@ -133,7 +139,7 @@ impl Shortening {
         let system = &mut simulation.system;
         let unknowns = start.len();
         let mut over = [vec![0.0; unknowns], vec![0.0; unknowns]];
-        // At rest it does not depend on them.
+        // A zero fraction does not depend on q and p.
         if part > 0.0 {
             let edges = system.assembly.rods.edges.iter();
             let lengths = edges.map(|edge| edge.natural_length);
@@ -162,7 +168,8 @@ impl Shortening {
         Self { part, way, over }
     }
 
-    /// Makes a derivative over the shortened prediction one over the whole one, and adds that over the start.
+    /// Converts a derivative with respect to the shortened prediction to one with respect to the
+    /// full prediction, and adds the derivative with respect to the start.
     fn pull_back(&self, covector: &mut Covector, over_prediction: &mut [f64]) {
         let products = over_prediction.iter().zip(&self.way);
         let over_part: f64 = products.map(|(over, way)| over * way).sum();

@@ -1,4 +1,5 @@
-//! Derivatives over fields against extrapolated differences of whole runs in which one number of a rod differs.
+//! Derivatives with respect to fields, compared with extrapolated differences of whole runs in
+//! which one value of a rod differs.
 
 use super::{Gradient, LARGEST_TRACE, Recording, SensitivityError, Trace};
 use crate::mechanics::Vector3;
@@ -18,7 +19,7 @@ const STEPS: usize = 30;
 const STEP: f64 = 2e-3;
 pub(super) const SCHEMES: [Scheme; 2] = [Scheme::ImplicitEuler, Scheme::BackwardDifferences];
 
-/// What happens: steps, after an equilibrium or not, or the equilibrium alone.
+/// Kind of run: steps, after an equilibrium or not, or the equilibrium alone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Course {
     pub(super) settles: bool,
@@ -39,7 +40,7 @@ impl Course {
         STEP * self.steps as f64
     }
 
-    /// The results of a run in which something is changed by an amount.
+    /// The results of a run with one value changed by an amount.
     pub(super) fn run(&self, scene: &Scene, change: Change, node: usize, amount: f64) -> Vec<f64> {
         let mut simulation = Simulation::new(scene, &self.parameters()).unwrap();
         change(&mut simulation, node, amount);
@@ -65,7 +66,7 @@ impl Course {
     }
 }
 
-/// Place and velocity of two nodes, and a director.
+/// Position and velocity of two nodes, and a director.
 pub(super) fn results(simulation: &Simulation) -> Vec<f64> {
     let vectors = [
         simulation.positions()[10] * 10.0,
@@ -79,7 +80,7 @@ pub(super) fn results(simulation: &Simulation) -> Vec<f64> {
         .collect()
 }
 
-/// Adds an amount to a number that belongs to a node.
+/// Adds an amount to a value of a node.
 pub(super) type Change = fn(&mut Simulation, usize, f64);
 
 /// Adds to the natural strains of the vertices at a node: to κ about m₁, κ about m₂, or the twist.
@@ -144,7 +145,7 @@ fn throw(simulation: &mut Simulation, node: usize, velocity: Vector3) {
     simulation.state = State::new(&unknowns.clone(), &own);
 }
 
-/// A field with how to change it at a node, an amount that matters little, and its derivative there.
+/// A field with the rule to change it at a node, a small amount, and its derivative there.
 type Field = (&'static str, Change, f64, fn(&Gradient, usize) -> f64);
 
 const FIELDS: [Field; 9] = [
@@ -204,7 +205,7 @@ const FIELDS: [Field; 9] = [
     ),
 ];
 
-/// Derivatives of all results over one number.
+/// Derivatives of all results with respect to one value.
 fn differences(
     course: &Course,
     scene: &Scene,
@@ -229,18 +230,19 @@ fn differences(
         .collect()
 }
 
-/// Derivatives, of results of the size 1, below which others count as small.
+/// Threshold below which derivatives count as small, for results of the size 1.
 const UNIMPORTANT: f64 = 1e-3;
-/// Largest error over the largest derivative of the same field.
+/// Largest error relative to the largest derivative of the same field.
 const EXACT: f64 = 1e-7;
 
-/// Compares the derivatives over the numbers of some nodes with differences, over the amounts of the fields times `share`.
+/// Compares the derivatives with respect to the values of some nodes with differences for changes
+/// by `share` times the amounts of the fields.
 #[track_caller]
 fn check(name: &str, course: &Course, scene: &Scene, share: f64) {
     check_at([0, 3, 7], EXACT, name, course, scene, share);
 }
 
-/// The same with the nodes, and the largest error.
+/// Compares at given nodes, with a given largest error.
 #[track_caller]
 pub(super) fn check_at<const N: usize>(
     nodes: [usize; N],
@@ -280,7 +282,7 @@ pub(super) fn check_at<const N: usize>(
     }
 }
 
-/// The cantilever with a clamp at its end, too, which turns about two axes while it moves.
+/// The cantilever with a second clamp, at its end, which turns about two axes while it moves.
 fn driven() -> Scene {
     let mut scene = cantilever();
     let way = Vector3::new(-0.08, 0.03, 0.05);

@@ -1,4 +1,5 @@
-//! The states at the ends of steps: those of the last part of a motion, and those at which its earlier parts began.
+//! The states at the ends of steps: those of the last part of a motion, and those at the starts of
+//! its earlier parts.
 
 use super::SensitivityError;
 use crate::mechanics::contact::ContactMemory;
@@ -7,9 +8,9 @@ use crate::mechanics::dynamics::simulation::Simulation;
 
 /// States of a motion, from which its steps can be visited backwards.
 pub(super) struct Trace {
-    /// Size up to which states are kept, bytes.
+    /// Largest total size of the stored states, bytes.
     largest: usize,
-    /// Earlier parts, whose steps are to be taken once more.
+    /// Earlier parts, whose steps must be repeated.
     parts: Vec<Part>,
     /// The last part.
     last: Part,
@@ -21,16 +22,16 @@ pub(super) struct Trace {
 struct Part {
     /// Where it begins.
     start: SimulationState,
-    /// The times up to which its steps were to go, s.
+    /// The target times of its steps, s.
     untils: Vec<f64>,
 }
 
-/// What is done with a step, given by the states at which it starts and ends.
+/// Callback for a step, given by the states at its start and end.
 pub(super) type Visit<'a> =
     &'a mut dyn FnMut(&mut Simulation, [&SimulationState; 2]) -> Result<(), SensitivityError>;
 
 impl Trace {
-    /// A motion that starts where a simulation is; up to `largest` bytes are kept.
+    /// Starts a motion at the state of a simulation; up to `largest` bytes are kept.
     pub(super) fn new(simulation: &Simulation, largest: usize) -> Self {
         Self {
             largest,
@@ -43,7 +44,7 @@ impl Trace {
         }
     }
 
-    /// Size up to which states are kept, bytes.
+    /// Largest total size of the stored states, bytes.
     pub(super) fn largest(&self) -> usize {
         self.largest
     }
@@ -76,7 +77,7 @@ impl Trace {
         self.ends.last().unwrap_or(&self.last.start)
     }
 
-    /// Visits all steps, the last first, with a simulation that may be anywhere.
+    /// Visits all steps, the last first, with a simulation in any state.
     pub(super) fn visit_backwards(
         &self,
         simulation: &mut Simulation,
@@ -92,7 +93,7 @@ impl Trace {
 }
 
 impl Part {
-    /// Takes its steps once more.
+    /// Repeats the steps of this part.
     fn repeat(
         &self,
         simulation: &mut Simulation,
@@ -123,7 +124,7 @@ impl Part {
     }
 }
 
-/// Adds the end of a step; where only the time was set, that of the last one.
+/// Adds the end of a step; if only the time was set, updates the time of the last end.
 fn append(ends: &mut Vec<SimulationState>, report: &StepReport, state: SimulationState) {
     if report.step > 0.0 {
         ends.push(state);

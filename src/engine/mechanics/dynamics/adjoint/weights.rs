@@ -1,11 +1,13 @@
-//! What a scheme makes of the last steps, as weights: it is linear, and the same for every unknown.
+//! Weights with which a scheme combines the last steps: the scheme is linear, and the same for
+//! every unknown.
 
 use crate::mechanics::dynamics::history::LENGTH;
 use crate::mechanics::dynamics::scheme::Prediction;
 use crate::mechanics::dynamics::simulation::Simulation;
 use crate::mechanics::dynamics::state::State;
 
-/// Unknowns, and velocities, that a step starts from: those at present and at the last steps.
+/// Number of unknowns, or velocities, from which a step starts: those at present and at the last
+/// steps.
 pub(super) const MOTIONS: usize = 1 + LENGTH;
 
 /// Weights of the unknowns and of the velocities, the latest first.
@@ -15,7 +17,7 @@ pub(super) struct Weights {
     pub velocities: [f64; MOTIONS],
 }
 
-/// Weights in the start of a stage, in the velocity there, and in the prediction of its solution.
+/// Weights for the start of a stage, the velocity there, and the prediction of its solution.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HistoryWeights {
     pub start: Weights,
@@ -24,7 +26,8 @@ pub(super) struct HistoryWeights {
 }
 
 impl HistoryWeights {
-    /// For a step (s) from the state of a simulation: the stages of motions in each of which one number is 1.
+    /// Weights for a step (s) from the state of a simulation, from the stages of motions in which
+    /// one value is 1.
     pub(super) fn of(simulation: &Simulation, step: f64) -> Self {
         let zero = vec![0.0; 2 * MOTIONS];
         let mut state = State::new(&zero, &zero);
