@@ -1,4 +1,4 @@
-//! What is refused, and what can fail.
+//! Unsupported scenes and failures.
 
 use crate::mechanics::SceneError;
 use crate::mechanics::dynamics::report::SimulationError;
@@ -9,10 +9,10 @@ pub enum SensitivityError {
     /// The simulation itself failed.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
-    /// The scene has something without derivatives.
+    /// The scene contains a feature without derivatives.
     #[error("{0}")]
     Unsuitable(&'static str),
-    /// The neighbours of a parameter cannot take the step, so that its derivative is not defined.
+    /// The neighbours of a parameter cannot take the step, so its derivative is not defined.
     #[error(
         "at t = {time:.6e} s the step has no derivative: {reason}; shorten time.end or reduce time.step"
     )]
@@ -22,7 +22,7 @@ pub enum SensitivityError {
         /// Why.
         reason: &'static str,
     },
-    /// The Newton matrix is singular: the solution is about to be lost, or is not unique.
+    /// The Newton matrix is singular: the solution is at a limit point, or is not unique.
     #[error(
         "at t = {time:.6e} s the equations are singular, so that the solution has no derivative"
     )]

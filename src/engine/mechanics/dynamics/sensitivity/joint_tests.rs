@@ -1,4 +1,4 @@
-//! The same for joined rods and bodies.
+//! Derivatives of motions of joined rods and bodies.
 
 use super::tests::{AT_SWITCHES, Bounds, Change, Course, EXACT, OF_RODS, REST, WEAK, check_all};
 use crate::mechanics::Vector3;
@@ -26,7 +26,7 @@ fn sprung() -> JointKind {
     sprung_hinge(Vector3::z(), 5e-3, 0.3)
 }
 
-/// Two arms at an angle, the first one clamped, and a body off the end of the second one.
+/// Two arms at an angle; the first is clamped, and a body is off the end of the second.
 fn arms(kind: JointKind) -> Scene {
     let elbow = Vector3::x() * 0.15;
     let mut hand = body("hand", at(1, 3), 2e-3, Some([2e-7, 3e-7, 4e-7]));
@@ -88,7 +88,7 @@ const PLACED: Change = ("places of the rods", |scene, factor| {
     }
 });
 
-/// For changes of places, in which motions are far from linear.
+/// For changes of positions, for which motions are far from linear.
 const NEAR: Bounds = Bounds {
     step: 2e-6,
     difference: 5e-4,
@@ -175,7 +175,7 @@ fn motions_in_which_a_joint_breaks() {
     }
 }
 
-/// A bead that slides along a rod which is clamped at both ends.
+/// A bead that slides along a rod with both ends clamped.
 #[test]
 fn a_bead_that_slides_along_a_rod() {
     let mut wire = rod("wire", Vector3::zeros(), Vector3::new(0.3, 0.0, -0.1), 8);

@@ -1,54 +1,68 @@
-//! Derivatives of motions and equilibria over parameters of the scene: forward mode.
+//! Derivatives of motions and equilibria with respect to parameters of the scene: forward mode.
 //!
-//! A step solves R(q; s, p) = 0 for the unknowns q at the end of its stage, where s is all that it begins with: unknowns and
-//! velocities at present and at the last steps, frames that were transported in time, strains of dashpots, contact stiffness. By
-//! the implicit function theorem
+//! A step solves R(q; s, p) = 0 for the unknowns q at the end of its stage, where s is the state
+//! at its start: unknowns and velocities at present and at the last steps, frames that were
+//! transported in time, strains of dashpots, contact stiffness. By the implicit function theorem
 //!
 //! ```text
 //! J dq/dp = −(∂R/∂s ds/dp + ∂R/∂p),     J = ∂R/∂q
 //! ```
 //!
-//! with the Newton matrix J of the step at its solution, which is factored once for all parameters; an equilibrium is the same
-//! without s. The right-hand side is a derivative along one direction, (ds/dp, 1), at fixed q:
+//! with the Newton matrix J of the step at its solution, which is factored once for all
+//! parameters; for an equilibrium the same holds without s. The right-hand side is a derivative
+//! along one direction, (ds/dp, 1), at fixed q:
 //!
-//! - Inertia and drag are linear in the start q̂ of the stage and the velocity v̂ there: their part is their own formula for
-//!   (dq̂/dp, dv̂/dp), which follow from the derivatives of the last steps by the formulas of the scheme. It is exact, and is where
-//!   rounding errors over the square of the step would be.
-//! - For all else there are two neighbours for each parameter, the scenes with p ± ε, in the states s ± ε ds/dp: (R₊ − R₋)/2ε at
-//!   the q of the step. They take the same steps as the scene itself by the code of the step, but take over q ± ε dq/dp
-//!   instead of solving for their own: so their frames, strains and contacts are those of a motion along the derivative.
+//! - Inertia and drag are linear in the start q̂ of the stage and the velocity v̂ there. Their
+//!   part is their own formula applied to (dq̂/dp, dv̂/dp), which follow from the derivatives of
+//!   the last steps by the formulas of the scheme. This part is exact; in a difference, rounding
+//!   errors would be divided by the square of the step.
+//! - For everything else there are two neighbours for each parameter: the scenes with p ± ε, in
+//!   the states s ± ε ds/dp. The derivative is (R₊ − R₋)/2ε at the q of the step. The neighbours
+//!   take the same steps as the scene itself with the same code, but use q ± ε dq/dp instead of
+//!   solving for their own solution. So their frames, strains and contacts are those of a motion
+//!   along the derivative.
 //!
-//! **Frames.** The spin of a material frame about its tangent t depends on old and new tangents by the holonomy of parallel transport
-//! ([`crate::mechanics::rod`], `holonomy`). The angle in q counts from the frame that was transported in time; each neighbour transports its own
-//! along its own tangents, which gives the change of the transported frame without a formula for it.
+//! **Frames.** The spin of a material frame about its tangent t depends on old and new tangents
+//! through the holonomy of parallel transport ([`crate::mechanics::rod`], `holonomy`). The angle
+//! in q is measured from the frame that was transported in time. Each neighbour transports its own
+//! frame along its own tangents, which gives the change of the transported frame without a formula
+//! for it.
 //!
-//! **Accuracy.** A difference over ±ε errs by ε² ∂³R/6 and by rounding errors over ε. The relative ε of 2e-5 that
-//! [`Variation`] recommends leaves 1e-10 to 3e-8 of both in positions and velocities; [`Sensitivity::amplitude`] reports how far the neighbours have moved
-//! away. The sizes of steps are those of the scene itself, as if they did not depend on p, and so is what depends on switches: a force with a
-//! corner just there has the mean of its two derivatives.
+//! **Accuracy.** A difference over ±ε has an error of ε² ∂³R/6 and of rounding errors over ε. The
+//! relative ε of 2e-5 that [`Variation`] recommends leaves 1e-10 to 3e-8 of both in positions and
+//! velocities; [`Sensitivity::amplitude`] reports how far the neighbours have moved away. The step
+//! sizes are those of the scene itself, as if they did not depend on p, and so are the states of
+//! switches: a force with a kink exactly there gets the mean of its two derivatives.
 //!
-//! **Reactions.** What holds a held unknown is its row of R, so that its derivative is J dq/dp + ∂R/∂s ds/dp + ∂R/∂p with this row: a
-//! difference of the neighbours would err by EA ε², since an edge that turns by ε on a straight path stretches by ε²/2.
+//! **Reactions.** The reaction at a held unknown is its row of R, so its derivative is J dq/dp +
+//! ∂R/∂s ds/dp + ∂R/∂p with this row. A difference of the neighbours would have an error of EA ε²,
+//! since an edge that turns by ε on a straight path stretches by ε²/2.
 //!
-//! **Observables.** Everything that can be measured of a simulation can be measured of [`Sensitivity::neighbours`]: its derivative is the
-//! difference over 2ε ([`Sensitivity::derivative`]). Tensions of single edges have an error of 1e-9 EA for the reason above.
+//! **Observables.** Every quantity that can be measured in a simulation can also be measured in
+//! [`Sensitivity::neighbours`]: its derivative is the difference over 2ε
+//! ([`Sensitivity::derivative`]). Tensions of single edges have an error of 1e-9 EA for the reason
+//! above.
 //!
-//! **Cost.** For each parameter and step one back-substitution, two evaluations of the residual at q and two where the neighbours end.
+//! **Cost.** For each parameter and step: one back-substitution, two evaluations of the residual
+//! at q, and two at the ends of the neighbours' steps.
 //!
-//! **Joints and bodies.** Positions that follow from others, such as the tips of the axes of bodies, have the differences of the
-//! neighbours at their ends. Rotation vectors are reset, and joints break, in all neighbours where they do in the simulation itself:
-//! the step at whose end a joint breaks does not depend on p, as the sizes of steps do not.
+//! **Joints and bodies.** Dependent positions, such as the tips of the axes of bodies, have the
+//! differences of the neighbours at the ends of their steps. In all neighbours, rotation vectors
+//! are reset and joints break when they do in the simulation itself: like the step sizes, the step
+//! at whose end a joint breaks does not depend on p.
 //!
-//! **Flow.** The operator of regularized Stokeslets is stored in single precision. A relative ε of 2e-3 leaves 1e-6 to 1e-5 of its
-//! rounding errors and of the truncation.
+//! **Flow.** The operator of regularized Stokeslets is stored in single precision. A relative ε of
+//! 2e-3 leaves errors of 1e-6 to 1e-5 from its rounding and from truncation.
 //!
-//! **Complementarity.** A step is differentiated with the contacts that press in it, each of which sticks or slides: these equations are
-//! laws of forces near the solution ([`crate::mechanics::contact`], `active_set`), which the centre and all neighbours have in place of
-//! the search for forces. Motions err by 1e-7 for that; forces of contacts are not differentiated.
+//! **Complementarity.** A step is differentiated with the contacts that press in it, each of which
+//! sticks or slides. These equations are written as force laws near the solution
+//! ([`crate::mechanics::contact`], `active_set`), which the centre and all neighbours use instead
+//! of searching for the forces. This gives errors of 1e-7 in motions; contact forces are not
+//! differentiated.
 //!
-//! **Not supported**, and refused: flows by clusters, controllers and other interventions. A step that the
-//! neighbours cannot repeat, such as one of the midpoint rule that an impact ended, or one within which the drag of a flow is
-//! found, is an error.
+//! **Not supported**, and rejected: flows by clusters, controllers and other interventions. A step
+//! that the neighbours cannot repeat is an error, such as a step of the midpoint rule that an
+//! impact ended, or one within which the drag of a flow is solved for.
 //!
 //! | file | what |
 //! |---|---|
@@ -73,14 +87,15 @@ use crate::mechanics::scene::Scene;
 use parameter::Parameter;
 pub(super) use replay::{Replayed, Taken};
 
-/// Relative residual of the flow of regularized Stokeslets; over ε it is an error of the derivatives of the drag.
+/// Relative residual of the flow of regularized Stokeslets; divided by ε it is an error of the
+/// derivatives of the drag.
 const FLOW_TOLERANCE: f64 = 1e-11;
 
-/// A simulation with the derivatives of its state over parameters.
+/// A simulation with the derivatives of its state with respect to parameters.
 pub struct Sensitivity {
     /// The simulation itself.
     base: Simulation,
-    /// The same once more: it repeats each step for its Newton matrix.
+    /// A second simulation of the same scene, which repeats each step for its Newton matrix.
     centre: Simulation,
     parameters: Vec<Parameter>,
 }
@@ -89,8 +104,9 @@ impl Sensitivity {
     /// Sets up a scene at time zero with the derivatives of its initial state.
     ///
     /// # Errors
-    /// [`SensitivityError::Unsuitable`] for a scene whose derivatives are not supported, and for neighbours that differ in more than numbers;
-    /// [`SensitivityError::Simulation`] for an invalid scene.
+    /// [`SensitivityError::Unsuitable`] for a scene whose derivatives are not supported, and for
+    /// neighbours that differ in more than values; [`SensitivityError::Simulation`] for an invalid
+    /// scene.
     pub fn new(
         scene: &Scene,
         parameters: &IntegrationParameters,
@@ -127,24 +143,25 @@ impl Sensitivity {
         self.parameters[parameter].step
     }
 
-    /// Derivative of a measurement over a parameter.
+    /// Derivative of a measurement with respect to a parameter.
     pub fn derivative(&self, parameter: usize, of: impl Fn(&Simulation) -> f64) -> f64 {
         let [plus, minus] = self.neighbours(parameter).map(of);
         (plus - minus) / (2.0 * self.step(parameter))
     }
 
-    /// Derivatives of the positions of all nodes over a parameter, m per its unit.
+    /// Derivatives of the positions of all nodes with respect to a parameter, m per its unit.
     pub fn positions(&self, parameter: usize) -> Vec<Vector3> {
         self.parameters[parameter].positions()
     }
 
-    /// Derivatives of the velocities of all nodes over a parameter, m/s per its unit.
+    /// Derivatives of the velocities of all nodes with respect to a parameter, m/s per its unit.
     pub fn velocities(&self, parameter: usize) -> Vec<Vector3> {
         self.parameters[parameter].velocities()
     }
 
-    /// Largest turn (rad) or stretch of an edge by which the neighbours of a parameter have differed from the simulation so far. Its square is about the
-    /// relative error of the derivatives; below 1e-8 rounding errors count.
+    /// Largest turn (rad) or stretch of an edge by which the neighbours of a parameter have
+    /// differed from the simulation so far. Its square is about the relative error of the
+    /// derivatives; below 1e-8 rounding errors dominate.
     pub fn amplitude(&self, parameter: usize) -> f64 {
         self.parameters[parameter].amplitude
     }
@@ -152,7 +169,8 @@ impl Sensitivity {
     /// Finds the equilibrium at the present time, with its derivatives.
     ///
     /// # Errors
-    /// The errors of [`Simulation::find_equilibrium`], and [`SensitivityError::Singular`] where it is about to be lost.
+    /// The errors of [`Simulation::find_equilibrium`], and [`SensitivityError::Singular`] if the
+    /// Newton matrix is singular there.
     pub fn find_equilibrium(&mut self) -> Result<StepReport, SensitivityError> {
         let report = self.base.find_equilibrium()?;
         let jacobian = self.centre.settle_like(&self.base);
@@ -171,12 +189,13 @@ impl Sensitivity {
     /// Takes one step that ends no later than `until`, with its derivatives.
     ///
     /// # Errors
-    /// The errors of [`Simulation::advance`], and [`SensitivityError::NotRepeated`] where the derivative of the step is not defined.
+    /// The errors of [`Simulation::advance`], and [`SensitivityError::NotRepeated`] if the
+    /// derivative of the step is not defined.
     pub fn advance(&mut self, until: f64) -> Result<StepReport, SensitivityError> {
         let report = self.base.advance(until)?;
         let goal = self.base.time();
         if report.step == 0.0 {
-            // Only rounding errors of the time.
+            // The step contains only rounding errors of the time.
             let neighbours = self.parameters.iter_mut().flat_map(|p| &mut p.neighbours);
             for simulation in neighbours.chain([&mut self.centre]) {
                 simulation.state.time = goal;
@@ -196,10 +215,11 @@ impl Sensitivity {
     }
 }
 
-/// A simulation whose flow is solved so exactly that differences of neighbours are derivatives.
+/// Creates a simulation whose flow is solved accurately enough for differences of neighbours to be
+/// derivatives.
 ///
 /// # Errors
-/// An invalid scene, and a flow by clusters.
+/// An invalid scene, or a flow by clusters.
 fn sharp(
     scene: &Scene,
     parameters: &IntegrationParameters,

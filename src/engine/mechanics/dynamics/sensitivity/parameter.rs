@@ -23,9 +23,9 @@ pub(super) struct Parameter {
     pub step: f64,
     /// The simulations with p + ε and p − ε.
     pub neighbours: [Simulation; 2],
-    /// Work and losses of their last step.
+    /// Work and losses of the neighbours in their last step.
     pub exchanges: [Exchange; 2],
-    /// See [`super::Sensitivity::amplitude`].
+    /// Amplitude; see [`super::Sensitivity::amplitude`].
     pub amplitude: f64,
     /// Derivatives of unknowns and velocities, now and at the starts of the last steps.
     state: State,
@@ -35,10 +35,10 @@ pub(super) struct Parameter {
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
 impl Parameter {
-    /// The neighbours at their start.
+    /// Creates the neighbours at the start of the motion.
     ///
     /// # Errors
-    /// [`SensitivityError`] for neighbours of another shape or impossible ones.
+    /// [`SensitivityError`] for neighbours with another structure, or invalid ones.
     pub(super) fn new(
         variation: &Variation,
         parameters: &IntegrationParameters,
@@ -80,10 +80,10 @@ impl Parameter {
         Ok(parameter)
     }
 
-    /// Takes the step of the simulation that `centre` has repeated.
+    /// Takes the step that `centre` has repeated from the simulation.
     ///
     /// # Errors
-    /// [`SensitivityError::NotRepeated`], and a drag that is not defined.
+    /// [`SensitivityError::NotRepeated`], or a drag that is not defined.
     pub(super) fn step(
         &mut self,
         replayed: &Replayed,
@@ -185,7 +185,8 @@ impl Parameter {
         self.state.begin_anew();
     }
 
-    /// Takes over the derivatives of the rotation vectors of frames and of their velocities, now and before, from the neighbours.
+    /// Copies the derivatives of the rotation vectors of frames and of their velocities, present
+    /// and earlier, from the neighbours.
     fn take_rotations(&mut self) {
         let [plus, minus] = &mut self.neighbours;
         let frames = &plus.system.assembly.joints.frames;
@@ -203,7 +204,7 @@ impl Parameter {
         }
     }
 
-    /// Takes over the equilibrium of `base`; the matrix of `centre` there is factored.
+    /// Moves to the equilibrium of `base`, at which the matrix of `centre` is factored.
     ///
     /// # Errors
     /// [`SensitivityError::Singular`].
@@ -246,7 +247,8 @@ impl Parameter {
         Ok(())
     }
 
-    /// Solves for the derivatives of the unknowns, those of the prescribed ones from the neighbours.
+    /// Solves for the derivatives of the unknowns; those of prescribed unknowns come from the
+    /// neighbours.
     fn solve(
         &self,
         right_hand_side: &[f64],
@@ -262,7 +264,7 @@ impl Parameter {
         Ok(change)
     }
 
-    /// Takes over the derivatives of prescribed unknowns from those in the workspaces of the neighbours.
+    /// Sets the derivatives of prescribed unknowns from the workspaces of the neighbours.
     fn take_prescribed(&self, change: &mut [f64]) {
         let [plus, minus] = &self.neighbours;
         let held = &plus.system.assembly.held;
@@ -273,10 +275,11 @@ impl Parameter {
         }
     }
 
-    /// Change of inertia and drag with the start of the stage and the velocity there, at its solution.
+    /// Derivative of inertia and drag with respect to the start of the stage and the velocity
+    /// there, at the solution of the stage.
     fn motion_forces(stage: &Stage, solution: &[f64], centre: &mut Simulation) -> Vec<f64> {
         let mut stage = stage.clone();
-        // What drag the fluid has where the step starts is different for the neighbours.
+        // The drag of the fluid at the start of the step differs between the neighbours.
         stage.drag.fill(Vector3::zeros());
         stage.drag_velocity.fill(Vector3::zeros());
         let at_rest = vec![0.0; stage.start.len()];
@@ -287,7 +290,7 @@ impl Parameter {
         forces
     }
 
-    /// Keeps the largest amplitude.
+    /// Updates the largest amplitude.
     fn measure_amplitude(&mut self, base: &Simulation) {
         let rods = &base.system.assembly.rods;
         for edge in &rods.edges {
@@ -325,7 +328,8 @@ fn sum(mut one: Vec<f64>, other: &[f64]) -> Vec<f64> {
 }
 
 impl Simulation {
-    /// The given unknowns, moved along a derivative; the prescribed ones are those in the workspace.
+    /// The given unknowns, moved along a derivative; prescribed unknowns are those in the
+    /// workspace.
     fn along(&mut self, from: &[f64], change: &[f64], step: f64) -> Vec<f64> {
         let held = &self.system.assembly.held;
         let prescribed = &self.integrator.workspace.trial.unknowns;
@@ -339,8 +343,8 @@ impl Simulation {
         moved
     }
 
-    /// Adds the velocity, times a weight, that the scheme of this simulation makes of the step of `base`: clamps that turn with another speed have other
-    /// differences.
+    /// Adds a weight times the velocity that the scheme of this simulation computes from the step
+    /// of `base`: clamps that turn at another speed have other differences.
     fn add_velocity(
         &self,
         weight: f64,

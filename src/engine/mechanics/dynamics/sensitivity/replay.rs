@@ -1,4 +1,4 @@
-//! A simulation takes the step of another one: the same stage, but the solution is given.
+//! Repetition of another simulation's step: the stage is the same, but the solution is given.
 
 use super::error::SensitivityError;
 use crate::mechanics::contact::ActiveLaw;
@@ -8,12 +8,14 @@ use crate::mechanics::dynamics::simulation::Simulation;
 use crate::mechanics::dynamics::state::State;
 use crate::mechanics::system::{Stage, System, WholeMatrix};
 
-/// Residual over its tolerance up to which a repeated step counts as the same: Newton's method may end with last digits alone.
+/// Largest ratio of residual to tolerance for which a repeated step counts as the same: Newton's
+/// method may end with changes in the last digits.
 const SAME: f64 = 1e3;
-/// Change of the contact stiffness, over itself, between neighbours from which on it is a switch: it doubles or halves.
+/// Relative change of the contact stiffness between neighbours from which on it counts as a
+/// switch: at a switch it doubles or halves.
 const SWITCH: f64 = 0.1;
 
-/// A step of the simulation that the centre has repeated: its Newton matrix is factored.
+/// A step of the simulation, repeated by the centre: its Newton matrix is factored.
 pub(in crate::mechanics::dynamics) struct Replayed {
     /// Time at the end of the step, s.
     pub goal: f64,
@@ -23,18 +25,18 @@ pub(in crate::mechanics::dynamics) struct Replayed {
     pub solution: Vec<f64>,
     /// Its Jacobian.
     pub jacobian: WholeMatrix,
-    /// The residual there: where unknowns are held, what holds them.
+    /// The residual at the end of the stage; at held unknowns the reactions.
     pub residual: Vec<f64>,
     /// Frames whose rotation vectors are reset at the end.
     pub long: Vec<usize>,
     /// Contact stiffness k, and its ratio to that from the forces at the prediction.
     stiffness: f64,
     pub stiffening: f64,
-    /// The stiffness before these, and with them.
+    /// Contact stiffness before the forces at the prediction, and with these forces.
     pub adaption: [f64; 2],
 }
 
-/// A step that was taken: where it ended.
+/// The end of a step that was taken.
 pub(in crate::mechanics::dynamics) struct Taken<'a> {
     /// s.
     pub time: f64,
@@ -59,10 +61,10 @@ impl<'a> Taken<'a> {
 }
 
 impl Replayed {
-    /// Repeats a step by `centre`, which is where that began.
+    /// Repeats a step with `centre`, which is at the start of the step.
     ///
     /// # Errors
-    /// [`SensitivityError`] where the residual is another one, or the matrix singular.
+    /// [`SensitivityError`] if the residual differs, or the matrix is singular.
     pub(in crate::mechanics::dynamics) fn new(
         taken: &Taken<'_>,
         centre: &mut Simulation,
@@ -70,7 +72,7 @@ impl Replayed {
         Self::with(taken, centre, System::linearize_whole)
     }
 
-    /// The same with the transposed Jacobian, for adjoints.
+    /// Repeats a step with the transposed Jacobian, for adjoints.
     ///
     /// # Errors
     /// The same.
@@ -132,7 +134,7 @@ impl Replayed {
                     the drag",
             });
         }
-        // Written so that a number that is none does not pass.
+        // Written so that NaN does not pass.
         let is_same = system.imbalance().ratio <= SAME;
         if !is_same {
             return Err(SensitivityError::NotRepeated {
@@ -161,10 +163,12 @@ impl Replayed {
         adapted != before
     }
 
-    /// Gives a neighbour, whose stiffness was `before` its step, that of the same rule.
+    /// Sets the contact stiffness of a neighbour, which was `before` ahead of its step, by the
+    /// rule of the simulation.
     ///
     /// # Errors
-    /// [`SensitivityError::NotRepeated`] where its forces switch to another stiffness than those of the simulation.
+    /// [`SensitivityError::NotRepeated`] if the neighbour's forces switch to another stiffness
+    /// than those of the simulation.
     pub(super) fn stiffen(
         &self,
         neighbour: &mut Simulation,
@@ -196,7 +200,7 @@ impl Simulation {
     /// Begins a step to `goal` up to its prediction, with the contact stiffness for it.
     ///
     /// # Errors
-    /// Where a rod comes to where the drag is not defined.
+    /// If a rod reaches a position at which the drag is not defined.
     pub(super) fn begin_like(&mut self, goal: f64) -> Result<(), SimulationError> {
         let extrapolates = self.rules().extrapolates();
         let Self {
@@ -218,7 +222,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Start and velocity of the stage that this simulation would have from the state of `other`.
+    /// Start and velocity of the stage for this simulation in the state of `other`.
     pub(super) fn stage_from(&self, other: &Self, step: f64) -> Stage {
         let mut stage = self.integrator.workspace.stage.clone();
         let mut prediction = Prediction {
@@ -229,15 +233,17 @@ impl Simulation {
         let (positions, angles) = (stage.positions.clone(), stage.angles.clone());
         let rules = self.rules();
         rules.begin(step, &other.state, turning, &mut stage, &mut prediction);
-        // Contact rubs against where the nodes and edges of this simulation were.
+        // Friction acts on slips from the previous positions of the nodes and edges of this
+        // simulation.
         (stage.positions, stage.angles) = (positions, angles);
         stage
     }
 
-    /// Moves to the end of the stage at `trial`, then to the end of the step, with the unknowns of both in the workspace.
+    /// Moves to the end of the stage at `trial`, then to the end of the step; stores the unknowns
+    /// of both in the workspace.
     ///
     /// # Errors
-    /// [`SensitivityError::NotRepeated`] where the end of a step lies behind a contact.
+    /// [`SensitivityError::NotRepeated`] if the end of a step is behind a contact.
     pub(super) fn end_like(&mut self, goal: f64, trial: &[f64]) -> Result<(), SensitivityError> {
         let extrapolates = self.rules().extrapolates();
         let (system, workspace) = (&mut self.system, &mut self.integrator.workspace);
@@ -256,8 +262,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Accepts the step that ends in the workspace, with a velocity, and resets the rotation vectors of some frames; returns its work and
-    /// losses.
+    /// Accepts the step that ends in the workspace, with a velocity, and resets the rotation
+    /// vectors of some frames; returns the work and losses of the step.
     pub(super) fn accept_like(
         &mut self,
         goal: f64,
@@ -280,7 +286,7 @@ impl Simulation {
         exchange
     }
 
-    /// Ends the step of `base` where that did.
+    /// Ends the step of this simulation at the end of that of `base`.
     ///
     /// # Errors
     /// The errors of [`Self::end_like`].
@@ -310,8 +316,8 @@ impl Simulation {
         breaks
     }
 
-    /// Takes over the frames of `base` in its equilibrium and evaluates residual and Jacobian there: where clamps hold it, by its
-    /// own.
+    /// Copies the frames of `base` in its equilibrium and evaluates residual and Jacobian there.
+    /// Frames held by clamps are those of this simulation.
     pub(in crate::mechanics::dynamics) fn settle_like(&mut self, base: &Self) -> WholeMatrix {
         let (system, unknowns) = (&mut self.system, &mut self.state.unknowns);
         unknowns.copy_from_slice(&base.state.unknowns);
@@ -324,7 +330,7 @@ impl Simulation {
         system.linearize_whole(unknowns, None)
     }
 
-    /// Rests at the present unknowns as in an equilibrium.
+    /// Sets the state to rest at the present unknowns, as in an equilibrium.
     pub(super) fn rest_here(&mut self) {
         let unknowns = self.state.unknowns.clone();
         self.system.evaluate(&unknowns, None);
@@ -333,7 +339,8 @@ impl Simulation {
         self.publish();
     }
 
-    /// Takes over what holds the unknowns that are held, from the simulation itself and its derivative times a step.
+    /// Sets the reactions at held unknowns, from those of the simulation itself and their
+    /// derivative times a step.
     pub(super) fn take_reactions(&mut self, of: &[f64], change: &[f64], step: f64) {
         let own = self.system.residual.iter_mut();
         for ((own, of), change) in own.zip(of).zip(change) {

@@ -11,10 +11,10 @@ use crate::mechanics::test_support::{
     pulled, spring,
 };
 
-/// A scene as a function of a factor of one of its parameters.
+/// A scene as a function of a factor on one of its parameters.
 type OfFactor<'a> = &'a dyn Fn(f64) -> Scene;
 
-/// What happens: an equilibrium, steps of a size (s), or both.
+/// Kind of run: an equilibrium, steps of a size (s), or both.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Course {
     settles: bool,
@@ -77,7 +77,8 @@ impl Course {
     }
 }
 
-/// What is compared: positions, velocities, frames, and the forces and moments of the clamp at the first node.
+/// Compared quantities: positions, velocities, frames, and the forces and moments of the clamp at
+/// the first node.
 fn observed(simulation: &Simulation) -> [Vec<Vector3>; 4] {
     [
         simulation.positions().to_vec(),
@@ -87,7 +88,7 @@ fn observed(simulation: &Simulation) -> [Vec<Vector3>; 4] {
     ]
 }
 
-/// Difference of two observations over a number.
+/// Difference of two observations, divided by a number.
 fn rate(plus: &Simulation, minus: &Simulation, over: f64) -> [Vec<Vector3>; 4] {
     let [plus, minus] = [plus, minus].map(observed);
     std::array::from_fn(|of| {
@@ -96,10 +97,12 @@ fn rate(plus: &Simulation, minus: &Simulation, over: f64) -> [Vec<Vector3>; 4] {
     })
 }
 
-/// Part of the largest value of an observation below which its derivative over a factor counts as small.
+/// Fraction of the largest value of an observation below which its derivative with respect to a
+/// factor counts as small.
 const UNIMPORTANT: f64 = 0.01;
 
-/// Largest error of each observation over the largest derivative of it, or [`UNIMPORTANT`] of its largest value.
+/// Largest error of each observation relative to its largest derivative, or to [`UNIMPORTANT`]
+/// times its largest value.
 fn errors(course: &Course, scene: OfFactor, bounds: &Bounds) -> [f64; 4] {
     let found = course.differentiate(scene, bounds.step);
     let [plus, minus] = found.neighbours(0);
@@ -129,9 +132,9 @@ fn errors(course: &Course, scene: OfFactor, bounds: &Bounds) -> [f64; 4] {
     })
 }
 
-/// How a derivative is compared.
+/// Settings of the comparison of a derivative.
 pub(super) struct Bounds {
-    /// ε of the derivative, and the part of the parameter over which whole runs differ.
+    /// ε of the derivative, and the fraction of the parameter by which whole runs differ.
     pub(super) step: f64,
     pub(super) difference: f64,
     /// Largest errors of positions, velocities and frames, and of reactions.
@@ -146,7 +149,8 @@ pub(super) const EXACT: Bounds = Bounds {
     reactions: 1e-7,
 };
 
-/// Compares with differences over a part of the parameter; errors may be as large as the tolerance.
+/// Compares with differences over a fraction of the parameter; errors may be as large as the
+/// tolerance.
 #[track_caller]
 fn check(name: &str, course: &Course, scene: OfFactor, bounds: &Bounds) {
     let errors = errors(course, scene, bounds);
@@ -157,20 +161,22 @@ fn check(name: &str, course: &Course, scene: OfFactor, bounds: &Bounds) {
     assert!(errors[3] < bounds.reactions, "{name} {course:?}: {words}");
 }
 
-/// For parameters that matter less.
+/// For parameters with less effect.
 pub(super) const WEAK: Bounds = Bounds {
     difference: 1e-2,
     ..EXACT
 };
 
-/// For dashpots: a rounding error of the length of an edge at the start of a step is one of EA T/H in the force.
+/// For dashpots: a rounding error in the length of an edge at the start of a step is multiplied by
+/// EA T/H in the force.
 const DAMPED: Bounds = Bounds {
     step: 1e-4,
     reactions: 2e-5,
     ..WEAK
 };
 
-/// For what switches at some distance, such as the stiffness of contacts and joints that break.
+/// For quantities that switch at some distance, such as the stiffness of contacts and joints that
+/// break.
 pub(super) const AT_SWITCHES: Bounds = Bounds {
     difference: 5e-4,
     ..EXACT
@@ -409,7 +415,7 @@ fn sticking_and_sliding_by_complementarity() {
         reactions: 1e-5,
         ..AT_SWITCHES
     };
-    // Another radius touches in another step.
+    // With another radius, contact begins in another step.
     let near = Bounds {
         difference: 2e-5,
         reactions: 1e-3,
