@@ -223,7 +223,7 @@ fn candidates_live_until_a_quarter_of_the_margin_is_used_up() {
         "the layers part"
     );
     assert!(contact.candidates().len() < before);
-    // All rods up together: rebuilt, but the same set.
+    // All rods move up together: the set is rebuilt but unchanged.
     let together: Vec<Vector3> = lifted(1.5 * RADIUS)
         .iter()
         .map(|x| x + Vector3::z())

@@ -5,9 +5,9 @@
 //! Ω = t × ė/l + θ̇ t,
 //!
 //! with its tangent t, its length l and the rate θ̇ at which its material frame spins about it,
-//! relative to the frame transported in time. In a stage of the size Δt these terms are t × (e − eⁿ)/(l
-//! Δt) and (θ − θⁿ)/Δt. The contact point is at r = −h n̂ from the centreline of the first body,
-//! and at h n̂ from that of the second, so that the surfaces slide on each other with
+//! relative to the frame transported in time. In a stage of the size Δt these terms are t × (e −
+//! eⁿ)/(l Δt) and (θ − θⁿ)/Δt. The contact point is at r = −h n̂ from the centreline of the first
+//! body, and at h n̂ from that of the second, so that the surfaces slide on each other with
 //!
 //! u = v + n̂ × G,   G = Σ_b h_b Ω_b   (m rad/s),
 //!
@@ -151,8 +151,8 @@ impl Turning {
         row
     }
 
-    /// The force of a contact on all its unknowns: forces on the four nodes by their weights, and
-    /// its moments.
+    /// Generalised forces of a contact on all its unknowns: the forces on its four nodes, and its
+    /// moments.
     pub(crate) fn force(
         &self,
         weights: &[f64; 4],

@@ -286,7 +286,7 @@ impl Drive {
         if to < from { -spin } else { spin }
     }
 
-    /// This rotation between two times without a corner of the schedule between them.
+    /// Rotation as in `spin` between two times without a corner of the schedule between them.
     fn spin_of_piece(&self, from: f64, to: f64) -> f64 {
         let (start, end) = (self.turning(from), self.turning(to));
         let swing = match (start.orientation, end.orientation) {

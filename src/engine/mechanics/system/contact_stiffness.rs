@@ -143,7 +143,7 @@ pub(super) fn allowed_by_contacts(contact: &ContactSystem, stored: Stored) -> f6
     MADE_BY_CONTACT * stored.contacts as f64 * contact.work_over_tolerance()
 }
 
-/// Contact energy at the start of the step with the stiffness k, J; the value is cached.
+/// Sets the stiffness k and returns the contact energy at the start of the step with it, J.
 pub(super) fn stored_at_start(
     contact: &mut ContactSystem,
     stiffness: f64,

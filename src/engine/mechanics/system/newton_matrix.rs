@@ -441,25 +441,27 @@ impl NewtonMatrix {
         self.forget_pattern();
     }
 
-    /// Takes over which unknowns the terms couple, where frames turn with others than before.
+    /// Updates the unknowns that the terms couple, after the grouping of frames has changed.
     pub(crate) fn recouple(&mut self, assembly: &Assembly, elements: &[Vec<Element>]) {
         self.permanent = elements.concat();
         self.adapt(assembly);
     }
 
-    /// Drops the pattern; it is found again when something couples.
+    /// Drops the pattern; it is determined again when there are couplings.
     pub(crate) fn forget_pattern(&mut self) {
         self.coupled = None;
         self.lost_symmetry = false;
         self.candidates_changed = true;
     }
 
-    /// Other contacts may come from now on: elements are listed again, and the pattern is kept where they are the same.
+    /// Prepares for other contacts: elements are listed again, and the pattern is kept if they are
+    /// unchanged.
     pub(crate) fn expect_other_candidates(&mut self) {
         self.candidates_changed = true;
     }
 
-    /// Factors the band of the rods alone, without elements that couple; returns its inertia unless it is singular.
+    /// Factors the band of the rods alone, without coupling elements; returns its inertia unless
+    /// it is singular.
     pub(crate) fn factor_rods(&mut self) -> Option<Inertia> {
         self.factor.factor(&self.band).ok()
     }

@@ -25,7 +25,7 @@ pub(crate) struct OfStrains {
 }
 
 impl OfStrains {
-    /// Zero for each strain of some rods.
+    /// Creates a zero for each strain of `rods`.
     pub(crate) fn zero(rods: &ElasticRods) -> Self {
         Self {
             vertices: vec![[0.0; OF_VERTEX]; rods.vertices.len()],

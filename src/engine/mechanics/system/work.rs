@@ -175,7 +175,8 @@ impl System {
             term.add_forces(&at, &mut gradient);
         }
         (self.assembly.joints).gather_moments(unknowns, &mut gradient);
-        // What is prescribed is where the step ends from its start: it is moved by others.
+        // Prescribed unknowns start at their values at the end of the step, since others do the
+        // work on them.
         let start = self.at_start(unknowns, stage);
         let (mut work, mut change) = (0.0, vec![0.0; start.len()]);
         for k in (0..start.len()).filter(|k| !self.assembly.held[*k]) {

@@ -74,8 +74,8 @@ fn against_forward(course: &Course, scene: &Scene, step: f64) -> f64 {
     worst / largest
 }
 
-/// Compares every model and scheme with the forward mode, with a force of `step` (N), and some of
-/// them with differences for changes by `shares` of the amounts of fields.
+/// Compares every model and scheme with the forward mode, with a force of `step` (N). Some are
+/// also compared with differences for changes by `shares` of the amounts of fields.
 #[track_caller]
 fn check_contact(
     name: &str,

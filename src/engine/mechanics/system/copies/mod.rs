@@ -122,7 +122,8 @@ impl Copies {
         })
     }
 
-    /// Whether a system in a stage has the rods, the held unknowns and the forces of these. Only grasps change the answer.
+    /// Whether a system in a stage has the same rods, held unknowns and forces as these copies.
+    /// Only grasps change the answer.
     pub(crate) fn are_of(&mut self, system: &System, stage: &Stage) -> bool {
         if system.switched {
             return self.fit(system, stage);

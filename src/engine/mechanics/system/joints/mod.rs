@@ -386,7 +386,7 @@ impl Joints {
     }
 }
 
-/// Takes three entries out of a vector.
+/// Returns three entries of a vector and sets them to zero.
 fn take(entries: &mut [f64], first: usize) -> Vector3 {
     let entries = &mut entries[first..first + 3];
     let taken = Vector3::from_column_slice(entries);
@@ -395,13 +395,13 @@ fn take(entries: &mut [f64], first: usize) -> Vector3 {
 }
 
 impl System {
-    /// Writes what follows from other unknowns: positions of joined nodes, and how bodies point.
+    /// Sets the dependent unknowns: positions of joined nodes, and orientations of bodies.
     pub(crate) fn complete(&mut self, unknowns: &mut [f64]) {
         self.assembly.joints.complete(unknowns);
     }
 
-    /// Makes changes of the forces on all nodes, frames and bodies, at the last evaluation, which was at `unknowns`, changes over
-    /// the free unknowns.
+    /// Converts changes of the forces on all nodes, frames and bodies, at the last evaluation,
+    /// which was at `unknowns`, to changes over the free unknowns.
     pub(crate) fn gather_changes(&mut self, unknowns: &[f64], changes: &mut [f64]) {
         let joints = &mut self.assembly.joints;
         joints.gather_moments(unknowns, changes);

@@ -49,7 +49,7 @@ pub fn joint_unknowns(scene: &Scene) -> [usize; 2] {
         return [0; 2];
     };
     let taken = plan.points.iter().map(|point| 3 * (point.len() - 1));
-    // Three of the position, and one more for the parameter along the rod.
+    // A slide removes three unknowns of a position and adds one for the parameter along the rod.
     let slides = plan.slides.len();
     let added = plan
         .frames

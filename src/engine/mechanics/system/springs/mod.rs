@@ -73,7 +73,7 @@ impl Springs {
         }
     }
 
-    /// Removes and returns the spring about a hinge whose angle is an unknown.
+    /// Removes the spring about the hinge whose angle is the unknown `angle`.
     pub(crate) fn leave_hinge(&mut self, angle: usize) {
         self.about_hinges.retain(|spring| spring.unknown != angle);
     }
