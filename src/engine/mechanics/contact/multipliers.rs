@@ -60,8 +60,8 @@ const TRUSTED_RATIO: f64 = 4.0;
 /// Largest ratio of two successive forces of a slot for which the rotation of its contact is
 /// included.
 ///
-/// Without this rotation, the iterations for nearly parallel edges alternate along them without
-/// end, though the force is already correct. Chosen by trial: in piles of 60 and of 200 rods other
+/// Without this rotation, the contact points of nearly parallel edges move back and forth along
+/// them without end, though the force is already correct. Chosen by trial: in piles of 60 and of 200 rods other
 /// steps fail with 1.1, 1.5 and 4, but few with each value.
 const KNOWN_RATIO: f64 = 1.1;
 

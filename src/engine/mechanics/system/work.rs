@@ -195,8 +195,8 @@ impl System {
         (made > NEGLIGIBLE * energy).then_some(made)
     }
 
-    /// Whether an edge or spring turns, or an edge spins about itself, by more than [`FAR_TURN`] within a step, or is stretched
-    /// as much.
+    /// Whether within a step an edge or spring turns, or an edge spins about itself, by more than
+    /// [`FAR_TURN`], or is stretched by as large a strain.
     fn turns_far(&self, stage: &Stage, unknowns: &[f64]) -> bool {
         let moved = |node: usize| position(unknowns, node) - stage.positions[node];
         self.assembly.rods.edges.iter().any(|edge| {
@@ -219,13 +219,15 @@ mod tests {
     const LENGTH: f64 = 0.2;
     const STEP: f64 = 0.1;
 
-    /// A rod along x, `strain` times longer than by nature, turned by `angle` about z.
+    /// A rod along x, turned by `angle` about z and stretched by `strain` beyond its natural
+    /// length.
     fn turned(strain: f64, angle: f64) -> impl Fn(f64) -> Vector3 {
         let along = Vector3::new(angle.cos(), angle.sin(), 0.0) * (1.0 + strain);
         move |at| along * (at * LENGTH)
     }
 
-    /// Energy that elastic forces add in a step that turns the rod and in which inertia loses none.
+    /// Energy that elastic forces add in a step that turns the rod and in which inertia loses no
+    /// energy.
     fn brought(strain: f64, angle: f64) -> Option<f64> {
         let stiffness = section(STRETCHING, [0.02; 2], 0.03);
         let places = [-0.5, -0.25, 0.0, 0.25, 0.5];
@@ -267,7 +269,8 @@ mod tests {
     fn a_compressed_rod_pushes_itself_along_as_it_turns() {
         let strain = -0.1;
         for angle in [0.2, 1.0, 3.0_f64] {
-            // The compression N at the end of the step goes the way ℓ (1 − cos φ) along its line.
+            // The compression N at the end of the step does work over the distance ℓ (1 − cos φ)
+            // along its line.
             let force = -STRETCHING * strain;
             let expected = force * LENGTH * (1.0 + strain) * (1.0 - angle.cos());
             let made = brought(strain, angle).unwrap();
