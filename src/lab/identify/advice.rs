@@ -1,6 +1,6 @@
-//! Combinations that data do not determine, in words, and experiments that would determine them.
+//! Describes combinations that the data do not determine, and advises experiments that would.
 
-/// Experiments by the words in the last steps of a key.
+/// Advised experiments, for words in the last two parts of a dotted key.
 const EXPERIMENTS: &[(&[&str], &str)] = &[
     (
         &["twisting", "poissons_ratio", "gj", "torsion"],
@@ -44,7 +44,7 @@ const EXPERIMENTS: &[(&[&str], &str)] = &[
     ),
 ];
 
-/// A combination in a sentence; `changes` are relative changes of keys.
+/// Describes a combination in a sentence; `changes` are relative changes of keys.
 pub fn in_words(changes: &[(String, f64)], standard_error: f64) -> String {
     let effect = match standard_error.is_finite() {
         true => "change the data by less than their noise",
@@ -70,7 +70,7 @@ pub fn in_words(changes: &[(String, f64)], standard_error: f64) -> String {
     }
 }
 
-/// What to measure in addition.
+/// Advises what to measure in addition.
 pub fn experiment_for(changes: &[(String, f64)]) -> String {
     let words = |key: &str| -> Vec<String> {
         let steps = key.split('.').rev().take(2);

@@ -1,7 +1,8 @@
-//! Keys with which a scenario comes closest to numbers that are exact, such as a wanted shape.
+//! Finds the keys with which a scenario comes closest to exact numbers, such as a wanted shape.
 //!
-//! The method is that of the fit, without noise: the standard deviation is a part of the root mean square of the residuals, again and
-//! again, until these no longer decrease. What the keys can reach is then met to the precision of the equilibria.
+//! The method is that of the fit, without noise. The standard deviation is set to a fraction of
+//! the root mean square of the residuals in each round, until the residuals no longer decrease.
+//! Targets that the keys can reach are then met to the precision of the equilibria.
 
 use super::error::IdentifyError;
 use super::fit::{Estimate, Loss, Weighting, minimise};
@@ -12,22 +13,24 @@ use super::statistics::{Group, statistics};
 
 /// Standard deviation over the root mean square of the residuals.
 const PART: f64 = 0.1;
-/// Most rounds, and the decrease of the residuals of a round below which it is the last.
+/// Maximum number of rounds, and the decrease of the residuals in a round below which no other
+/// follows.
 const ROUNDS: usize = 12;
 const DECREASE: f64 = 0.99;
 
-/// The values that come closest.
+/// Values of the keys that come closest.
 #[derive(Clone, Debug)]
 pub struct Closest {
     /// Values of the keys.
     pub values: Vec<f64>,
-    /// Root mean square of the residuals at the start, and at the values.
+    /// Root mean square of the residuals at the start, and at `values`.
     pub residuals: [f64; 2],
     /// Derivatives computed.
     pub iterations: usize,
     /// Whether no step decreases the residuals any more.
     pub converged: bool,
-    /// Keys, by their numbers, that change together without an effect, the parts of each combination.
+    /// Combinations of keys that can change together without an effect: each key by its index,
+    /// with its component.
     pub undetermined: Vec<Vec<(usize, f64)>>,
 }
 
@@ -35,7 +38,7 @@ pub struct Closest {
 /// `negligible`.
 ///
 /// # Errors
-/// A simulation that fails at the start, and the request to stop.
+/// A simulation fails at the start, or the caller asked to stop.
 pub fn closest(
     experiment: &Experiment,
     parameters: &[Parameter],
@@ -74,7 +77,7 @@ pub fn closest(
             break;
         }
     }
-    // Without noise only round-off leaves a combination undetermined.
+    // Without noise, a combination is undetermined only below the level of round-off.
     let deviations = vec![negligible; wanted.len()];
     let weighting = Weighting {
         measured: &wanted,

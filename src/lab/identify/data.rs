@@ -1,6 +1,6 @@
 //! Files of measurements.
 //!
-//! A CSV file has one of three headers. Empty cells are not measured.
+//! A CSV file has one of three headers. Empty cells were not measured.
 //!
 //! | header | content |
 //! |---|---|
@@ -8,8 +8,9 @@
 //! | `x_m,y_m,z_m` | points along a centreline from its first end, matched by their part of its length |
 //! | `time_s` and names of columns | columns of probes, `critical_parameter`, `sliding_onset_s`, `frequency_1_hz`, ... |
 //!
-//! `time_s` may be absent for equilibria, and any of the coordinates for pictures. A column `sd_m`, or the name of a column
-//! with `_sd` behind it, gives the standard deviation of the noise of each row.
+//! `time_s` may be absent for equilibria, and any of the coordinates for pictures. A column
+//! `sd_m`, or the name of a column with the suffix `_sd`, gives the standard deviation of the
+//! noise of each row.
 
 use super::error::IdentifyError;
 use rodlab_files::input::{self, Column, Table};
@@ -18,11 +19,11 @@ use std::path::{Path, PathBuf};
 
 /// Largest file, bytes.
 const LARGEST_FILE: u64 = 64 << 20;
-/// Most numbers of a file.
+/// Maximum number of measured numbers in a file.
 const MOST_NUMBERS: usize = 1_000_000;
-/// The group of all coordinates of a file.
+/// Name of the group of all coordinates of a file.
 pub const POSITION: &str = "position";
-/// Ending of a column with standard deviations.
+/// Suffix of a column of standard deviations.
 const DEVIATION: &str = "_sd";
 /// Names of coordinates.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
@@ -30,7 +31,7 @@ pub const AXES: [&str; 3] = ["x", "y", "z"];
 /// A place on a rod.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// Name of the rod; the only rod where it is `None`.
+    /// Name of the rod; `None` for the only rod.
     pub rod: Option<String>,
     /// Where on the rod.
     pub at: At,
@@ -43,11 +44,11 @@ pub enum At {
     Node(usize),
     /// Arc length from the first node, m.
     ArcLength(f64),
-    /// Part of the length of the rod, 0 to 1.
+    /// Fraction of the length of the rod, 0 to 1.
     Part(f64),
 }
 
-/// The measured quantity of a number.
+/// Quantity that a number measures.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measured {
     /// A coordinate of a point of a rod, m.
@@ -57,7 +58,7 @@ pub enum Measured {
         /// 0 to 2 for x, y, z.
         axis: usize,
     },
-    /// The part of the position of a point of a rod along a direction, m.
+    /// Component of the position of a point of a rod along a direction, m.
     Along {
         /// The point.
         place: Place,
@@ -79,9 +80,9 @@ pub struct Datum {
     pub measured: Measured,
     /// The number, in SI units.
     pub value: f64,
-    /// Standard deviation of its noise, where the file states it.
+    /// Standard deviation of its noise, if the file states it.
     pub deviation: Option<f64>,
-    /// Curve to which it belongs: numbers of one series follow each other in time or along the rod.
+    /// Name of its series: numbers of one series follow each other in time or along the rod.
     pub series: String,
 }
 
@@ -95,7 +96,7 @@ pub struct DataFile {
 }
 
 impl Datum {
-    /// Name of the numbers whose noise is alike: `position`, or the column.
+    /// Name of the group of numbers with the same noise: `position`, or the column.
     pub fn group(&self) -> &str {
         match &self.measured {
             Measured::Coordinate { .. } | Measured::Along { .. } => POSITION,
@@ -105,7 +106,7 @@ impl Datum {
 }
 
 impl DataFile {
-    /// Reads a file; `markers` are places of markers that it does not state.
+    /// Reads a file; `markers` gives the places of markers that the file does not state.
     ///
     /// # Errors
     /// The first fault, with its line and what is allowed.
@@ -114,10 +115,10 @@ impl DataFile {
         Self::from_text(path, &text, markers)
     }
 
-    /// The measurements in the text of a file.
+    /// Reads the measurements from the text of a file.
     ///
     /// # Errors
-    /// As [`DataFile::read`].
+    /// The errors of [`DataFile::read`].
     pub fn from_text(
         path: &Path,
         text: &str,
@@ -149,7 +150,8 @@ impl DataFile {
     }
 }
 
-/// Reads a file of places of markers: `marker` with `node` or `arc_length_m`, and `rod` where there are several.
+/// Reads a file of places of markers: `marker` with `node` or `arc_length_m`, and `rod` if there
+/// are several rods.
 ///
 /// # Errors
 /// The first fault, with its line.
@@ -209,7 +211,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Rows of the right length, with their lines.
+    /// Rows of the right length, with their line numbers.
     fn rows(&self) -> impl Iterator<Item = Result<(usize, Vec<String>), IdentifyError>> + '_ {
         self.table.rows().map(|(line, fields)| {
             let checked = self.table.check_length(&fields);
@@ -229,7 +231,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// The number of a cell; `None` where it is empty.
+    /// Returns the number of a cell; `None` if it is empty.
     fn number(
         &self,
         line: usize,
@@ -250,7 +252,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// The standard deviation of a cell, which must be above 0.
+    /// Returns the standard deviation of a cell, which must be above 0.
     fn deviation(
         &self,
         line: usize,
@@ -272,7 +274,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Time of a row; `None` without the column.
+    /// Returns the time of a row; `None` without a time column.
     fn time(&self, line: usize, fields: &[String]) -> Result<Option<f64>, IdentifyError> {
         let Some(column) = self.column("time") else {
             return Ok(None);
@@ -283,7 +285,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The place that a row states.
+    /// Returns the place that a row states.
     fn place(&self, line: usize, fields: &[String]) -> Result<Option<Place>, IdentifyError> {
         let rod = self
             .column("rod")
@@ -314,7 +316,7 @@ impl<'a> Reader<'a> {
         Ok(Some(Place { rod, at }))
     }
 
-    /// Positions of markers, or points along a centreline.
+    /// Reads positions of markers, or points along a centreline.
     fn points(
         &self,
         axes: [Option<Column>; 3],
@@ -395,7 +397,7 @@ impl<'a> Reader<'a> {
         Ok(data)
     }
 
-    /// Columns of probes and derived ones.
+    /// Reads columns of probes and derived columns.
     fn columns(&self) -> Result<Vec<Datum>, IdentifyError> {
         let whole = |index| Column { index, unit: 1.0 };
         let named = |name: &str| {
@@ -434,7 +436,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Points along centrelines, which are matched by their part of the length of their polyline.
+/// Points along centrelines, which are matched by their fraction of the length of the polyline.
 #[derive(Default)]
 struct Curves(Vec<Points>);
 
@@ -442,7 +444,7 @@ struct Curves(Vec<Points>);
 struct Points {
     time: Option<f64>,
     rod: Option<String>,
-    /// Each point with the number of its first datum.
+    /// Each point with the index of its first datum.
     points: Vec<([f64; 3], usize)>,
 }
 

@@ -1,20 +1,20 @@
-//! Why parameters could not be identified.
+//! Reason why parameters could not be identified.
 
 use crate::scenario::ScenarioError;
 use rodlab_engine::mechanics::dynamics::SimulationError;
 use rodlab_files::results::ResultsError;
 use std::path::PathBuf;
 
-/// Why parameters could not be identified.
+/// Reason why parameters could not be identified.
 #[derive(Debug, thiserror::Error)]
 pub enum IdentifyError {
-    /// A scenario is wrong, or one of the values of its keys.
+    /// The scenario, or a value of one of its keys, is wrong.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// A file of data, or the request, is at fault.
+    /// A data file, or the request, is wrong.
     #[error("{0}")]
     Input(String),
-    /// A row of a file of data is at fault.
+    /// A row of a data file is wrong.
     #[error("{}, line {line}: {message}", file.display())]
     Row {
         /// The file.

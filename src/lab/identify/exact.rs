@@ -9,14 +9,15 @@ use crate::sensitivity;
 use rayon::prelude::*;
 use tracing::subscriber::NoSubscriber;
 
-/// Passes at most until the ε of each key suits.
+/// Maximum number of passes to find a suitable ε for each key.
 const PASSES: usize = 3;
 
-/// Derivatives of the motion as it is computed, see [`crate::sensitivity`]. An experiment without them, such as one with natural frequencies
-/// or critical loads, or one in windows, is differentiated by central differences.
+/// Exact derivatives of the computed motion, see [`crate::sensitivity`]. Experiments without such
+/// derivatives, for example with natural frequencies, critical loads or windows, are
+/// differentiated by central differences.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Exact {
-    /// For experiments that have no exact derivatives.
+    /// Derivatives of experiments without exact ones.
     pub otherwise: CentralDifferences,
 }
 
@@ -90,7 +91,8 @@ impl Exact {
     }
 }
 
-/// Derivatives of the predictions of the only experiment over all keys; `None` where it has none, and where the caller asked to stop.
+/// Derivatives of the predictions of the only experiment over all keys; `None` if it has none, or
+/// if the caller asked to stop.
 fn exact(problem: &Problem<'_>, coordinates: &[f64], rows: usize) -> Option<Vec<Vec<f64>>> {
     if problem.windows > 1 {
         return None;
@@ -107,7 +109,7 @@ fn exact(problem: &Problem<'_>, coordinates: &[f64], rows: usize) -> Option<Vec<
     Some(shares?.concat())
 }
 
-/// The same over some of the keys.
+/// Computes the derivatives over some of the keys.
 fn followed(
     problem: &Problem<'_>,
     coordinates: &[f64],
@@ -162,7 +164,7 @@ fn followed(
             }
         };
         let follow = || followed.follow(&times, problem.goes_on, &mut observe);
-        // Hundreds of runs remark on the same.
+        // Hundreds of runs would repeat the same remarks.
         let amplitudes = tracing::subscriber::with_default(NoSubscriber::new(), follow).ok()?;
         if pass == PASSES || !followed.adapt(&amplitudes).ok()? {
             let numbers = columns.iter().flatten();
@@ -181,8 +183,8 @@ mod tests {
     use std::collections::BTreeMap;
     use std::path::Path;
 
-    /// Derivatives of an experiment, and the largest deviation of the exact ones from extrapolated differences, as a part of the largest
-    /// derivative over the key.
+    /// Derivatives of an experiment, and the largest deviation of the exact ones from extrapolated
+    /// differences, relative to the largest derivative over the key.
     fn deviation(text: &str, rows: &str, keys: &[&str]) -> f64 {
         let file = DataFile::from_text(Path::new("data.csv"), rows, &BTreeMap::new()).unwrap();
         let experiments = [Experiment {

@@ -3,10 +3,11 @@
 use super::identified::{Identified, Residual};
 use rodlab_files::figure::{Curve, Figure, LinePlot, Look, line_plots};
 
-/// Most series that a plot distinguishes.
+/// Maximum number of series that a plot distinguishes.
 const MOST_SERIES: usize = 8;
 
-/// Residuals over time, or over their number where no times were measured; a plot for each group.
+/// Plots residuals over time, or over their index if no times were measured; one plot for each
+/// group.
 pub fn residuals_figure(identified: &Identified) -> Figure {
     let has_times = identified.residuals.iter().all(|row| row.time_s.is_some());
     let plots = identified.groups.iter().map(|noise| {
@@ -38,7 +39,7 @@ pub fn residuals_figure(identified: &Identified) -> Figure {
                 .collect(),
             false => vec![Curve::new("all series", points(&|_| true)).looking(Look::Marks)],
         };
-        // Columns have their unit in their name.
+        // The names of columns include their units.
         let quantity = match noise.group.rsplit(' ').next().unwrap_or_default() {
             "position" => "position in m",
             column => column,

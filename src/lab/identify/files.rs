@@ -41,10 +41,11 @@ struct Row<'a> {
     start: f64,
 }
 
-/// Writes all files into a directory, which is made if it is missing, each whole or not at all. Returns their paths.
+/// Writes all files into a directory, which is created if it is missing. Each file is written
+/// completely or not at all. Returns their paths.
 ///
 /// # Errors
-/// A file that cannot be written, and faults of the first scenario at the estimates.
+/// A file cannot be written, or the first scenario is wrong at the estimates.
 pub fn write(
     directory: &Path,
     identified: &Identified,

@@ -7,13 +7,16 @@
 //! (JᵀJ + λ D) s = −Jᵀr,    D = diag(JᵀJ)
 //! ```
 //!
-//! and λ follows the ratio of the actual to the predicted decrease (Nielsen 1999). ρ is r²/2, or with the loss of Huber linear
-//! beyond 1.345 σ; then rows have the weights min(1, 1.345/|r|). Coordinates at a bound that the step would leave are held.
-//! Combinations that the data do not determine would follow their noise to anywhere: a term Σ (u/5)²/2 keeps them within some
-//! powers of e of the start. A coordinate with the standard error s and its estimate at u is moved by it by s u/25 of s.
+//! and λ follows the ratio of the actual to the predicted decrease (Nielsen 1999). ρ is r²/2; with
+//! the loss of Huber it is linear beyond 1.345 σ, and rows have the weights min(1, 1.345/|r|).
+//! Coordinates at a bound are held if the step would cross the bound. Combinations that the data
+//! do not determine would follow the noise without bound: a term Σ (u/5)²/2 keeps them within some
+//! powers of e of the start. This term moves the estimate u of a coordinate with the standard
+//! error s by s u/25 of s.
 //!
-//! The crate `levenberg-marquardt` has no bounds, ends at the first point at which a residual cannot be computed, as where a
-//! simulation does not converge, and is built on another version of nalgebra; so the method is here. A failed simulation only
+//! The crate `levenberg-marquardt` has no bounds, ends at the first point at which a residual
+//! cannot be computed, for example because a simulation does not converge, and is built on another
+//! version of nalgebra. The method is therefore implemented here: a failed simulation only
 //! shortens the step.
 
 use super::error::IdentifyError;
@@ -24,7 +27,7 @@ use nalgebra::{DMatrix, DVector};
 /// Treatment of large residuals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Loss {
-    /// Squares: the best for normal noise.
+    /// Squares: best for normal noise.
     #[default]
     Squares,
     /// Linear beyond 1.345 standard deviations: for data with outliers.
@@ -35,13 +38,13 @@ pub enum Loss {
 const HUBER: f64 = 1.345;
 /// Distance from the start, in coordinates, over which the data must determine a combination.
 const RANGE: f64 = 5.0;
-/// Most Jacobians.
+/// Maximum number of Jacobians.
 const MOST_ITERATIONS: usize = 60;
-/// Most trials of a step.
+/// Maximum number of trials of a step.
 const MOST_TRIALS: usize = 14;
-/// Longest step of a coordinate: a factor of e^1.5, or so many scales.
+/// Longest step of a coordinate: a factor of e^1.5, or 1.5 scales.
 const LONGEST_STEP: f64 = 1.5;
-/// Predicted decrease, in units of χ²/2, below which a step is far below the error bars.
+/// Predicted decrease, in units of χ²/2, below which a step is negligible against the error bars.
 const NEGLIGIBLE: f64 = 1e-8;
 /// Step of a coordinate below which nothing changes.
 const SHORTEST_STEP: f64 = 1e-10;
@@ -72,7 +75,7 @@ pub struct Estimate {
     pub coordinates: Vec<f64>,
     /// The predicted numbers.
     pub predicted: Vec<f64>,
-    /// Their derivatives, a column for each key.
+    /// Derivatives of the residuals, a column for each key.
     pub columns: Vec<Vec<f64>>,
     /// Jacobians computed so far.
     pub iterations: usize,
@@ -89,7 +92,7 @@ impl Estimate {
         Self::at(problem, vec![0.0; problem.parameters.len()])
     }
 
-    /// The point of a fit at coordinates.
+    /// Evaluates the point of a fit at coordinates.
     ///
     /// # Errors
     /// A simulation fails there.
@@ -182,7 +185,7 @@ pub fn prior_rows(problem: &Problem<'_>, coordinates: &[f64]) -> Vec<(usize, f64
 /// square residual, in standard deviations.
 ///
 /// # Errors
-/// The request to stop, and failures of all simulations near an estimate.
+/// The caller asked to stop, or all simulations near an estimate fail.
 pub fn minimise(
     problem: &Problem<'_>,
     jacobian: &dyn Jacobian,
@@ -227,7 +230,7 @@ pub fn minimise(
                     let shrink = 1.0 - (2.0 * ratio - 1.0).powi(3);
                     damping = (damping * shrink.max(1.0 / 3.0)).max(1e-12);
                     growth = 2.0;
-                    // A decrease in the last digits is that of round-off.
+                    // A decrease in the last digits is due to round-off.
                     let is_over = cost - lower < NEGLIGIBLE * 0.1;
                     (estimate.coordinates, estimate.predicted, cost) = (point, values, lower);
                     has_moved = !is_over;
@@ -240,7 +243,8 @@ pub fn minimise(
             }
         }
         if !has_moved {
-            // Steps were refused until they were far shorter than the error bars, or simulations fail all around.
+            // Steps were rejected until they were far shorter than the error bars, or simulations
+            // fail all around.
             estimate.has_converged = gradient_is_small(&matrix, &gradient, cost);
             return Ok(estimate);
         }
@@ -252,14 +256,15 @@ fn root_mean_square(cost: f64, numbers: usize) -> f64 {
     (2.0 * cost / numbers as f64).sqrt()
 }
 
-/// Whether each coordinate alone is within a hundredth of its error of the minimum, or of that of the sum.
+/// Whether moving any one coordinate alone decreases the sum by at most 1e-4, or by at most 1e-4
+/// of the sum.
 fn gradient_is_small(matrix: &DMatrix<f64>, gradient: &DVector<f64>, cost: f64) -> bool {
     let decrease =
         |key: usize| gradient[key] * gradient[key] / matrix[(key, key)].max(f64::MIN_POSITIVE);
     (0..gradient.len()).all(|key| decrease(key) < 1e-4 * cost.max(1.0))
 }
 
-/// The damped step, without the coordinates that are at a bound and would leave it.
+/// Computes the damped step without the coordinates at a bound that it would cross.
 fn step(
     matrix: &DMatrix<f64>,
     gradient: &DVector<f64>,

@@ -1,4 +1,4 @@
-//! Coordinates in a mirrored frame, such as pixels whose y points down.
+//! Detects coordinates in a mirrored frame, such as pixels with y pointing down.
 
 use super::data::{AXES, Datum, Measured};
 use super::error::IdentifyError;
@@ -6,10 +6,11 @@ use super::problem::Problem;
 
 /// Correlation of measured and predicted coordinates below which an axis is mirrored.
 const MIRRORED: f64 = -0.9;
-/// Least number of points of a file that is checked.
+/// Minimum number of points in a file for the check.
 const FEWEST: usize = 4;
 
-/// Refuses files of which an axis is mirrored: measured coordinates fall where those predicted at the start rise.
+/// Rejects files with a mirrored axis: measured coordinates fall where the predictions at the
+/// start rise.
 pub fn check(problem: &Problem<'_>, predicted: &[f64]) -> Result<(), IdentifyError> {
     let mut first = 0;
     for file in problem.experiments.iter().flat_map(|one| &one.files) {
@@ -58,7 +59,8 @@ fn correlation(pairs: &[(usize, f64, f64)]) -> f64 {
         squares[1] += apart[1] * apart[1];
     }
     let size = (squares[0] * squares[1]).sqrt();
-    // Predictions that differ by round-off only, as of a rod in a plane, have no direction.
+    // Predictions that differ only by round-off, such as those of a rod in a plane, have no
+    // direction.
     if size > 0.0 && squares[1] > 1e-12 * squares[0] {
         product / size
     } else {

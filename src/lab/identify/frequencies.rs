@@ -4,12 +4,12 @@ use crate::run::{LiveRun, Mode, PreparedRun};
 use nalgebra::SymmetricEigen;
 use std::f64::consts::TAU;
 
-/// Most natural frequencies that are compared.
+/// Maximum number of natural frequencies that are compared.
 const MOST_FREQUENCIES: usize = 20;
-/// Most free unknowns of a scene whose natural frequencies are computed, by dense matrices.
+/// Maximum number of free unknowns for natural frequencies, which use dense matrices.
 const MOST_UNKNOWNS: usize = 1500;
 
-/// The number of a natural frequency, from 0, if a column names one.
+/// Returns the index of a natural frequency, from 0, if a column names one.
 pub(super) fn frequency_of(name: &str) -> Option<usize> {
     let number = name.strip_prefix("frequency_")?.strip_suffix("_hz")?;
     number
@@ -18,7 +18,7 @@ pub(super) fn frequency_of(name: &str) -> Option<usize> {
         .and_then(|number: usize| number.checked_sub(1))
 }
 
-/// Checks that a scene has a natural frequency, from 0.
+/// Checks that a scene has the natural frequency of an index, from 0.
 pub(super) fn frequency(prepared: &PreparedRun, number: usize) -> Result<usize, String> {
     if prepared.mode != Mode::Static {
         return Err("natural frequencies need an equilibrium: time.mode = \"static\"".to_owned());
@@ -43,7 +43,8 @@ pub(super) fn frequency(prepared: &PreparedRun, number: usize) -> Result<usize, 
     }
 }
 
-/// Natural frequencies of small vibrations, Hz, from the lowest; none where the equilibrium is unstable.
+/// Natural frequencies of small vibrations, Hz, from the lowest; none if the equilibrium is
+/// unstable.
 pub(super) fn natural_frequencies(run: &mut LiveRun) -> Vec<f64> {
     let mass = run.simulation.mass_matrix();
     let stiffness = run.simulation.stiffness_matrix();

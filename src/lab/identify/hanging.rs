@@ -1,4 +1,4 @@
-//! A rod in a photograph that is held at one end: its gravito-bending length and natural curvature.
+//! Fits the gravito-bending length and natural curvature of a rod held at one end in a photograph.
 //!
 //! The shape depends on the weight over the stiffness only, w/EI = 1/(2 L_gb³). The place and the direction at the clamp are
 //! fitted, too.
@@ -16,27 +16,28 @@ use libm::{atan2, cbrt};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Points of the curve that are compared.
+/// Number of points of the curve that are compared.
 pub(super) const POINTS: usize = 60;
-/// Fewest points of a traced rod.
+/// Minimum number of points of a traced rod.
 pub(super) const FEWEST: usize = 20;
 /// Edges of the simulated rod.
 const EDGES: usize = 50;
-/// Part of the length at the clamp from which its direction is first estimated.
+/// Fraction of the length, at the clamp, from which the direction there is first estimated.
 const START: f64 = 0.05;
 /// Density of the simulated rod, kg/m³; the shape does not depend on it.
 const DENSITY: f64 = 1000.0;
 /// Acceleration of free fall, m/s².
 const GRAVITY: f64 = 9.81;
-/// Twisting stiffness over the bending stiffness. The rod is seen in a plane; a soft one that is curved upwards by nature would turn
-/// out of it.
+/// Twisting stiffness over the bending stiffness. The rod is assumed to stay in a plane; a soft
+/// rod with upward natural curvature would turn out of it.
 const TWISTING: f64 = 100.0;
 /// Stretching stiffness over the weight of the rod.
 const STRETCHING: f64 = 1e4;
 
 /// Key of the gravito-bending length, m.
 pub const LENGTH_KEY: &str = "parameters.gravito_bending_length";
-/// Key of the natural curvature, 1/m, positive where it bends the rod to its left, seen from the clamp.
+/// Key of the natural curvature, 1/m, positive if it bends the rod to its left, seen from the
+/// clamp.
 pub const CURVATURE_KEY: &str = "parameters.curvature";
 
 /// A rod as traced.
@@ -85,7 +86,7 @@ pub fn measure_hanging(
     }
     let request = |key: &str| Request {
         key: key.to_owned(),
-        // The bounds are the scales of the fit, too.
+        // The bounds also set the scales of the fit.
         bounds: match key {
             "parameters.x0" | "parameters.y0" => Some([-0.1 * length, 0.1 * length]),
             CURVATURE_KEY => Some([-20.0 / length, 20.0 / length]),
@@ -107,7 +108,8 @@ pub fn measure_hanging(
     identify(&task, &CentralDifferences::default(), goes_on, &mut |_| {})
 }
 
-/// Coordinates of points at equal distances, relative to the first. `place` gives the place on the rod of a part of the length.
+/// Coordinates of points at equal distances, relative to the first. `place` maps a fraction of the
+/// length of the curve to a place on the rod.
 pub(super) fn data(points: &[[f64; 2]], lengths: &[f64], place: impl Fn(f64) -> At) -> Vec<Datum> {
     let mut data = Vec::new();
     for number in 0..=POINTS {
@@ -133,7 +135,7 @@ pub(super) fn data(points: &[[f64; 2]], lengths: &[f64], place: impl Fn(f64) -> 
     data
 }
 
-/// The point of a polyline at a part of its length.
+/// Returns the point of a polyline at a fraction of its length.
 fn point_at(points: &[[f64; 2]], lengths: &[f64], part: f64) -> [f64; 2] {
     let last = lengths.len() - 1;
     let at = part * lengths[last];
@@ -185,7 +187,7 @@ pub(super) fn angle_at_start(points: &[[f64; 2]], lengths: &[f64]) -> f64 {
     atan2(towards[1], towards[0])
 }
 
-/// A rod that is held at its first node, as a fit starts.
+/// Start values of a rod that is held at its first node.
 pub(super) struct Held<'a> {
     /// m.
     pub length: f64,
@@ -203,7 +205,7 @@ pub(super) struct Held<'a> {
     pub twisting: f64,
     /// Turn of the rod about its axis at the clamp, rad.
     pub roll: f64,
-    /// Ending of the names of the keys that are those of this photograph only.
+    /// Suffix of the names of keys that belong to this photograph only.
     pub suffix: &'a str,
 }
 

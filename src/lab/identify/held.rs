@@ -1,4 +1,4 @@
-//! The free part of a rod that a hand holds: its scenario.
+//! Scenario of the free part of a rod that a hand holds.
 
 use super::error::IdentifyError;
 use super::hanging::LENGTH_KEY;
@@ -13,11 +13,12 @@ use std::path::Path;
 const CURVATURE_KEYS: [&str; 2] = ["parameters.curvature_1", "parameters.curvature_2"];
 /// Edges of the simulated rod.
 pub(super) const EDGES: usize = 48;
-/// Least angle, rad, of the arc in which the rod is placed, and least sine between it and the vertical that gives a plane.
+/// Minimum angle, rad, of the arc in which the rod is placed, and minimum sine of the angle
+/// between the rod's direction and the vertical for which the two define a plane.
 const VERTICAL: f64 = 0.05;
 /// Factor by which the gravito-bending length may differ from the expected one.
 const RANGE: f64 = 5.0;
-/// Standard deviation of the natural curvatures times the free length before any picture.
+/// Prior standard deviation of the natural curvatures times the free length.
 pub const CURLED: f64 = 1.0;
 /// Standard deviation of the place of the hand along each axis across the view, m.
 pub const HAND_ERROR: f64 = 3e-4;
@@ -39,16 +40,17 @@ pub struct HeldRod {
     pub radius: f64,
     /// Density, kg/m³; the shape does not depend on it.
     pub density: f64,
-    /// The gravito-bending length as expected, m.
+    /// Expected gravito-bending length, m.
     pub gravito_bending_length: f64,
 }
 
 impl HeldRod {
-    /// Its nodes from the hand to the free end in equilibrium, m. `values` are the gravito-bending length, m, and the natural
-    /// curvature about the y and the z axis of the hand, 1/m.
+    /// Computes its nodes in equilibrium from the hand to the free end, m. `values` are the
+    /// gravito-bending length, m, and the natural curvature about the y and the z axis of the
+    /// hand, 1/m.
     ///
     /// # Errors
-    /// Its equilibrium is not found.
+    /// The equilibrium is not found.
     pub fn nodes(
         &self,
         hand: &Isometry3<f64>,
@@ -119,11 +121,12 @@ mode = "static"
         )
     }
 
-    /// The shape in which it is placed, near that in which it hangs: an arc from the hand until straight down.
+    /// Initial shape, close to the hanging one: an arc that starts at the hand and ends straight
+    /// down.
     fn placed(&self, start: &str, tangent: Vector3) -> String {
         let down = -Vector3::z();
         let mut normal = tangent.cross(&down);
-        // Straight up and down any plane will do.
+        // If the rod points straight up or down, any plane will do.
         if normal.norm() < VERTICAL {
             normal = tangent.cross(&Vector3::x());
         }
@@ -182,7 +185,7 @@ impl Shifts {
         }
     }
 
-    /// A place with them, as a list of expressions.
+    /// Adds the shifts to a place, as a list of expressions.
     fn of(&self, place: Vector3) -> String {
         if self.along.is_empty() {
             return list(place);

@@ -1,22 +1,26 @@
-//! A rod that an arm holds at one end in several poses, each seen by a camera.
+//! Fits a rod that an arm holds at one end in several poses, each seen by a camera.
 //!
-//! The pose of the hand and that of the camera are known. A point of the traced centreline is a ray from the camera, and of a
-//! point on a ray the depth is unknown. So each traced point gives one number: the distance of the rod from the plane that
-//! contains the ray and the direction of the rod at the point that is nearest to the ray in the picture. With the eye c, the
-//! direction d of the ray, and position p and tangent t of the rod there,
+//! The poses of the hand and of the camera are known. A point of the traced centreline defines a
+//! ray from the camera; its depth along the ray is unknown. Each traced point therefore gives one
+//! number: the distance of the rod from the plane that contains the ray and the direction of the
+//! rod at its point nearest to the ray in the picture. With the eye c, the direction d of the ray,
+//! and the position p and tangent t of the rod at that point,
 //!
 //! ```text
 //! n · p = n · c,    n = d × t/|d × t|,
 //! ```
 //!
-//! which is linear in p, in perspective, too, and does not depend to first order on which point of the rod is taken, for n · t = 0.
-//! Points are matched with the rod again after each fit, until the gravito-bending length does not change.
+//! which is linear in p even in perspective. To first order it does not depend on the chosen point
+//! of the rod, because n · t = 0. Points are matched with the rod again after each fit, until the
+//! gravito-bending length no longer changes.
 //!
-//! The error bars count errors of the traced curve that are smooth along it, besides the noise of its points.
+//! Besides the noise of the points, the error bars include errors of the traced curve that are
+//! smooth along it.
 //!
-//! Of the hand only the direction is known exactly. Its place across the view of each picture is fitted, too, with the prior
-//! [`HAND_ERROR`](super::held::HAND_ERROR): it stands for errors of the arm and of the camera's calibration, and for a shaded
-//! rod, whose middle is seen too near to its bright side.
+//! Only the direction of the hand is known exactly. Its place across the view of each picture is
+//! fitted, too, with the prior [`HAND_ERROR`](super::held::HAND_ERROR). The prior covers errors of
+//! the arm and of the camera's calibration, and the shading of the rod, which moves its traced
+//! middle towards the bright side.
 
 use super::data::{At, DataFile, Datum, Measured, Place};
 use super::error::IdentifyError;
@@ -33,22 +37,24 @@ use rodlab_engine::mechanics::Vector3;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Most points of a traced centreline that are compared.
+/// Maximum number of points of a traced centreline that are compared.
 const POINTS: usize = 80;
-/// Fewest points of a traced centreline.
+/// Minimum number of points of a traced centreline.
 const FEWEST: usize = 10;
-/// Most fits, with the points matched again before each.
+/// Maximum number of fits; the points are matched again before each.
 const ROUNDS: usize = 8;
 /// Relative change of the gravito-bending length in a round below which the points are matched for the last time.
 const SAME: f64 = 1e-3;
-/// The same, over the standard error of the length.
+/// Change of that length in a round, over its standard error, below which the same holds.
 const PART: f64 = 0.1;
-/// Standard deviation of the error of a traced curve that is smooth along it, over the radius of the rod, and its length of correlation
-/// over that of the curve. Light from a side moves the middle of the mask towards it, by 0.11 radii where the light is 27° from the line of
-/// sight and a level rod 6.6 pixels wide, by more where the rod is steep. A shift of the hand takes what is alike along the curve; this is the rest.
+/// Standard deviation of the smooth error of a traced curve over the radius of the rod, and its
+/// correlation length over the length of the curve. Light from a side moves the middle of the mask
+/// towards the light: by 0.11 radii if the light is 27° from the line of sight and a level rod is
+/// 6.6 pixels wide, and by more if the rod is steep. The fitted shift of the hand absorbs the part
+/// that is uniform along the curve; this is the rest.
 const TRACED: f64 = 0.03;
 const SMOOTH: f64 = 0.25;
-/// Name of a file with the points of all pictures: the noise of all pictures is alike.
+/// Common name of the files of all pictures, because all pictures have the same noise.
 const PICTURES: &str = "pictures";
 
 /// A rod in a picture.
@@ -56,7 +62,7 @@ const PICTURES: &str = "pictures";
 pub struct HeldView {
     /// The picture, for messages and files.
     pub picture: PathBuf,
-    /// The hand: the rod begins at its origin, against its x axis.
+    /// The hand: the rod begins at its origin and points against its x axis.
     pub hand: Isometry3<f64>,
     /// The camera, which looks along its z axis.
     pub camera: Isometry3<f64>,
@@ -67,7 +73,7 @@ pub struct HeldView {
 /// Fits the gravito-bending length and the natural curvature of a rod to pictures. Returns the experiments of the last fit, too.
 ///
 /// # Errors
-/// As [`identify`], and a picture with too few points.
+/// The errors of [`identify`], or a picture has too few points.
 pub fn identify_held(
     rod: &HeldRod,
     views: &[HeldView],
@@ -114,7 +120,7 @@ pub fn identify_held(
     }
 }
 
-/// The scenario of a view with its traced points, matched with the rod of some values.
+/// Scenario of a view, with its traced points matched with the rod at given values.
 fn experiment(
     rod: &HeldRod,
     number: usize,
@@ -168,7 +174,7 @@ fn experiment(
     })
 }
 
-/// The edge of a curve that is nearest to a point, and the part of the edge, 0 to 1.
+/// The edge of a curve that is nearest to a point, and the fraction along the edge, 0 to 1.
 fn nearest(curve: &[[f64; 2]], point: [f64; 2]) -> (usize, f64) {
     let mut found = (0, 0.0);
     let mut least = f64::INFINITY;

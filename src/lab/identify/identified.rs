@@ -1,4 +1,4 @@
-//! The result of an identification, as `identified.json` has it. All quantities are in SI units.
+//! Result of an identification, as written to `identified.json`. All quantities are in SI units.
 
 use super::advice::{experiment_for, in_words};
 use super::data::Datum;
@@ -17,13 +17,14 @@ pub struct Identified {
     pub correlations: Vec<Vec<f64>>,
     /// Combinations of keys that the data do not determine.
     pub undetermined: Vec<Undetermined>,
-    /// Numbers whose noise is alike.
+    /// Groups of numbers with the same noise.
     pub groups: Vec<Noise>,
     /// Measured numbers.
     pub measurements: usize,
-    /// Measured numbers less the keys that they determine.
+    /// Degrees of freedom: measured numbers minus the keys that they determine.
     pub degrees_of_freedom: f64,
-    /// χ² over the degrees of freedom: about 1 where the noise is given and the model fits, 1 where the noise is estimated.
+    /// χ² over the degrees of freedom: about 1 if the noise is given and the model fits, 1 if the
+    /// noise is estimated.
     pub reduced_chi_squared: f64,
     /// Derivatives computed.
     pub iterations: usize,
@@ -43,11 +44,12 @@ pub struct IdentifiedKey {
     pub key: String,
     /// The estimate.
     pub value: f64,
-    /// The SI unit; empty where the key has none.
+    /// The SI unit; empty if the key has none.
     pub unit: String,
-    /// Its standard error; `None` where the data do not determine the key.
+    /// Its standard error; `None` if the data do not determine the key.
     pub standard_error: Option<f64>,
-    /// Interval that contains the true value with a probability of 95 %; `None` as above.
+    /// Interval that contains the true value with a probability of 95 %; `None` if the data do not
+    /// determine the key.
     pub interval_95: Option<[f64; 2]>,
     /// Value at the start.
     pub start: f64,
@@ -58,11 +60,11 @@ pub struct IdentifiedKey {
 /// A combination of keys that the data do not determine.
 #[derive(Clone, Debug, Serialize)]
 pub struct Undetermined {
-    /// Relative changes of the keys, of unit length in all, that change the data least.
+    /// Relative changes of the keys, as a unit vector, that change the data least.
     pub changes: Vec<(String, f64)>,
     /// The same in a sentence.
     pub words: String,
-    /// What to measure in addition.
+    /// Advice on what to measure in addition.
     pub advice: String,
 }
 
@@ -79,7 +81,7 @@ pub struct Noise {
     pub given: bool,
     /// Root mean square of the residuals.
     pub root_mean_square: f64,
-    /// Correlation of residuals that follow each other; about 0 where the model fits.
+    /// Correlation of consecutive residuals; about 0 if the model fits.
     pub correlation: f64,
     /// Factor by which correlated residuals widen the error bars.
     pub widened_by: f64,
@@ -104,7 +106,7 @@ pub struct Residual {
     pub predicted: f64,
     /// Measured less predicted.
     pub residual: f64,
-    /// The same in standard deviations of the noise.
+    /// Residual in standard deviations of the noise.
     pub standardised: f64,
     /// Name of the group.
     #[serde(skip)]
@@ -115,7 +117,7 @@ pub struct Residual {
 const NOTABLE_CORRELATION: f64 = 0.5;
 
 impl Identified {
-    /// The result at an estimate.
+    /// Builds the result at an estimate.
     pub fn new(
         problem: &Problem<'_>,
         estimate: &Estimate,

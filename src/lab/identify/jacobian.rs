@@ -8,7 +8,7 @@ pub trait Jacobian {
     /// Derivatives of all predictions, a column for each key, at `coordinates`, where the predictions are `here`.
     ///
     /// # Errors
-    /// Predictions fail on all sides, or the caller asked to stop.
+    /// Predictions fail on both sides, or the caller asked to stop.
     fn derivatives(
         &self,
         problem: &Problem<'_>,
@@ -17,12 +17,12 @@ pub trait Jacobian {
     ) -> Result<Vec<Vec<f64>>, IdentifyError>;
 }
 
-/// Central differences of whole runs, which run in parallel. Where a run fails on one side, such as beyond a limit of a key, the
-/// difference is one-sided.
+/// Central differences of whole runs, which run in parallel. If a run fails on one side, for
+/// example beyond a limit of a key, the difference is one-sided.
 #[derive(Clone, Copy, Debug)]
 pub struct CentralDifferences {
-    /// Step of a coordinate. The error of the difference is of second order in it; the tolerance of equilibria, about 1e-9 of
-    /// the result, is divided by it.
+    /// Step of a coordinate. The error of the difference is of second order in this step, but the
+    /// error of equilibria, about 1e-9 of the result, is divided by the step.
     pub step: f64,
 }
 

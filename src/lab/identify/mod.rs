@@ -1,7 +1,7 @@
-//! Identification: keys of scenarios from measurements, with error bars.
+//! Identification of keys of scenarios from measurements, with error bars.
 //!
-//! A scenario predicts what was measured; the keys are those at which the predictions fit best. Several experiments may share the
-//! keys. The page `identification` of the guide has the statistics.
+//! A scenario predicts the measurements; the fit finds the keys with the best predictions. Several
+//! experiments may share the keys. The page `identification` of the guide explains the statistics.
 //!
 //! | file | what |
 //! |---|---|

@@ -1,11 +1,13 @@
-//! What a simulation predicts for measured numbers.
+//! Predictions of measured numbers by a simulation.
 //!
-//! A point of a rod at an arc length between nodes is interpolated by the cubic polynomial through the four nearest nodes,
-//! whose error is of fourth order in the edge length. The arc length counts along the rod without stress.
+//! A point of a rod at an arc length between nodes is interpolated by the cubic polynomial through
+//! the four nearest nodes, whose error is of fourth order in the edge length. The arc length is
+//! measured along the rod without stress.
 //!
-//! Derived columns: `critical_parameter` is the first fold or bifurcation of a path of equilibria (`time.mode =
-//! "continuation"`). `frequency_1_hz`, `frequency_2_hz`, ... are the natural frequencies of small vibrations about an
-//! equilibrium, f = ω/2π with K v = ω² M v, from the lowest. `sliding_onset_s` is that of [`onset`](super::onset).
+//! Derived columns: `critical_parameter` is the first fold or bifurcation of a path of equilibria
+//! (`time.mode = "continuation"`). `frequency_1_hz`, `frequency_2_hz`, ... are the natural
+//! frequencies of small vibrations about an equilibrium, f = ω/2π with K v = ω² M v, from the
+//! lowest. `sliding_onset_s` is defined in [`onset`](super::onset).
 
 use super::data::DataFile;
 use super::error::IdentifyError;
@@ -18,21 +20,22 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::{Exchange, Simulation, SimulationError};
 use rodlab_engine::mechanics::statics::PointKind;
 
-/// What a simulation predicts.
+/// Predictions of a simulation.
 pub struct Prediction {
-    /// The numbers, in the order of the files.
+    /// Predicted numbers, in the order of the files.
     pub values: Vec<f64>,
-    /// What the simulation remarks on, a sentence each.
+    /// Remarks of the simulation, a sentence each.
     pub remarks: Vec<String>,
 }
 
-/// Why a simulation gave no prediction.
+/// Reason why a simulation gave no prediction.
 pub enum Unpredicted {
     /// It failed.
     Failed(SimulationError),
     /// The caller asked to stop.
     Stopped,
-    /// It has no value for a measured number: the number of the file and of the datum in it, and why.
+    /// The simulation has no value for a measured number: index of the file, index of the datum in
+    /// it, and the reason.
     NoValue(usize, usize, String),
 }
 
@@ -46,7 +49,7 @@ impl From<SimulationError> for Unpredicted {
 pub struct Observation {
     readings: Vec<Reading>,
     times: Vec<Option<f64>>,
-    /// The file of each datum, and its number in the file.
+    /// Index of the file of each datum, and its index in the file.
     origins: Vec<(usize, usize)>,
 }
 
@@ -150,7 +153,8 @@ impl Observation {
         })
     }
 
-    /// The times of the data, s, each with the numbers of its data, in the order of time; an equilibrium has one.
+    /// Times of the data, s, in ascending order, each with the indices of its data; an equilibrium
+    /// has one time.
     pub fn moments(&self) -> Vec<(f64, Vec<usize>)> {
         let time = |index: usize| self.times[index].unwrap_or(0.0);
         let has_time = |index: &usize| !matches!(self.readings[*index], Reading::Onset);
@@ -162,7 +166,7 @@ impl Observation {
             .collect()
     }
 
-    /// The numbers of the data that are onsets of sliding.
+    /// Indices of the data that are onsets of sliding.
     fn onsets(&self) -> Vec<usize> {
         let all = 0..self.readings.len();
         all.filter(|index| matches!(self.readings[*index], Reading::Onset))
@@ -174,7 +178,7 @@ impl Observation {
         Unpredicted::NoValue(file, datum, reason)
     }
 
-    /// Whether all data follow from a single state of the simulation, and no observer may end the run.
+    /// Whether each datum follows from the state at its own time, and no observer may end the run.
     pub fn is_differentiable(&self, run: &PreparedRun) -> bool {
         let has_column = self
             .readings
@@ -191,7 +195,8 @@ impl Observation {
                     .all(|one| (**one).as_any().is::<Probes>()))
     }
 
-    /// The number of a datum in a state of a simulation of `run`; `None` where it has none.
+    /// Returns the predicted value of a datum in a state of a simulation of `run`; `None` if it
+    /// has none.
     pub fn value(
         &self,
         datum: usize,
@@ -216,12 +221,12 @@ impl Observation {
         }
     }
 
-    /// How each number follows from the simulation, with its file and its number there.
+    /// Reading of each number from the simulation, with the index of its file and its index there.
     pub(super) fn readings(&self) -> impl Iterator<Item = (&Reading, (usize, usize))> {
         self.readings.iter().zip(self.origins.iter().copied())
     }
 
-    /// Reads the data of the given numbers at the present state.
+    /// Reads the data with the given indices at the present state.
     pub(super) fn read(
         &self,
         run: &mut LiveRun,
@@ -319,7 +324,8 @@ mod tests {
             .unwrap()[0];
             (at - finer).abs()
         };
-        // 0.45 m is between nodes of 10 edges, and a node of 20: the error of the discrete rod itself is of second order.
+        // With 10 edges, 0.45 m is between two nodes; with 20 edges it is a node. The error of the
+        // discrete rod itself is of second order.
         assert!(
             error(10) < 2e-3 && error(20) < 0.3 * error(10),
             "{} {}",

@@ -11,7 +11,8 @@
 //! reaches its limit μN there, to a millionth. Beyond it, with an excess force per mass that grows at the rate j, v = j t²/2: the onset is
 //! late by √(2ν/j).
 //!
-//! The step in which v passes ν is taken again in small ones, and the time is interpolated: it changes smoothly with friction.
+//! The step in which v passes ν is repeated in small steps, and the time is interpolated, so that
+//! it changes smoothly with friction.
 
 use crate::run::{LiveRun, PreparedRun};
 use rodlab_engine::mechanics::Vector3;
@@ -19,7 +20,7 @@ use rodlab_engine::mechanics::dynamics::{Simulation, SimulationError};
 
 /// The column of the onset, s.
 pub const ONSET: &str = "sliding_onset_s";
-/// Parts of the step in which sliding begins.
+/// Number of small steps that replace the step in which sliding begins.
 const PARTS: usize = 32;
 
 /// A search for the onset.
@@ -35,7 +36,7 @@ impl Onset {
     /// The search in a run.
     ///
     /// # Errors
-    /// The scene has no friction or moving obstacles, with what is allowed.
+    /// The scene has no friction, or has moving obstacles; the message names what is allowed.
     pub fn new(run: &PreparedRun) -> Result<Self, String> {
         let contact = run.scene.contact.as_ref();
         let contact = contact.filter(|contact| contact.slip_tolerance > 0.0);
@@ -54,10 +55,11 @@ impl Onset {
         })
     }
 
-    /// Takes a step that ends no later than `until`, s, and looks; false where the caller asked to stop.
+    /// Takes a step that ends at `until`, s, at the latest, and checks for sliding. Returns false
+    /// if the caller asked to stop.
     ///
     /// # Errors
-    /// Those of the step.
+    /// The errors of the step.
     pub fn advance(
         &mut self,
         run: &mut LiveRun,
@@ -89,12 +91,12 @@ impl Onset {
             }
         }
         run.restore(after)?;
-        // Small steps may pass the threshold later than the large one.
+        // The small steps may pass the threshold later than the large step.
         self.look(run);
         Ok(true)
     }
 
-    /// Interpolates where the speed has passed the threshold.
+    /// Interpolates the time at which the speed passed the threshold.
     fn look(&mut self, run: &LiveRun) {
         let now = (run.simulation.time(), speed(&run.simulation).unwrap_or(0.0));
         if self.found.is_none() && now.1 >= self.threshold {
@@ -105,7 +107,7 @@ impl Onset {
     }
 }
 
-/// The weighted mean of the tangential speeds of all contacts, m/s; `None` where nothing touches.
+/// Weighted mean of the tangential speeds of all contacts, m/s; `None` if nothing touches.
 fn speed(simulation: &Simulation) -> Option<f64> {
     let velocities = simulation.velocities();
     let (mut force, mut product) = (0.0, 0.0);
@@ -124,7 +126,8 @@ fn speed(simulation: &Simulation) -> Option<f64> {
         let corners = pair.force.chunks_exact(3).map(Vector3::from_column_slice);
         for (corner, on_corner) in corners.enumerate() {
             let side = usize::from(corner >= pair.first_body);
-            // The force on a corner is its part of that on the body; what is no rod rests.
+            // The force on a corner gives its weight in the contact; bodies that are not rods
+            // rest.
             let part = on_corner.dot(&pair.normal).abs() / pair.normal_force;
             if let Some(velocity) = velocities.get(pair.nodes[corner]) {
                 sides[side] += velocity * part;

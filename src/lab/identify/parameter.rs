@@ -1,14 +1,15 @@
 //! Keys that are fitted.
 //!
-//! A key that cannot be negative is fitted in its logarithm, so that it stays positive and its error is relative; any other in
-//! units of a scale. Both are the coordinate u of the fit, which is 0 at the start.
+//! A key that cannot be negative is fitted by its logarithm, so that it stays positive and its
+//! error is relative; any other key is fitted in units of a scale. The result is the coordinate u
+//! of the fit, which is 0 at the start.
 
 use super::error::IdentifyError;
 use crate::experiment;
 use crate::scenario::CaseSet;
 use libm::{exp, log};
 
-/// What is stated about a key before the fit.
+/// Request to fit a key, with prior knowledge about it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// The dotted key, as for `--set`.
@@ -24,7 +25,7 @@ pub struct Request {
 pub struct Parameter {
     /// The dotted key.
     pub key: String,
-    /// Its SI unit; empty where it has none.
+    /// Its SI unit; empty if it has none.
     pub unit: String,
     /// Value at the start.
     pub start: f64,
@@ -34,17 +35,17 @@ pub struct Parameter {
     pub prior: Option<[f64; 2]>,
     /// Whether the coordinate is the logarithm.
     pub is_logarithmic: bool,
-    /// The value of a unit of the coordinate, unless that is a logarithm.
+    /// Value of one unit of the coordinate, unless the coordinate is a logarithm.
     pub scale: f64,
     /// Whether each scenario states the key; those that do not are independent of it.
     pub concerns: Vec<bool>,
 }
 
 impl Parameter {
-    /// The parameter of a key of some of the scenarios, which state its value at the start.
+    /// Builds the parameter of a key that some of the scenarios state; they give its start value.
     ///
     /// # Errors
-    /// The key has no number anywhere, values that differ, or a start outside of its bounds.
+    /// The key has no number in any scenario, different values, or a start outside of its bounds.
     pub fn new(request: &Request, scenarios: &[CaseSet]) -> Result<Self, IdentifyError> {
         let key = request.key.as_str();
         let fault = |message: String| IdentifyError::Input(format!("--fit {key}: {message}"));
@@ -84,7 +85,7 @@ impl Parameter {
                 "it cannot be negative and starts at {start}; give a start above 0 by --set {key}=VALUE"
             )));
         }
-        // A prior determines its key; its coordinate is small within it.
+        // A prior sets the scale of its key, so that the coordinate is small within it.
         let deviation = request.prior.map(|prior| 10.0 * prior[1]);
         let width = (bounds[1] - bounds[0])
             .is_finite()
@@ -133,7 +134,7 @@ impl Parameter {
     }
 }
 
-/// Whether a scenario refuses the negative of a value.
+/// Whether a scenario rejects the negative of a value.
 fn refuses_negative(scenario: &CaseSet, key: &str, start: f64) -> bool {
     let negative = if start == 0.0 { -1.0 } else { -start.abs() };
     let positive = start.abs().max(f64::MIN_POSITIVE);

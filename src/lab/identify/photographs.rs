@@ -1,10 +1,12 @@
 //! Photographs of one rod that is held at one end and turned about its axis there.
 //!
-//! A naturally curved rod whose plane of curvature is turned out of that of gravity bends and twists under its weight: its shape depends
-//! on GJ/EI, too. Gravito-bending length, natural curvature and GJ/EI are those of the rod in all photographs; place, direction and turn
-//! at the clamp those of each.
+//! If the plane of natural curvature of a rod does not contain gravity, the rod bends and twists
+//! under its weight, so that its shape also depends on GJ/EI. All photographs share the
+//! gravito-bending length, the natural curvature and GJ/EI; each has its own place, direction and
+//! turn at the clamp.
 //!
-//! What a photograph shows of the rod depends on it, see [`seen`](super::seen): the fit is repeated with the rod that it found.
+//! The visible part of the rod in a photograph depends on the rod, see [`seen`](super::seen), so
+//! the fit is repeated with the fitted rod.
 
 use super::data::{At, DataFile};
 use super::error::IdentifyError;
@@ -27,17 +29,20 @@ use std::path::Path;
 
 /// Key of the twisting stiffness over the bending stiffness.
 pub const TWISTING_KEY: &str = "parameters.twisting";
-/// Twisting stiffness over the bending stiffness from which the fit starts: that of a material of constant volume, and of a rod that stays in its plane.
+/// Twisting stiffness over the bending stiffness from which the fit starts: the ratio of an
+/// incompressible material, also used for a rod that stays in its plane.
 const TWISTING: [f64; 2] = [2.0 / 3.0, 100.0];
-/// Sine of a turn below which the rod is in the plane of the photograph.
+/// Sine of the turn below which the rod counts as lying in the plane of the photograph.
 const TURNED: f64 = 1e-3;
 /// Standard deviation of the stated turn, rad.
 const ROLL: f64 = 0.0175;
-/// Most fits, and the change of places on the rod, over its length, below which another one changes nothing.
+/// Maximum number of fits, and the change of places on the rod, over its length, below which the
+/// fit is not repeated.
 const ROUNDS: usize = 5;
 const SAME: f64 = 1e-4;
 
-/// Part of the length by which the rod is made shorter for the effect of what its photographs show at its ends.
+/// Fraction of the length by which the rod is shortened to measure the effect of an error at its
+/// ends.
 const ENDS: f64 = 2e-3;
 
 /// The rod that photographs show.
@@ -47,11 +52,13 @@ pub struct Photographed {
     pub identified: Identified,
     /// Length of the rod, m.
     pub length: f64,
-    /// Change of GJ/EI where the rod ends earlier than its photographs show, over that part of its length; where it is determined.
+    /// Change of GJ/EI per relative change of the length if the rod ends earlier than its
+    /// photographs show; `None` if GJ/EI is not determined.
     pub twisting_over_ends: Option<f64>,
 }
 
-/// Fits one rod of a radius (m) to all photographs; the twisting stiffness, too, where the rod is turned out of its plane.
+/// Fits one rod of a radius (m) to all photographs. Fits its twisting stiffness, too, if the rod
+/// is turned out of its plane.
 ///
 /// # Errors
 /// As [`identify`].
@@ -82,7 +89,7 @@ pub fn measure_photographs(
             ])
         })
         .collect();
-    // The shapes of the first rod show what is foreshortened.
+    // The shapes of the first fit determine the foreshortening.
     for (number, view) in views.iter_mut().enumerate() {
         *view = rod.seen(&photographs[number], view)?;
     }
@@ -145,7 +152,7 @@ struct Rod {
     twisting: f64,
 }
 
-/// The rod from the photograph that shows it in its plane, if one does.
+/// Fits the rod to the photograph that shows it in its plane, if there is one.
 fn first_rod(
     photographs: &[Photograph<'_>],
     radius: f64,
@@ -158,7 +165,7 @@ fn first_rod(
         length: longest,
         radius,
         gravito_bending_length: libm::cbrt(longest.powi(3) / 20.0),
-        // Turned by itself, a straight rod would not become curved to either side.
+        // Without a turn, a straight rod would not start to curve to either side.
         curvature: if is_straight { 0.0 } else { 1.0 / longest },
         twisting: TWISTING[0],
     };
@@ -177,7 +184,7 @@ fn first_rod(
 }
 
 impl Rod {
-    /// Takes the values of a fit.
+    /// Takes over the values of a fit.
     fn take(&mut self, found: &Identified) {
         for (key, own) in [
             (LENGTH_KEY, &mut self.gravito_bending_length),
@@ -203,7 +210,7 @@ impl Rod {
         })
     }
 
-    /// What a photograph shows of the rod.
+    /// The rod as a photograph shows it.
     fn seen(&self, photograph: &Photograph<'_>, view: &View) -> Result<View, IdentifyError> {
         let text = self.scenario(photograph, view, "");
         let loaded = case_set_from_text("rod", &text, Path::new(""))?.scenario_of(0)?;
@@ -219,7 +226,7 @@ impl Rod {
         Ok(View::of(&nodes, self.length, [view.angle, view.roll]))
     }
 
-    /// Fits it to all photographs, of which a part of the length that is `shown` is the rod.
+    /// Fits it to all photographs; the fraction `shown` of their length is the rod.
     fn fit(
         &mut self,
         photographs: &[Photograph<'_>],
@@ -233,7 +240,7 @@ impl Rod {
             .zip(views)
             .map(|(photograph, view)| view.without_perspective(photograph))
             .collect();
-        // The length is that of the photograph that shows most of it.
+        // The length is taken from the photograph that shows most of the rod.
         let most = views
             .iter()
             .zip(&curves)
@@ -291,7 +298,7 @@ impl Rod {
     }
 }
 
-/// A key with the bounds that are the scales of the fit, too.
+/// A key with bounds, which also set the scale of the fit.
 fn request(key: &str, length: f64) -> Request {
     let is_place = key.contains(".x0") || key.contains(".y0");
     Request {
@@ -309,7 +316,7 @@ fn request(key: &str, length: f64) -> Request {
 mod tests {
     use super::*;
 
-    /// What a camera at an eye shows of a rod, with waves of the size of a pixel on it.
+    /// View of a rod by a camera at an eye, with waves of the size of a pixel added.
     fn photographed(rod: &Rod, roll: f64, eye: Option<[f64; 3]>, waves: f64) -> Vec<[f64; 2]> {
         let view = View::of_the_plane([0.3, roll]);
         let photograph = Photograph {
@@ -324,7 +331,7 @@ mod tests {
             .replace("edges = 50", "edges = 200");
         let mut simulation = crate::test_support::simulation("rod", &text).unwrap();
         simulation.find_equilibrium().unwrap();
-        // As far apart as their waves are long: waves on nearer points would make the rod longer.
+        // The points are one wavelength apart: waves on closer points would make the rod longer.
         let nodes = simulation.positions().iter().step_by(4).enumerate();
         nodes
             .map(|(k, node)| {
@@ -386,7 +393,8 @@ mod tests {
                 let found = found.clone().find(|one| one.key == key).unwrap();
                 let error = found.standard_error.unwrap();
                 assert!((found.value / truth - 1.0).abs() < part, "{found:?}");
-                // The waves make the rod longer, by 0.04 %: an error of all lengths that the ratio does not have.
+                // The waves make the rod longer by 0.04 %, an error of all lengths but not of the
+                // ratio.
                 let is_off = (found.value - truth).abs() > 4.0 * error;
                 assert!(key != TWISTING_KEY || !is_off, "{found:?}");
             }

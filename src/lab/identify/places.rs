@@ -4,7 +4,8 @@ use super::data::{At, Place};
 use crate::run::PreparedRun;
 use rodlab_engine::mechanics::scene::{NaturalShape, RodDescription};
 
-/// The nodes, counted over the scene, whose weighted positions give a place.
+/// Returns the nodes, counted over the scene, whose weighted positions give a place, with their
+/// weights.
 pub(super) fn weights(prepared: &PreparedRun, place: &Place) -> Result<Vec<(usize, f64)>, String> {
     let rods = &prepared.scene.rods;
     let names = || {
@@ -50,7 +51,8 @@ pub(super) fn weights(prepared: &PreparedRun, place: &Place) -> Result<Vec<(usiz
         .collect())
 }
 
-/// Arc lengths of the nodes of a rod without stress, m; a closed one ends with its first node again.
+/// Arc lengths of the nodes of a rod without stress, m; a closed rod ends with its first node
+/// again.
 pub fn arc_lengths(rod: &RodDescription) -> Vec<f64> {
     let points = match &rod.natural_shape {
         NaturalShape::Centreline(points) => points,

@@ -10,10 +10,10 @@ use crate::scenario::CaseSet;
 use rayon::prelude::*;
 use tracing::subscriber::NoSubscriber;
 
-/// A scenario with the files that were measured on it.
+/// A scenario with its files of measurements.
 #[derive(Clone, Debug)]
 pub struct Experiment {
-    /// The scenario, of one case.
+    /// The scenario, without a sweep.
     pub scenario: CaseSet,
     /// The files.
     pub files: Vec<DataFile>,
@@ -26,9 +26,9 @@ pub struct Problem<'a> {
     pub experiments: &'a [Experiment],
     /// The keys.
     pub parameters: &'a [Parameter],
-    /// Returns false where the work is to stop.
+    /// Returns false if the work should stop.
     pub goes_on: &'a (dyn Fn() -> bool + Sync),
-    /// Windows into which motions are divided; 1 is the whole motion.
+    /// Number of windows of each motion; 1 is the whole motion.
     pub windows: usize,
 }
 
@@ -39,7 +39,7 @@ impl Problem<'_> {
         files.flat_map(|file| file.data.iter().map(move |datum| (file, datum)))
     }
 
-    /// The values of the keys at coordinates.
+    /// Returns the values of the keys at coordinates.
     pub fn values(&self, coordinates: &[f64]) -> Vec<f64> {
         let pairs = self.parameters.iter().zip(coordinates);
         pairs
@@ -47,7 +47,8 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// The predicted numbers at each point, which are coordinates of all keys. All runs are independent and use all threads.
+    /// Returns the predicted numbers at each point, which holds coordinates of all keys. All runs
+    /// are independent and use all threads.
     pub fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Vec<f64>, IdentifyError>> {
         let count = self.experiments.len();
         let runs: Vec<Result<Vec<f64>, IdentifyError>> = (0..points.len() * count)
@@ -63,7 +64,7 @@ impl Problem<'_> {
         joined.collect()
     }
 
-    /// What the simulations remark on at a point, with the names of their scenarios.
+    /// Returns the remarks of the simulations at a point, with the names of their scenarios.
     ///
     /// # Errors
     /// A simulation fails there, or the caller asked to stop.
@@ -77,7 +78,8 @@ impl Problem<'_> {
         Ok(remarks)
     }
 
-    /// Runs an experiment. It logs nothing: hundreds of runs remark on the same.
+    /// Runs an experiment. It logs nothing, because hundreds of runs would repeat the same
+    /// remarks.
     fn run(&self, experiment: usize, coordinates: &[f64]) -> Result<Prediction, IdentifyError> {
         let one = &self.experiments[experiment];
         let pairs = self.parameters.iter().zip(coordinates);

@@ -1,4 +1,4 @@
-//! How measured numbers follow from a scene.
+//! Readings of measured numbers from a scene.
 
 use super::data::{DataFile, Datum, Measured};
 use super::frequencies::{frequency, frequency_of};
@@ -9,17 +9,17 @@ use rodlab_engine::mechanics::Vector3;
 
 /// The column of the first critical point of a path.
 pub const CRITICAL: &str = "critical_parameter";
-/// Times that differ by less than this part are equal.
+/// Relative difference below which times are equal.
 const SAME_TIME: f64 = 1e-9;
 
-/// How the number of a datum follows from a simulation.
+/// Reading of the number of a datum from a simulation.
 pub(super) enum Reading {
     /// A weighted sum of the positions of nodes along a direction.
     Along {
         weights: Vec<(usize, f64)>,
         direction: Vector3,
     },
-    /// A column of the observers, by its number.
+    /// A column of the observers, by its index.
     Column(usize),
     /// The critical parameter.
     Critical,
@@ -34,7 +34,7 @@ pub(super) fn is_same(one: f64, other: f64) -> bool {
     (one - other).abs() <= SAME_TIME * one.abs().max(other.abs())
 }
 
-/// The time of a datum, checked against the run.
+/// Returns the time of a datum, checked against the run.
 pub(super) fn time_of(
     prepared: &PreparedRun,
     file: &DataFile,
@@ -63,7 +63,7 @@ pub(super) fn time_of(
     }
 }
 
-/// How the number of a datum follows from the scene.
+/// Returns the reading of a datum from the scene.
 pub(super) fn reading(prepared: &PreparedRun, datum: &Datum) -> Result<Reading, String> {
     let is_path = matches!(prepared.mode, Mode::Continuation(_));
     match &datum.measured {

@@ -1,20 +1,22 @@
-//! What a photograph shows of a rod.
+//! View of a rod in a photograph.
 //!
-//! A photograph shows the rod foreshortened, and nearer parts of it larger. Both follow from the fitted rod, and the fit is repeated
-//! with them: a traced point q is seen where its line of sight meets the plane of the clamp. With the eye at a height h over the point c
-//! of this plane, a point of the rod at the depth z towards the eye is at
+//! A photograph shows the rod foreshortened, and nearer parts of it larger. Both effects follow
+//! from the fitted rod, and the fit is repeated with them. A traced point q is the point at which
+//! the line of sight meets the plane of the clamp. With the eye at a height h over the point c of
+//! this plane, a point of the rod at the depth z towards the eye is at
 //!
 //! ```text
 //! p = c + (q − c)(1 − z/h)
 //! ```
 //!
-//! and the part of the length of the curve p is matched with that of the rod seen along the normal of the plane.
+//! and each fraction of the length of the curve p is matched with the same fraction of the rod as
+//! seen along the normal of the plane.
 
 use super::hanging::{POINTS, arc_lengths};
 use rodlab_engine::mechanics::Vector3;
 use std::path::Path;
 
-/// Approaches to the curve without perspective, each of which leaves about a tenth of the error.
+/// Iterations that remove the perspective; each leaves about a tenth of the error.
 const APPROACHES: usize = 8;
 
 /// A traced photograph.
@@ -28,19 +30,20 @@ pub struct Photograph<'a> {
     pub down: [f64; 2],
     /// Turn of the rod about its axis at the clamp, rad; at 0 its plane of curvature is that of the photograph.
     pub roll: f64,
-    /// Place of the eye, m: coordinates in the plane and its distance from it; `None` looks from afar.
+    /// Place of the eye, m: coordinates in the plane and its distance from it; `None` for an eye
+    /// at infinity.
     pub eye: Option<[f64; 3]>,
 }
 
-/// The rod of a fit, as a photograph shows it.
+/// Fitted rod, as a photograph shows it.
 pub struct View {
-    /// Part of the length of the rod at parts of the length of the curve that is seen.
+    /// Fraction of the length of the rod at fractions of the length of the visible curve.
     pub places: Vec<f64>,
     /// Depth towards the eye there, m.
     pub depths: Vec<f64>,
-    /// Length that is seen, over that of the rod.
+    /// Visible length over the length of the rod.
     pub seen: f64,
-    /// Direction at the clamp, and turn about it, rad.
+    /// Direction at the clamp, and turn about this direction, rad.
     pub angle: f64,
     pub roll: f64,
 }
@@ -57,7 +60,7 @@ impl View {
         }
     }
 
-    /// The view of a rod of a length, m, at its nodes; the plane of the clamp is z = 0.
+    /// Computes the view of a rod of a length, m, from its nodes; the plane of the clamp is z = 0.
     pub fn of(nodes: &[Vector3], length: f64, [angle, roll]: [f64; 2]) -> Self {
         let flat: Vec<[f64; 2]> = nodes.iter().map(|node| [node.x, node.y]).collect();
         let lengths = arc_lengths(&flat);
@@ -79,14 +82,14 @@ impl View {
         }
     }
 
-    /// The curve of a photograph, seen along the normal of the plane of the clamp.
+    /// Returns the curve of a photograph as it appears along the normal of the plane of the clamp.
     pub fn without_perspective(&self, photograph: &Photograph<'_>) -> Vec<[f64; 2]> {
         let Some([x, y, height]) = photograph.eye else {
             return photograph.points.to_vec();
         };
         let at: Vec<f64> = parts().collect();
         let mut curve = photograph.points.to_vec();
-        // Depths are those at parts of the length of the curve that is looked for.
+        // Depths are given at fractions of the length of the unknown curve.
         for _ in 0..APPROACHES {
             let lengths = arc_lengths(&curve);
             let whole = lengths[lengths.len() - 1];
@@ -103,7 +106,7 @@ fn parts() -> impl Iterator<Item = f64> {
     (0..=POINTS).map(|number| number as f64 / POINTS as f64)
 }
 
-/// The value at `x` of a piecewise linear function.
+/// Evaluates a piecewise linear function at `x`.
 fn interpolated(at: &[f64], values: &[f64], x: f64) -> f64 {
     let after = at.partition_point(|one| *one < x).clamp(1, at.len() - 1);
     let width = at[after] - at[after - 1];

@@ -1,23 +1,28 @@
-//! Multiple shooting: a motion in windows, each of which begins from a state that was estimated.
+//! Multiple shooting: a motion is divided into windows, each of which begins from an estimated
+//! state.
 //!
-//! Where a motion passes an instability, what is seen at its end is a rough function of the keys: a rod that snaps a moment too late
-//! is somewhere else from then on. Over a window that is short it is smooth. Each window begins from the state of a reference motion of
-//! the same scenario, with the same keys, which follows the measured markers; the residuals are those of the windows.
+//! After an instability, the motion is a rough function of the keys: a rod that snaps a moment too
+//! late is somewhere else from then on. Within a short window this function is smooth. Each window
+//! begins from the state of a reference motion of the same scenario, with the same keys, which
+//! follows the measured markers; the residuals are those of the windows.
 //!
-//! Some markers do not determine a state. So the reference is an observer of Luenberger's kind (Luenberger 1971): a motion of the whole rod
-//! on which acts, in addition to all loads,
+//! A few markers do not determine a state. The reference is therefore a Luenberger observer
+//! (Luenberger 1971): a motion of the whole rod with all loads and the additional force
 //!
 //! ```text
 //! f = M S (ω² e + 2ω ė),    e = y − C x,    ω = 1/(4 Δt)
 //! ```
 //!
-//! with the mass M, the markers C x of the positions x, their measured places y with their rates, and the time Δt between measurements.
-//! S continues the gaps e at the markers between them with the least Σ |second difference|², and to zero at what is held. Where the keys
-//! are the true ones, e decays as (1 + ωt) exp(−ωt). Bending, twist and contact between the markers follow from mechanics. Where they
-//! are not, the reference is off by about the error of the acceleration over ω²: a window that is longer than 1/ω shows it.
+//! with the mass M, the markers C x of the positions x, their measured places y with their rates,
+//! and the time Δt between measurements. S interpolates the gaps e between the markers with the
+//! least Σ |second difference|², and lets them fall to zero at held nodes. With the true keys, e
+//! decays as (1 + ωt) exp(−ωt); bending, twist and contact between the markers follow from
+//! mechanics. With wrong keys, the reference is off by about the error of the acceleration over
+//! ω², which a window longer than 1/ω reveals.
 //!
-//! A window that begins off biases the keys, the less the longer it is. So the windows become four times as long in each round, until one is the
-//! whole motion, without a reference: the last fit, and its error bars, are those of a plain one.
+//! A window that begins at a wrong state biases the keys; the bias is smaller for longer windows.
+//! The windows therefore become four times as long in each round, until one window is the whole
+//! motion without a reference. The last fit and its error bars are then those of a plain fit.
 
 use super::data::DataFile;
 use super::observe::{Observation, Prediction, Unpredicted};
@@ -27,14 +32,16 @@ use nalgebra::{DMatrix, DVector, Matrix3};
 use rodlab_engine::mechanics::Vector3;
 use std::collections::BTreeMap;
 
-/// Rate ω of the reference times the time between measurements. Twice as fast, it follows their noise; half as fast, it is late.
+/// Rate ω of the reference times the time between measurements. With twice this rate the reference
+/// follows the noise; with half of it, the reference lags.
 const RATE: f64 = 0.25;
-/// Measured times from which the place of a marker and its rate follow.
+/// Number of measured times from which the place of a marker and its rate are estimated.
 const SAMPLES: usize = 5;
-/// Stiffness, over that of bending between nodes, that holds nodes without markers and clamps, and that which holds clamped ones.
+/// Stiffness that holds nodes without markers and clamps, and stiffness that holds clamped nodes,
+/// both over the bending stiffness between nodes.
 const FREE: f64 = 1e-9;
 const HELD: f64 = 1e3;
-/// Part of the gaps that is left at markers, where several are at one place.
+/// Fraction of the gaps that remains at markers if several are at one place.
 const LEFT: f64 = 1e-6;
 
 /// A coordinate of a marker over time.
@@ -51,7 +58,8 @@ pub(super) struct Followed {
 }
 
 impl Followed {
-    /// The markers of an experiment; `None` where it does not move, or has none that were measured often enough.
+    /// The markers of an experiment; `None` if it does not move, or if no marker was measured
+    /// often enough.
     pub fn new(run: &PreparedRun, observation: &Observation, files: &[DataFile]) -> Option<Self> {
         if !matches!(run.mode, Mode::Dynamic { .. }) {
             return None;
@@ -82,7 +90,8 @@ impl Followed {
         (!tracks.is_empty()).then_some(Self { tracks })
     }
 
-    /// Most windows into which the motion can be divided: each has so many measured times that the state at its start can be estimated.
+    /// Maximum number of windows into which the motion can be divided, so that each has enough
+    /// measured times to estimate the state at its start.
     pub fn most_windows(&self) -> usize {
         let counts = self.tracks.iter().map(|track| track.samples.len());
         counts.max().unwrap_or(0) / SAMPLES
@@ -141,8 +150,9 @@ impl Followed {
 }
 
 impl Track {
-    /// The measured place, m, and its rate, m/s: those of the parabola that fits the nearest times best. `None` before and after all
-    /// times, and where those are further apart than `length`, s.
+    /// The measured place, m, and its rate, m/s: both are taken from the parabola that fits the
+    /// nearest times best. `None` before and after all times, and if the nearest times are further
+    /// apart than `length`, s.
     fn at(&self, time: f64, length: f64) -> Option<[f64; 2]> {
         let samples = &self.samples;
         let after = samples.partition_point(|sample| sample[0] < time);
@@ -166,7 +176,7 @@ impl Track {
         Some([value, rate / span])
     }
 
-    /// The same of the simulation.
+    /// Place, m, and rate, m/s, in the simulation.
     fn of(&self, nodes: &[Vector3]) -> f64 {
         let parts = self.weights.iter();
         parts
@@ -180,7 +190,8 @@ struct Pull<'a> {
     tracks: &'a [Track],
     /// Masses of the nodes, kg.
     masses: Vec<f64>,
-    /// Displacement of all nodes by a unit force at each marker, and of each marker by one at each other.
+    /// Displacement of all nodes by a unit force at each marker, and of each marker by a unit
+    /// force at every other marker.
     fields: Vec<DVector<f64>>,
     compliance: DMatrix<f64>,
     /// ω, 1/s.

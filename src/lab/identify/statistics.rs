@@ -1,74 +1,78 @@
 //! Error bars: noise, covariance, and directions that the data do not determine.
 //!
-//! With the Jacobian J of predictions in units of the noise, the covariance of the coordinates is C = (JᵀJ)⁻¹, the bound of
-//! Cramér and Rao for normal noise. The noise of a group of n numbers follows from its residuals, σ² = Σ r²/(n − Σ hᵢ), with the
-//! leverages hᵢ = Jᵢ C Jᵢᵀ that the fit has used up.
+//! With the Jacobian J of predictions in units of the noise, the covariance of the coordinates is
+//! C = (JᵀJ)⁻¹, the bound of Cramér and Rao for normal noise. The noise of a group of n numbers
+//! follows from its residuals, σ² = Σ r²/(n − Σ hᵢ), with the leverages hᵢ = Jᵢ C Jᵢᵀ, the degrees
+//! of freedom that the fit has used.
 //!
-//! Residuals that follow each other in a series with correlation ϱ carry less information than independent ones, as where
-//! the model does not fit: σ² counts (1 + ϱ)/(1 − ϱ) times, where ϱ is above its chance value.
+//! If the model does not fit, consecutive residuals of a series are correlated and carry less
+//! information than independent ones. If their correlation ϱ is above its chance value, σ² is
+//! multiplied by (1 + ϱ)/(1 − ϱ).
 //!
-//! Numbers of an experiment may share errors that are smooth along their series ([`Shared`]), such as those of a traced picture: with the
-//! covariance K of these, in units of the noise, C (JᵀJ + Jᵀ K J) C is that of the estimate.
+//! Numbers of an experiment may share errors that are smooth along their series ([`Shared`]), such
+//! as those of a traced picture. With the covariance K of these errors, in units of the noise, the
+//! covariance of the estimate is C (JᵀJ + Jᵀ K J) C.
 //!
-//! Eigenvectors v of JᵀJ with eigenvalue μ are combinations of coordinates with the standard error 1/√μ. Where that exceeds 1,
-//! a factor of e, the data do not determine the combination.
+//! Eigenvectors v of JᵀJ with eigenvalue μ are combinations of coordinates with the standard error
+//! 1/√μ. If this error exceeds 1, a factor of e, the data do not determine the combination.
 
 use super::fit::{Estimate, Loss, Weighting, prior_rows};
 use super::problem::Problem;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Part of the largest eigenvalue below which one is that of differences of round-off.
+/// Fraction of the largest eigenvalue below which an eigenvalue is round-off of the differences.
 const ROUND_OFF: f64 = 1e-10;
 /// Standard error of a coordinate beyond which a combination is not determined.
 const UNDETERMINED: f64 = 1.0;
-/// Part of a direction below which a key does not belong to it.
+/// Component of a direction below which a key does not belong to the direction.
 const PART: f64 = 0.1;
-/// Chance values of a correlation, in standard deviations, that are not counted.
+/// Correlation, in standard deviations of its chance value, up to which it is ignored.
 const CHANCE: f64 = 3.0;
-/// Largest correlation that is counted.
+/// Upper bound of a correlation in the error bars.
 const LARGEST_CORRELATION: f64 = 0.98;
-/// Median of |r| over the standard deviation, for normal noise.
+/// Ratio of the median of |r| to the standard deviation, for normal noise.
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
 
-/// Numbers whose noise is alike.
+/// A group of numbers with the same noise.
 #[derive(Clone, Debug)]
 pub struct Group {
     /// Name: the file and the quantity.
     pub name: String,
-    /// Places of its numbers among all.
+    /// Indices of its numbers among all.
     pub members: Vec<usize>,
-    /// Places of numbers that follow each other in a series.
+    /// Indices of consecutive numbers of each series.
     pub pairs: Vec<[usize; 2]>,
-    /// Standard deviation of its noise, where it is given; else it is estimated.
+    /// Standard deviation of its noise, if given; otherwise it is estimated.
     pub given: Option<f64>,
 }
 
-/// Errors that numbers of an experiment share: those of two that are n apart have the correlation exp(−n/N).
+/// Errors that the numbers of an experiment share: the errors of two numbers n apart have the
+/// correlation exp(−n/N).
 #[derive(Clone, Copy, Debug)]
 pub struct Shared {
     /// Their standard deviation, in the unit of the numbers.
     pub deviation: f64,
-    /// N over the numbers of the experiment.
+    /// Ratio of N to the number of measurements of the experiment.
     pub length: f64,
 }
 
 /// A combination of keys that the data do not determine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Direction {
-    /// Its part in each coordinate; a unit vector.
+    /// Its component in each coordinate; a unit vector.
     pub parts: Vec<f64>,
-    /// Its standard error; infinite where nothing depends on it.
+    /// Its standard error; infinite if nothing depends on it.
     pub standard_error: f64,
 }
 
-/// What the fit says about its errors.
+/// Errors of a fit.
 #[derive(Clone, Debug)]
 pub struct Statistics {
     /// Covariance of the coordinates.
     pub covariance: DMatrix<f64>,
     /// Combinations that are not determined, the worst first.
     pub undetermined: Vec<Direction>,
-    /// Numbers less the leverages of all groups: degrees of freedom.
+    /// Degrees of freedom: numbers minus the leverages of all groups.
     pub freedom: f64,
 }
 
@@ -91,7 +95,7 @@ impl Statistics {
 }
 
 impl Direction {
-    /// The keys that belong to it, with their parts.
+    /// Keys that belong to it, with their components.
     pub fn members(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         let parts = self.parts.iter().copied().enumerate();
         parts.filter(|(_, part)| part.abs() > PART)
@@ -111,7 +115,7 @@ fn directions(matrix: &DMatrix<f64>) -> Vec<(f64, DVector<f64>)> {
     all
 }
 
-/// The inverse of JᵀJ over the directions above round-off.
+/// Computes the inverse of JᵀJ over the directions above round-off.
 fn inverse(directions: &[(f64, DVector<f64>)]) -> DMatrix<f64> {
     let count = directions.len();
     let floor = ROUND_OFF * directions.first().map_or(0.0, |first| first.0);
@@ -155,7 +159,7 @@ fn leverages(problem: &Problem<'_>, estimate: &Estimate, weighting: &Weighting<'
         .collect()
 }
 
-/// Standard deviations of the noise of groups, from their residuals where none is given.
+/// Computes standard deviations of the noise of groups, from their residuals if none is given.
 pub fn noise(
     problem: &Problem<'_>,
     estimate: &Estimate,
@@ -215,7 +219,7 @@ pub fn statistics(
 ) -> Statistics {
     let count = estimate.coordinates.len();
     let residuals = weighting.residuals(&estimate.predicted);
-    // Of the loss of Huber the covariance has JᵀJ of all rows with weight 1.
+    // With the loss of Huber, the covariance uses JᵀJ of all rows with weight 1.
     let plain = Weighting {
         loss: Loss::Squares,
         ..*weighting
@@ -279,7 +283,7 @@ fn of_shared(
             .collect();
         let decay = libm::exp(-1.0 / (shared.length * count as f64));
         let size = |number: usize| shared.deviation / weighting.deviations[first + number];
-        // Σ over all numbers before, with the decay from each.
+        // Sum over all earlier numbers, each with its decay.
         let mut before = vec![0.0; keys];
         for (number, row) in rows.iter().enumerate() {
             let own: Vec<f64> = row.iter().map(|one| one * size(number)).collect();
@@ -297,14 +301,14 @@ fn of_shared(
     sum
 }
 
-/// The product of two matrices; that of nalgebra sums in an order that depends on the processor.
+/// Multiplies two matrices; nalgebra would sum in an order that depends on the processor.
 fn product(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(one.nrows(), other.ncols(), |i, j| {
         (0..one.ncols()).map(|k| one[(i, k)] * other[(k, j)]).sum()
     })
 }
 
-/// Correlation of the residuals of a group that follow each other, and the factor by which it widens error bars.
+/// Correlation of consecutive residuals of a group, and the factor by which it widens error bars.
 pub fn widening(group: &Group, residuals: &[f64]) -> (f64, f64) {
     let correlation = correlation(group, residuals);
     let chance = CHANCE / (group.pairs.len().max(1) as f64).sqrt();
@@ -315,7 +319,7 @@ pub fn widening(group: &Group, residuals: &[f64]) -> (f64, f64) {
     (correlation, ((1.0 + counted) / (1.0 - counted)).sqrt())
 }
 
-/// Correlation of residuals that follow each other in a series.
+/// Correlation of consecutive residuals in a series.
 fn correlation(group: &Group, residuals: &[f64]) -> f64 {
     let products = group
         .pairs
@@ -332,7 +336,8 @@ fn correlation(group: &Group, residuals: &[f64]) -> f64 {
     }
 }
 
-/// Variance of the estimate of Huber over that of least squares with the same σ: E ψ² / (E ψ')² (Huber 1981).
+/// Variance of Huber's estimate over the variance of least squares with the same σ: E ψ² / (E ψ')²
+/// (Huber 1981).
 fn robust_factor(loss: Loss, group: &Group, residuals: &[f64]) -> f64 {
     if loss == Loss::Squares {
         return 1.0;
@@ -350,7 +355,8 @@ fn robust_factor(loss: Loss, group: &Group, residuals: &[f64]) -> f64 {
     (squares / count) / (linear / count).powi(2).max(1e-4)
 }
 
-/// The quantile of Student's distribution between whose negative and itself 95 % lie, by the expansion of Cornish and Fisher.
+/// Quantile t of Student's distribution with 95 % of the probability between −t and t, by the
+/// expansion of Cornish and Fisher.
 pub fn student_95(freedom: f64) -> f64 {
     let z: f64 = 1.959_963_984_540_054;
     let terms = [
@@ -384,7 +390,7 @@ mod tests {
         let found = directions(&matrix);
         assert!((found[0].0 - 2e6).abs() < 1e-3 && found[1].0.abs() < 1e-3);
         let inverse = inverse(&found);
-        // 1/μ times the square of the part 1/√2.
+        // 1/μ times the square of the component 1/√2.
         assert!((inverse[(0, 0)] - 2.5e-7).abs() < 1e-12, "{inverse}");
     }
 }

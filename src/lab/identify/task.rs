@@ -1,4 +1,4 @@
-//! A request for an identification, and all steps from it to the result.
+//! Request for an identification, and all steps from the request to the result.
 
 use super::error::IdentifyError;
 use super::fit::{Estimate, Loss, Weighting, minimise};
@@ -14,16 +14,17 @@ use crate::experiment;
 use crate::scenario::CaseSet;
 use std::collections::BTreeMap;
 
-/// Most rounds in which the noise is estimated from the residuals of a fit, and the fit is repeated with it.
+/// Maximum number of rounds, each of which estimates the noise from the residuals and repeats the
+/// fit with it.
 const ROUNDS: usize = 6;
 /// Factor by which windows become longer in each round of multiple shooting.
 const LONGER: usize = 4;
-/// Most rounds in which the noise is estimated in windows.
+/// Maximum number of these rounds for fits in windows.
 const WINDOWED_ROUNDS: usize = 2;
 /// Relative change of the noise below which it is final.
 const SAME_NOISE: f64 = 0.01;
 
-/// What to identify.
+/// Task of an identification.
 #[derive(Clone, Debug)]
 pub struct Task {
     /// Scenarios with their data.
@@ -32,11 +33,12 @@ pub struct Task {
     pub keys: Vec<Request>,
     /// Treatment of large residuals.
     pub loss: Loss,
-    /// Standard deviations of the noise by the name of a quantity, `position` or a column.
+    /// Standard deviations of the noise, by the name of a quantity: `position` or a column.
     pub noise: BTreeMap<String, f64>,
     /// Errors that the numbers of each experiment share.
     pub shared: Option<Shared>,
-    /// Windows into which motions are divided at first, see [`shooting`](super::shooting); 1 for none.
+    /// Initial number of windows of each motion, see [`shooting`](super::shooting); 1 for no
+    /// division.
     pub windows: usize,
 }
 
@@ -51,10 +53,10 @@ pub struct Progress {
     pub values: Vec<f64>,
 }
 
-/// Fits the keys. `goes_on` returns false where the work is to stop.
+/// Fits the keys. `goes_on` returns false if the work should stop.
 ///
 /// # Errors
-/// Faults of scenarios and data, simulations that fail at the start, and the request to stop.
+/// A scenario or data file is wrong, a simulation fails at the start, or the caller asked to stop.
 pub fn identify(
     task: &Task,
     jacobian: &dyn Jacobian,
@@ -97,7 +99,7 @@ pub fn identify(
     (identified.remarks).extend(problem.remarks(&estimate.coordinates)?);
     if !divided.is_empty() {
         identified.remarks.push(format!(
-            "multiple shooting in {} windows took {in_windows} iterations, each of about {} times the motion, before {} of the whole motion",
+            "multiple shooting in {} windows took {in_windows} iterations, each as long as about {} runs of the motion; the whole motion then took {} iterations",
             divided.join(", "),
             2 * (2 * parameters.len() + 1),
             estimate.iterations - in_windows,
@@ -106,7 +108,7 @@ pub fn identify(
     Ok(identified)
 }
 
-/// The noise of all numbers, as far as it is known.
+/// Present knowledge of the noise of all numbers.
 struct Scatter {
     loss: Loss,
     shared: Option<Shared>,
@@ -134,7 +136,7 @@ impl Scatter {
         })
     }
 
-    /// Standard deviations of all numbers, with what widens them.
+    /// Standard deviations of all numbers, including the factors that widen them.
     fn spread(&self) -> Vec<f64> {
         let mut all = vec![1.0; self.measured.len()];
         let widened = self.deviations.iter().zip(&self.widening);
@@ -154,7 +156,8 @@ impl Scatter {
         }
     }
 
-    /// Fits the keys, and the noise to the residuals, in turn, at most so many times.
+    /// Fits the keys and estimates the noise from the residuals in turn, for at most `rounds`
+    /// rounds.
     fn fit(
         &mut self,
         problem: &Problem<'_>,
@@ -196,7 +199,7 @@ impl Scatter {
         Ok(estimate)
     }
 
-    /// The result at an estimate.
+    /// Builds the result at an estimate.
     fn identified(&self, problem: &Problem<'_>, estimate: &Estimate) -> Identified {
         let all = self.spread();
         let weighting = self.weighting(&all);

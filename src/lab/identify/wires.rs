@@ -1,4 +1,4 @@
-//! Real wires: stiffness from photographs, and shapes that the fit has not seen.
+//! Tests with real wires: stiffness from photographs, and shapes that were not fitted.
 
 use super::observe::Observation;
 use super::*;
@@ -66,8 +66,8 @@ const WIRES: [Wire; 3] = [
     },
 ];
 
-/// Fits shapes 0 to 2 of a wire, with its critical twists where these are asked for, and returns the result with the error of
-/// the shape 3.
+/// Fits shapes 0 to 2 of a wire, with its critical twists if requested, and returns the result
+/// with the error of shape 3.
 fn fit(wire: &Wire, with_twist: bool) -> (Identified, f64) {
     let overrides = [
         format!("parameters.mass_per_length={}", wire.mass_per_length),

@@ -1,4 +1,4 @@
-//! Error bars cover the truth, and errors are those of the bound of Cramér and Rao.
+//! Tests that error bars cover the truth, and that errors meet the bound of Cramér and Rao.
 
 use super::*;
 use rayon::prelude::*;
@@ -76,7 +76,7 @@ fn error_bars_of_friction_cover_the_truth() {
     check_error_bars("slide", &[0.3], slide);
 }
 
-/// A rod on the ground, whose end is pulled to its side.
+/// A rod on the ground with one end pulled sideways.
 const SLIDE: &str = r#"
 experiment = "scene"
 [parameters]

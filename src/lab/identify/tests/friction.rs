@@ -59,7 +59,8 @@ fn friction_is_found_from_the_angle_at_which_a_rod_begins_to_slide() {
         "{}",
         brief(&found)
     );
-    // The time is proportional to the friction: its error is that of the mean of five times.
+    // The time is proportional to the friction, so the relative error of the friction is that of
+    // the mean of five times.
     assert!(
         (error / (0.05 / 5f64.sqrt() / 10.0) - 1.0).abs() < 0.05,
         "{error}"

@@ -1,4 +1,4 @@
-//! Keys that made synthetic data are found again, within their error bars.
+//! Tests that the keys of synthetic data are recovered within their error bars.
 
 mod error_bars;
 mod friction;
@@ -15,7 +15,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-/// A light cantilever that swings after it is let go horizontally: 1 s of motion with material damping.
+/// A light cantilever that swings after it is released horizontally: 1 s of motion with material
+/// damping.
 pub(super) const SWING: &str = r#"
 experiment = "scene"
 [parameters]
@@ -93,7 +94,7 @@ impl Noise {
     }
 }
 
-/// The numbers that a scenario predicts for the rows of a file, whose numbers do not matter.
+/// Predictions of a scenario for the rows of a file; the numbers in the file are ignored.
 fn predicted(scenario: &CaseSet, file: &DataFile) -> Vec<f64> {
     let prepared = prepare(&scenario.scenario_of(0).unwrap().scenario).unwrap();
     let files = [file.clone()];
@@ -106,7 +107,8 @@ fn predicted(scenario: &CaseSet, file: &DataFile) -> Vec<f64> {
     }
 }
 
-/// A file with a header and rows, whose numbers are those of the scenario with noise of the given deviation.
+/// A file with a header and rows; its numbers are predictions of the scenario plus noise of the
+/// given deviation.
 fn measured(
     scenario: &CaseSet,
     text: &str,
@@ -163,7 +165,7 @@ fn deviations(identified: &Identified, truth: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// The scenario with keys that start elsewhere.
+/// The scenario with other start values of its keys.
 fn elsewhere(text: &str, keys: &[(&str, &str)]) -> CaseSet {
     let mut text = text.to_owned();
     for (key, value) in keys {

@@ -1,4 +1,4 @@
-//! What is requested, and what the data do not determine.
+//! Tests of requests, and of keys that the data do not determine.
 
 use super::*;
 
@@ -26,7 +26,7 @@ fn a_shape_that_does_not_depend_on_a_stiffness_says_so() {
         "{}",
         brief(&found)
     );
-    // Without weight the shape depends on the ratio alone; an arc of a circle stays one.
+    // Without weight the shape depends on the ratio alone, and an arc of a circle stays one.
     let arc = r#"kind = "arc", start = [0, 0, 0], tangent = [0, 0, 1], normal = [0, 1, 0], radius = 0.1, angle = "180 deg""#;
     let bent =
         r#"kind = "points", points = [[0, 0, 0], [0, 0, 0.1], [0.15, 0, 0.1], [0.15, 0, 0.05]]"#;
