@@ -15,7 +15,7 @@ pub(super) struct Chosen {
 }
 
 impl Chosen {
-    /// The columns with these names, and those of the probes with these names.
+    /// Returns the columns with these names, and all columns of probes with these names.
     ///
     /// # Errors
     /// [`SensitivityError::Probe`], and [`SensitivityError::Unsuitable`] if the scenario has no
@@ -98,8 +98,8 @@ impl Chosen {
         Ok(())
     }
 
-    /// The values of the columns in a simulation of `run`. Its places of measurement may differ
-    /// from those of the other runs.
+    /// The values of the columns in a simulation of `run`. The places of measurement of `run` may
+    /// differ from those of the other runs.
     pub(super) fn values(
         &self,
         run: &PreparedRun,
@@ -127,7 +127,7 @@ fn probes_of(run: &PreparedRun) -> Result<&Probes, SensitivityError> {
     ))
 }
 
-/// Difference of each value, divided by a number.
+/// Returns the difference of each value, divided by a number.
 pub(super) fn rates(plus: &[Option<f64>], minus: &[Option<f64>], over: f64) -> Vec<Option<f64>> {
     let pairs = plus.iter().zip(minus);
     pairs

@@ -218,7 +218,7 @@ pub fn field_derivatives(
     })
 }
 
-/// Rows of all parts and nodes, from the gradients of each column in each part.
+/// Builds the rows of all parts and nodes from the gradients of each column in each part.
 fn rows(
     scene: &Scene,
     fields: &[Field],
@@ -299,8 +299,8 @@ impl FieldDerivatives {
         text
     }
 
-    /// The derivatives along the rods, a plot for each component; `None` if a plot would have too
-    /// many curves.
+    /// Plots the derivatives along the rods, one plot for each component; `None` if a plot would
+    /// have too many curves.
     pub fn figure(&self) -> Option<Figure> {
         let mut series: Vec<(usize, &str)> = Vec::new();
         for row in &self.rows {

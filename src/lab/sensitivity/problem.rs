@@ -66,7 +66,7 @@ pub struct Key {
     pub unit: Option<String>,
     /// ε: the values of the two neighbours are the value plus and minus ε.
     pub step: f64,
-    /// Scale of its values: a value may be near 0 by chance.
+    /// Scale of its values, because a value may be near 0 by chance.
     size: f64,
     /// The runs of the two neighbours.
     neighbours: [PreparedRun; 2],
@@ -93,13 +93,14 @@ impl<'a> Problem<'a> {
     /// Reads a scenario, and for each key two neighbours with a slightly changed value.
     ///
     /// # Errors
-    /// [`SensitivityError`] for a scenario without derivatives, and for a key that is not a
-    /// number, or that changes more than numbers.
+    /// [`SensitivityError`] for a scenario without derivatives, and for a key that is not a number
+    /// or whose change affects more than numbers.
     pub fn new(source: Source<'a>, keys: &[String]) -> Result<Self, SensitivityError> {
         Self::sized(source, keys, &vec![0.0; keys.len()])
     }
 
-    /// The same with sizes of the values that the keys may have, in their SI units; those of the values themselves at least.
+    /// Reads the scenario as [`Self::new`] does, with minimum sizes of the values of the keys, in
+    /// their SI units.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -220,7 +221,7 @@ impl<'a> Problem<'a> {
     /// difference of its neighbours from the run, rad.
     ///
     /// # Errors
-    /// The errors of the run, steps that have no derivative, and [`SensitivityError::Interrupted`].
+    /// The errors of the run, steps without derivatives, and [`SensitivityError::Interrupted`].
     pub fn follow(
         &self,
         times: &[f64],
@@ -265,7 +266,7 @@ impl<'a> Problem<'a> {
     /// The simulation with its neighbours at the start.
     ///
     /// # Errors
-    /// Elements of the scene without derivatives.
+    /// The scene has elements without derivatives.
     pub(super) fn start(&self) -> Result<Sensitivity, SensitivityError> {
         let variation = |key: &Key| {
             let [plus, minus] = &key.neighbours;
@@ -322,8 +323,7 @@ fn no_number(source: Source<'_>, key: &str) -> SensitivityError {
         Err(error) => error.into(),
         Ok(_) => SensitivityError::Key {
             key: key.to_owned(),
-            reason: "it has no value that is a number, and no such default; set it by --set"
-                .to_owned(),
+            reason: "it has no numeric value and no numeric default; set it by --set".to_owned(),
         },
     }
 }

@@ -210,10 +210,10 @@ fn fields_of_parts_of_a_motion_have_rows_of_their_own() {
     );
     assert_eq!(lines.len(), 1 + 4 * 13);
     assert!(lines[1].starts_with("0.025,beam,0,0.0,"), "{}", lines[1]);
-    // The sum for the last node does not depend on the number of parts.
+    // The sum over parts for the last node does not depend on the number of parts.
     let whole = field_derivatives(&source, &owned(&["tip_z_m"]), &fields, 1, &|| true).unwrap();
     assert!((found.sum(2, 0) / whole.sum(2, 0) - 1.0).abs() < 1e-12);
-    // A push early on has had more time.
+    // An earlier push has more time to move the tip.
     let of_tip = |part: usize| found.rows[13 * part + 12].derivatives[2][0];
     assert!(of_tip(0) > of_tip(3) && of_tip(3) > 0.0);
 }
