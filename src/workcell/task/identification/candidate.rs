@@ -1,16 +1,18 @@
-//! What a camera sees of a rod in a pose, and what the picture determines.
+//! View of a rod in a pose by a camera, and the information in the picture.
 //!
-//! Of a traced centreline only the distance across it is measured. With the noise σ of a point, a point of the picture for
-//! each width b of the rod, the unit normal m of the curve in the picture, and the derivatives ∂a/∂u of a pixel a of the rod with
-//! respect to the unknowns u, the picture has the information
+//! A traced centreline measures only the distance across the rod. With the noise σ of a point, one
+//! point for each width b of the rod along the curve, the unit normal m of the curve in the
+//! picture, and the derivatives ∂a/∂u of a pixel a of the rod with respect to the unknowns u, the
+//! information of the picture is
 //!
 //! ```text
 //! I = ∫ g gᵀ da/(b σ²),   g = (∂a/∂u)ᵀ m
 //! ```
 //!
-//! about u: the logarithm of the gravito-bending length, the two natural curvatures times the free length, and the place of the
-//! hand across the view over its standard deviation. That is not the same in two pictures; what they have in common is, with the
-//! parts I₁₁ and I₂₂ of the first three unknowns and of the last two, I₁₁ − I₁₂ (I₂₂ + 1)⁻¹ I₂₁.
+//! about u: the logarithm of the gravito-bending length, the two natural curvatures times the free
+//! length, and the place of the hand across the view over its standard deviation. This place
+//! differs from picture to picture. With the blocks I₁₁ of the first three unknowns and I₂₂ of the
+//! last two, the information about the common unknowns is I₁₁ − I₁₂ (I₂₂ + 1)⁻¹ I₂₁.
 
 use nalgebra::{Matrix2, Matrix3, Matrix5, Point3, Translation3, Vector5};
 use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
@@ -19,21 +21,22 @@ use rodlab_robot::Pose;
 use rodlab_vision::{Camera, Point};
 use std::f64::consts::FRAC_PI_2;
 
-/// Factors on the expected gravito-bending length for which the rod must be seen whole.
+/// Factors on the expected gravito-bending length for which the whole rod must be visible.
 const FACTORS: [f64; 3] = [1.0, 0.6, 1.6];
 /// Step of the unknowns for derivatives.
 const STEP: f64 = 0.02;
-/// Part of a derivative by which a point is moved to project it.
+/// Fraction of a derivative by which a point is moved to compute its projected change.
 const SMALL: f64 = 1e-3;
 /// Noise of a traced point across the rod, pixels.
 const NOISE: f64 = 0.3;
-/// Part of the picture at its border in which nothing may be seen.
+/// Fraction of the picture at its border that the rod must not enter.
 const BORDER: f64 = 0.04;
-/// Least distance from the camera, m.
+/// Minimum distance from the camera, m.
 const NEAREST: f64 = 0.35;
-/// Least height of the rod above the table, m.
+/// Minimum height of the rod above the table, m.
 const ABOVE_TABLE: f64 = 0.05;
-/// Least length of the rod in the picture, and least distance of its parts beside each other, in widths.
+/// Minimum length of the rod in the picture, and minimum distance between parts of it that run
+/// side by side, in widths.
 pub(super) const LEAST_WIDTHS: [f64; 2] = [8.0, 1.5];
 
 /// Shapes of a rod that leaves the hand at an angle from straight down, about the level y axis of the hand, held at the origin.
@@ -42,7 +45,7 @@ pub(super) struct Shape {
     pub tilt: f64,
     /// Nodes for each factor, m.
     nodes: Vec<Vec<Vector3>>,
-    /// Their derivatives with respect to the unknowns, at the first factor.
+    /// Derivatives of the shapes with respect to the unknowns, at the first factor.
     derivatives: [Vec<Vector3>; 3],
     radius: f64,
     length: f64,
@@ -59,7 +62,7 @@ impl Shape {
     /// Computes the shapes.
     ///
     /// # Errors
-    /// An equilibrium is not found.
+    /// An equilibrium was not found.
     pub fn new(rod: &HeldRod, tilt: f64) -> Result<Self, IdentifyError> {
         let hand = hand(Vector3::zeros(), 0.0, tilt);
         let at = |unknowns: [f64; 3]| {
@@ -87,21 +90,23 @@ impl Shape {
         })
     }
 
-    /// Its nodes in a cell, m, held at a place with a heading, rad, with the expected gravito-bending length.
+    /// Returns its nodes in a cell, m, if it is held at a place with a heading, rad, and has the
+    /// expected gravito-bending length.
     pub fn nodes_at(&self, place: Vector3, heading: f64) -> Vec<Vector3> {
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading);
         let nodes = self.nodes[0].iter();
         nodes.map(|node| place + turn * node).collect()
     }
 
-    /// Information of a picture of it; `None` where it is not seen well, or too near to the table.
+    /// Returns the information of a picture of it; `None` if the rod is not seen well, or is too
+    /// near to the table.
     pub fn information(
         &self,
         camera: &Camera,
         place: Vector3,
         heading: f64,
     ) -> Option<Matrix3<f64>> {
-        // It hangs straight down when it is handed over.
+        // The rod hangs straight down when it is handed over.
         if place.z - self.length < camera.table_height + ABOVE_TABLE {
             return None;
         }
@@ -149,7 +154,8 @@ impl Shape {
     }
 }
 
-/// The pixel of a point that is far enough from the camera, the table and the border of the picture.
+/// Returns the pixel of a point if it is far enough from the camera, the table and the border of
+/// the picture.
 fn seen(camera: &Camera, point: Vector3) -> Option<Point> {
     let depth = camera.pose.inverse_transform_point(&Point3::from(point)).z;
     if depth < NEAREST || point.z < camera.table_height + ABOVE_TABLE {
@@ -167,7 +173,7 @@ fn lengths(pixels: &[Point]) -> Vec<f64> {
     crate::cell::sums(pixels.windows(2).map(|pair| (pair[1] - pair[0]).norm()))
 }
 
-/// Whether a curve in the picture is short, or comes near to itself.
+/// Whether a curve in the picture is too short, or comes too near to itself.
 fn is_tangled(pixels: &[Point], lengths: &[f64], widths: &[f64]) -> bool {
     let [least, apart] = LEAST_WIDTHS;
     let count = pixels.len();

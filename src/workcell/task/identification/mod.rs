@@ -1,4 +1,5 @@
-//! The gravito-bending length of a rod, which an arm holds before the camera in three poses.
+//! Identification of the gravito-bending length of a rod that an arm holds before the camera in
+//! three poses.
 //!
 //! | file | what |
 //! |---|---|

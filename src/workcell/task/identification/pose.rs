@@ -1,8 +1,9 @@
 //! Poses in which an arm holds a rod before the camera.
 //!
-//! Candidates are all places on a grid in the picture and in depth, headings, and angles at which the rod leaves the hand. Three are
-//! chosen one after the other, each with another angle, such that the variance of the gravito-bending length after it is the least:
-//! the first entry of the inverse of the sum of their [information](super::candidate). The arm must reach them.
+//! Candidates combine places on a grid in the picture and in depth, headings, and angles at which
+//! the rod leaves the hand. Three are chosen one after the other, each with another angle. Each
+//! choice minimises the variance of the gravito-bending length: the first entry of the inverse of
+//! the sum of their [information](super::candidate). The arm must reach them.
 
 use super::candidate::{LEAST_WIDTHS, Shape, hand};
 use crate::cell::{Cell, PlanError};
@@ -20,15 +21,15 @@ const POSES: usize = 3;
 const TILTS: [f64; 4] = [60.0, -60.0, 90.0, -90.0];
 /// Number of headings.
 const HEADINGS: u32 = 12;
-/// Places along each side of the picture.
+/// Number of places along each side of the picture.
 const ACROSS: [f64; 7] = [0.08, 0.2, 0.35, 0.5, 0.65, 0.8, 0.92];
 /// Distances from the camera, m.
 const DEPTHS: [f64; 5] = [0.45, 0.6, 0.8, 1.1, 1.5];
-/// Most candidates whose joints are tried for a pose.
+/// Maximum number of candidates whose joints are tried for a pose.
 const TRIALS: usize = 60;
-/// Points of a motion from which one is checked for collisions.
+/// Number of points of a motion from which it is checked for collisions.
 const STRIDE: usize = 10;
-/// Part of the rod at the hand that may be near to the arm.
+/// Fraction of the rod at the hand that may be near to the arm.
 const AT_HAND: f64 = 0.2;
 
 /// A request for poses.
@@ -37,11 +38,11 @@ pub struct HoldRequest<'a> {
     pub cell: &'a Cell,
     /// Index of the arm.
     pub arm: usize,
-    /// The free part of the rod, as expected.
+    /// The free part of the expected rod.
     pub rod: &'a HeldRod,
-    /// Least distance to anything else, m.
+    /// Minimum distance to anything else, m.
     pub margin: f64,
-    /// Greatest speed of the hand, m/s.
+    /// Maximum speed of the hand, m/s.
     pub speed: f64,
 }
 
@@ -60,7 +61,7 @@ pub struct HeldPose {
     pub joints: Vec<f64>,
 }
 
-/// A pose that may be chosen.
+/// A candidate for a pose.
 struct Candidate<'a> {
     shape: &'a Shape,
     place: Vector3,
@@ -69,7 +70,8 @@ struct Candidate<'a> {
 }
 
 impl HoldRequest<'_> {
-    /// Chooses the poses. Returns before them the joints at which the rod is handed over and hangs straight down.
+    /// Chooses the poses. Also returns, as the first item, the joints at which the rod is handed
+    /// over and hangs straight down.
     ///
     /// # Errors
     /// The camera sees too few poses that the arm reaches, or the rod has no equilibrium.
@@ -115,7 +117,7 @@ impl HoldRequest<'_> {
             });
             let (first, pose, information, tilt) = found.ok_or_else(|| {
                 PlanError::Input(format!(
-                    "there are no three poses in which the camera sees {:.3} m of rod whole, {} widths long at least, and that arm {} reaches; change --free",
+                    "found fewer than three poses in which the camera sees the whole rod of {:.3} m, at least {} widths long, and that arm {} reaches; change --free",
                     self.rod.length, LEAST_WIDTHS[0], self.cell.arms[self.arm].name
                 ))
             })?;
@@ -129,11 +131,12 @@ impl HoldRequest<'_> {
         Ok((handed, poses))
     }
 
-    /// Joints at a pose, straight from others, where arm and rod keep their distance from everything.
+    /// Returns joints at a pose that are reached by a straight motion from other joints, on which
+    /// arm and rod keep the minimum distance from everything.
     fn reached(&self, pose: &Pose, from: &[f64], nodes: &[Vector3]) -> Option<Vec<f64>> {
         let arm = &self.cell.arms[self.arm];
         let target = arm.base.inverse() * pose;
-        // Among the ways of reaching it that with the shortest turns.
+        // Among the joints that reach it, choose those with the shortest turns.
         let starts = [from, &arm.home].into_iter();
         let ways = starts.filter_map(|start| arm.chain.reach(&target, start).ok());
         let joints =
@@ -155,13 +158,13 @@ impl HoldRequest<'_> {
             .then_some(joints)
     }
 
-    /// The motion from joints to joints; `None` if they are the same.
+    /// Returns the motion between two sets of joints; `None` if they are the same.
     fn motion(&self, from: &[f64], to: &[f64]) -> Result<Option<JointTrajectory>, PlanError> {
         self.cell.approach(self.arm, from, to, self.speed)
     }
 }
 
-/// All poses that a camera sees well.
+/// Returns all poses that a camera sees well.
 fn candidates<'a>(camera: &Camera, shapes: &'a [Shape]) -> Vec<Candidate<'a>> {
     let mut found = Vec::new();
     let [width, height] = [camera.width, camera.height].map(f64::from);
@@ -189,7 +192,7 @@ fn candidates<'a>(camera: &Camera, shapes: &'a [Shape]) -> Vec<Candidate<'a>> {
     found
 }
 
-/// Greatest movement of a joint, rad or m.
+/// Largest movement of a joint, rad or m.
 fn farthest(from: &[f64], to: &[f64]) -> f64 {
     let pairs = from.iter().zip(to);
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)

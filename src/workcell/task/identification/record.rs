@@ -13,16 +13,17 @@ pub struct IdentificationRecord {
     pub cell: String,
     /// Name of the arm.
     pub arm: String,
-    /// The rod, as its file names it.
+    /// Name of the rod in its file.
     pub rod: String,
     /// Length of its free part, m.
     pub free_length_m: f64,
-    /// Its gravito-bending length as expected, m.
+    /// Expected gravito-bending length, m.
     pub expected_m: f64,
     /// The poses.
     pub poses: Vec<HeldPose>,
-    /// What was found: the gravito-bending length, m, the natural curvatures about the y and the z axis of the hand, 1/m, and the
-    /// shifts of the hand in each picture along the x and the y axis of the camera, m.
+    /// Results: the gravito-bending length, m, the natural curvatures about the y and the z axis
+    /// of the hand, 1/m, and the shifts of the hand in each picture along the x and the y axis of
+    /// the camera, m.
     pub parameters: Vec<IdentifiedKey>,
     /// Remarks on the fit, a sentence each.
     pub remarks: Vec<String>,
@@ -36,7 +37,7 @@ impl TaskRecord for IdentificationRecord {
         report.head(head);
         report.row("free length", millimetres(self.free_length_m));
         report.row(
-            "gravito-bending length as expected",
+            "expected gravito-bending length",
             millimetres(self.expected_m),
         );
         for (number, pose) in (1..).zip(&self.poses) {
@@ -67,7 +68,7 @@ impl TaskRecord for IdentificationRecord {
             report.text += &format!("\n{remark}.\n");
         }
         let looks = (1..=self.poses.len()).map(|number| {
-            let words = format!("Pose {number}, with the rod that was found");
+            let words = format!("Pose {number}, with the fitted rod");
             (format!("overlay_{number}.png"), words)
         });
         report.pictures(directory, looks);

@@ -9,7 +9,7 @@ use rodlab_vision::{Camera, ColourRule, Point, Trace, TraceOptions, trace};
 /// Largest distance of the end of the rod from the hand in the picture, in widths of the rod.
 const AT_HAND: f64 = 6.0;
 
-/// The rod in a picture, and its centreline from the hand on, pixels.
+/// Traces the rod in a picture; its centreline starts at the hand, pixels.
 pub fn strand(
     picture: &RgbImage,
     colour: &ColourRule,
@@ -35,7 +35,7 @@ pub fn strand(
             "the longest strand in the picture does not begin at the hand; --colour selects the rod",
         ));
     }
-    // The ends are seen less exactly than what is between them.
+    // The ends are seen less exactly than the middle part.
     let lengths = sums(points.windows(2).map(|pair| (pair[1] - pair[0]).norm()));
     let whole = lengths[lengths.len() - 1];
     let inner = points.into_iter().zip(&lengths);
@@ -43,7 +43,7 @@ pub fn strand(
     Ok((found, inner.map(|(point, _)| point).collect()))
 }
 
-/// Directions of pixels, X/Z and Y/Z in the axes of the camera.
+/// Returns directions of pixels, X/Z and Y/Z in the axes of the camera.
 pub fn directions(camera: &Camera, pixels: &[Point]) -> Vec<[f64; 2]> {
     let directions = pixels
         .iter()

@@ -1,4 +1,4 @@
-//! A rod that is held before the camera in three poses, seen, and fitted.
+//! Task that holds a rod before the camera in three poses, takes pictures, and fits the rod.
 
 use super::pose::{HeldPose, HoldRequest};
 use super::record::IdentificationRecord;
@@ -16,26 +16,26 @@ use rodlab_robot::JointTrajectory;
 use rodlab_vision::{ColourRule, Point, encode_picture, overlay};
 use std::time::Duration;
 
-const APPROACH: Stage = Stage::new("approach", "going to where the rod is handed over", NOTHING);
+const APPROACH: Stage = Stage::new("approach", "going to the handover of the rod", NOTHING);
 const TAKE: Stage = Stage::new("take", "taking the rod", HELD);
-const HOLD: Stage = Stage::new("hold", "holding it before the camera", HELD);
+const HOLD: Stage = Stage::new("hold", "holding the rod before the camera", HELD);
 const LOOK: Stage = Stage::new("look", "looking", HELD);
-const GIVE: Stage = Stage::new("give", "giving it back", HELD);
+const GIVE: Stage = Stage::new("give", "giving the rod back", HELD);
 const FIT: Stage = Stage::new(
     "fit",
-    "fitting it",
+    "fitting the rod",
     "the pictures are kept: inspect overlay_1.png to overlay_3.png; pass --checked to the next task",
 );
-/// Advice where the gripper is empty.
+/// Advice if the gripper is empty.
 const NOTHING: &str = "the gripper holds nothing: inspect the arm and its surroundings, then run the command again with --checked";
-/// Advice where the gripper may hold the rod.
+/// Advice if the gripper may hold the rod.
 const HELD: &str = "the gripper may hold the rod: inspect the arm and take the rod out, then run the command again with --checked";
 
 /// Time for which the rod swings before the first picture of a pose, and between pictures.
 const SWINGING: [Duration; 2] = [Duration::from_secs(2), Duration::from_millis(500)];
 /// Mean distance of the rod in two pictures below which it rests, pixels.
 const STILL: f64 = 0.25;
-/// Most pictures of a pose.
+/// Maximum number of pictures of a pose.
 const PICTURES: usize = 20;
 
 /// Plan of an identification.
@@ -48,9 +48,9 @@ pub struct IdentificationPlan {
     pub free: f64,
     /// Colour of the rod.
     pub colour: ColourRule,
-    /// Greatest speed of the hand without the rod and with it, m/s.
+    /// Maximum speed of the hand without and with the rod, m/s.
     pub speeds: [f64; 2],
-    /// Least distance to anything else, m.
+    /// Minimum distance to anything else, m.
     pub margin: f64,
 }
 
@@ -65,7 +65,7 @@ pub struct IdentificationTask {
 }
 
 impl IdentificationTask {
-    /// A task from its plan in a cell, for which poses are chosen.
+    /// Builds the task from its plan in a cell, and chooses the poses.
     ///
     /// # Errors
     /// The camera sees too few poses.
@@ -114,7 +114,7 @@ impl IdentificationTask {
         })
     }
 
-    /// Takes pictures in a pose, from 1, until the rod rests.
+    /// Takes pictures in a pose, counted from 1, until the rod rests.
     fn look(&mut self, number: usize, at: &Workplace<'_>) -> Result<(), WorkError> {
         let arm = WorkingArm {
             at,
@@ -156,7 +156,7 @@ impl IdentificationTask {
         let (Some(length), true) = (found.parameters.first(), found.converged) else {
             return Err(WorkError::failed("the fit has not converged"));
         };
-        // The file of the fit describes the free part.
+        // The file of the fit describes only the free part of the rod.
         let mut rod = self.plan.rod.clone();
         rod.rod.gravito_bending_length = length.value;
         at.write(ROD, rod.text().as_bytes())?;
@@ -222,7 +222,7 @@ impl Task for IdentificationTask {
     }
 }
 
-/// A motion and then another one of the same joints.
+/// Appends a second motion of the same joints to a motion.
 fn one_after_the_other(mut first: JointTrajectory, second: JointTrajectory) -> JointTrajectory {
     let begin = first.duration();
     let times = second.times.iter().skip(1).map(|time| begin + time);
@@ -231,7 +231,7 @@ fn one_after_the_other(mut first: JointTrajectory, second: JointTrajectory) -> J
     first
 }
 
-/// Mean distance of the points of a curve from those of another one.
+/// Mean distance of the points of a curve from those of another curve.
 fn apart(one: &[Point], other: &[Point]) -> f64 {
     let nearest = |point: &Point| {
         let away = other.windows(2).map(|pair| {

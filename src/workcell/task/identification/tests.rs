@@ -1,4 +1,4 @@
-//! Unknown rods in rendered pictures.
+//! Tests of the identification of unknown rods in rendered pictures.
 
 use super::candidate::hand;
 use super::pose::HoldRequest;
@@ -8,7 +8,8 @@ use crate::virtual_cell::{Scenery, picture};
 use rodlab_lab::identify::{HeldRod, HeldView, IdentifiedKey, identify_held};
 use rodlab_vision::ColourRule;
 
-/// Unknown rods: gravito-bending length and radius, mm, the length as expected over the true one, and natural curvatures, 1/m.
+/// Unknown rods: gravito-bending length and radius, mm, ratio of the expected to the true length,
+/// and natural curvatures, 1/m.
 const RODS: [([f64; 3], [f64; 2]); 12] = [
     ([18.0, 1.6, 1.5], [0.0, 0.0]),
     ([32.0, 1.6, 1.5], [0.0, 0.0]),
@@ -24,7 +25,7 @@ const RODS: [([f64; 3], [f64; 2]); 12] = [
     ([22.0, 1.2, 1.0], [0.0, 0.0]),
 ];
 
-/// The length of a rod from three pictures, and the standard errors by which it is off.
+/// Returns the length of a rod from three pictures, and its error in standard errors.
 fn found(truth: [f64; 3], curvatures: [f64; 2]) -> (IdentifiedKey, f64) {
     let [unit, radius, factor] = [1e-3 * truth[0], 1e-3 * truth[1], truth[2]];
     let expected = factor * unit;
