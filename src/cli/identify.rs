@@ -47,7 +47,7 @@ equilibria `critical_parameter` its first fold or bifurcation. Empty cells were 
 code 3: the fit has not converged. `rodlab guide identification` explains the error bars.
 
 With --rod instead of a scenario, an arm identifies a rod. Its gripper receives the end of the rod,
-of which the length --free hangs down. The arm holds the rod in three poses, the camera takes
+so that the length --free hangs down. The arm holds the rod in three poses, the camera takes
 pictures, and the gravito-bending length and the natural curvature are fitted to them. Further
 results are rod.toml, which is --rod with the fitted length, look_1.png to look_3.png, overlay_1.png
 to overlay_3.png, and the record of a task, as with `rodlab deploy`."
@@ -87,9 +87,9 @@ pub struct IdentifyArguments {
     /// Treatment of large residuals
     #[arg(long, default_value = "squares", value_parser = named(&LOSSES))]
     pub loss: Loss,
-    /// Multiple shooting: windows into which motions are divided at first, where a rod snaps or whips
+    /// Multiple shooting: first number of windows of a motion in which a rod snaps or whips
     ///
-    /// Each window begins from a state that follows the markers. The windows become four times as long in each round, until the fit is a plain one. Choose so many that a window is shorter than the snap.
+    /// Each window begins from a state that follows the markers. The windows become four times as long in each round, until one window covers the whole motion. Choose a number for which a window is shorter than the snap.
     #[arg(long, hide_short_help = true, value_name = "WINDOWS", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "rod")]
     pub shooting: u32,
     #[command(flatten)]
@@ -239,7 +239,7 @@ fn in_words(progress: &Progress, keys: &[String]) -> String {
     )
 }
 
-/// The table of the keys, with remarks on its limits.
+/// Formats the table of the keys, with remarks on its limits.
 fn summary(found: &Identified, directory: &Path) -> String {
     let noises = found.groups.iter();
     let noises: Vec<String> = noises
@@ -297,14 +297,16 @@ fn value_in_words(key: &IdentifiedKey) -> String {
     }
 }
 
-/// A number with or without its unit.
+/// Parses a number with or without a unit.
 fn quantity(text: &str) -> Result<f64, String> {
     let number = text.trim().parse().ok();
     number
         .or_else(|| number_with_unit(text))
         .filter(|number: &f64| number.is_finite())
         .ok_or_else(|| {
-            format!("{text:?} is not a number, as 0.5, or one with its unit, as \"5 mm\"")
+            format!(
+                "{text:?} is not a number, such as 0.5, or a number with a unit, such as \"5 mm\""
+            )
         })
 }
 
