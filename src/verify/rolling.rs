@@ -30,11 +30,11 @@ const MODELS: [(ContactModel, &str); 2] = [
     (ContactModel::ImplicitContact, "imc"),
     (ContactModel::IncrementalPotential, "ipc"),
 ];
-/// Radius of the rods (m), and the largest relative error.
+/// Radius of the rods, m, and largest allowed relative error.
 const RADIUS: f64 = 5e-3;
 const BOUND: f64 = 1e-4;
 
-/// All of them, by the models that can turn rods.
+/// Runs all checks for each model that can turn rods.
 pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     for (model, name) in MODELS {
@@ -85,7 +85,7 @@ fn state(simulation: &Simulation) -> [f64; 2] {
     [simulation.velocities()[1].y, simulation.edge_angles()[0]]
 }
 
-/// Rate of the angle of the first edge over the next step that ends at a time, rad/s.
+/// Mean rate of the angle of the first edge over the next step, which ends at a given time, rad/s.
 fn spin(simulation: &mut Simulation, step: f64) -> Result<f64, GroupError> {
     let before = state(simulation)[1];
     let end = simulation.time() + step;
@@ -119,7 +119,7 @@ fn on_incline(model: ContactModel, incline: f64, friction: f64) -> Result<[f64; 
     Ok(std::array::from_fn(|k| (rates[1][k] - rates[0][k]) / 0.1))
 }
 
-/// Speed at which a rod laid on a belt rolls in the end, m/s.
+/// Final rolling speed of a rod laid on a belt, m/s.
 fn on_belt(model: ContactModel, speed: f64) -> Result<f64, GroupError> {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let corners = corners.map(|[x, y]| Vector3::new(x, y - 0.1, 0.0)).to_vec();
@@ -145,7 +145,8 @@ fn on_belt(model: ContactModel, speed: f64) -> Result<f64, GroupError> {
     Ok(state(&simulation)[0])
 }
 
-/// Rate of the spin of a rod on pins over that of a rod of a radius (m), or of a roller, that turns under it.
+/// Ratio of the spin rate of a rod on pins to that of a rod of a given radius (m), or of a roller,
+/// that turns under it.
 fn driven(model: ContactModel, by_rod: bool, large: f64) -> Result<f64, GroupError> {
     let rate = if by_rod { 3.0 } else { -2.0 };
     let pin = |node: usize| Clamp {

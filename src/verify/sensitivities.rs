@@ -30,8 +30,7 @@ const ADJOINT: Expectation = Expectation::new(
 );
 const DIFFERENCES: Expectation = Expectation::new("dx/dp", "extrapolated central differences");
 
-/// An equilibrium with a closed form: the overrides, the column, the key, and the elasticity (p/y)
-/// dy/dp.
+/// An equilibrium with a closed form: overrides, column, key, and elasticity (p/y) dy/dp.
 type Elasticity = (
     &'static str,
     Expectation,

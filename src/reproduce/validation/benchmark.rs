@@ -1,4 +1,4 @@
-//! A published case: scenario, quantities, exact values, and its page.
+//! A published case with its scenario, quantities, exact values and page.
 
 use crate::reproduce::artifact::Recipe;
 use crate::reproduce::cases::{Run, prepared};
@@ -12,25 +12,25 @@ use std::path::Path;
 
 /// A published case.
 pub(super) struct Benchmark {
-    /// Its name, `validation/` and that of its folder.
+    /// Its name: `validation/` and the name of its folder.
     pub name: &'static str,
     /// Its title.
     pub title: &'static str,
-    /// What is loaded, and what is compared.
+    /// Description of the loads and of the comparison.
     pub about: &'static str,
-    /// Where it was published.
+    /// Source of the published values.
     pub source: &'static str,
-    /// How the exact values are found.
+    /// Method that finds the exact values.
     pub means: &'static str,
     /// The scenario, with the number of edges as `parameters.edges`.
     pub scene: &'static str,
-    /// Numbers of edges, each twice the one before.
+    /// Numbers of edges, each twice the previous one.
     pub edges: [usize; 3],
     /// What is compared.
     pub quantities: &'static [Quantity],
     /// The exact values.
     pub exact: fn() -> Vec<f64>,
-    /// How the values are measured.
+    /// Method that measures the values.
     pub measure: Measure,
 }
 
@@ -38,13 +38,13 @@ pub(super) struct Benchmark {
 pub(super) struct Quantity {
     /// Its name, with its unit.
     pub name: &'static str,
-    /// The published value and half a unit of its last digit, or the error that it states.
+    /// Published value, with half a unit of its last digit or its stated error.
     pub published: Option<(f64, f64)>,
-    /// What errors are relative to; `None`: to the exact value.
+    /// Scale of relative errors; `None` for the exact value.
     pub scale: Option<f64>,
 }
 
-/// How values are measured.
+/// Method that measures values.
 pub(super) enum Measure {
     /// From the last node of the last output.
     Tip(fn(&Vector3) -> Vec<f64>),
@@ -52,7 +52,7 @@ pub(super) enum Measure {
     Critical(BranchKind, f64),
 }
 
-/// A case with a number of edges.
+/// A case at a number of edges.
 #[derive(Clone, Copy)]
 pub(super) struct BenchmarkRun {
     /// The case.
@@ -70,7 +70,7 @@ pub(super) struct Row {
     pub value: f64,
     pub exact: f64,
     pub error: f64,
-    /// Observed order of convergence, from the number of edges before.
+    /// Observed order of convergence, from the previous number of edges.
     pub order: Option<f64>,
     pub published: Option<f64>,
     pub published_accuracy: Option<f64>,
@@ -105,7 +105,7 @@ impl Run for BenchmarkRun {
 }
 
 impl Benchmark {
-    /// The runs; a quick version has no finest one.
+    /// Returns the runs; the quick version omits the finest one.
     pub fn runs(&'static self, quick: bool) -> Vec<BenchmarkRun> {
         let edges = self.edges.iter().take(if quick { 2 } else { 3 });
         let run = |&edges: &usize| BenchmarkRun {
@@ -115,7 +115,7 @@ impl Benchmark {
         edges.map(run).collect()
     }
 
-    /// A row for each quantity of each of its runs.
+    /// Returns a row for each quantity of each run.
     pub fn rows(&self, cases: &[Case<BenchmarkRun>]) -> Result<Vec<Row>> {
         let exact = (self.exact)();
         let mut rows: Vec<Row> = Vec::new();
@@ -142,7 +142,7 @@ impl Benchmark {
         Ok(rows)
     }
 
-    /// The quantities of a run; NaN where the run did not come so far.
+    /// Reads the quantities of a run; NaN if the run ended before they were defined.
     fn values(&self, case: &Case<BenchmarkRun>) -> Result<Vec<f64>> {
         let values = match self.measure {
             Measure::Tip(of) => {
@@ -227,7 +227,7 @@ pub(super) fn digits(value: f64) -> String {
     format!("{value:.*}", 6usize.saturating_sub(before))
 }
 
-/// Errors over the number of edges, a curve for each quantity of each case.
+/// Plots errors over the number of edges, one curve for each quantity of each case.
 pub(super) fn figures(rows: &[Row]) -> Vec<PageFigure> {
     let mut names: Vec<String> = rows.iter().map(name).collect();
     names.dedup();

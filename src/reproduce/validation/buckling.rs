@@ -67,7 +67,7 @@ pub(super) static TWISTED_RING: Benchmark = Benchmark {
     measure: Measure::Critical(BranchKind::Bifurcation, 1.0),
 };
 
-/// y(1) of y'' = −k(s) y from y(0) = 1, y'(0) = 0.
+/// Computes y(1) for y'' = −k(s) y with y(0) = 1, y'(0) = 0.
 fn free_end_to_clamp(stiffness: impl Fn(f64) -> f64) -> f64 {
     let slope = |s: f64, [value, rate]: &[f64; 2]| [*rate, -stiffness(s) * value];
     let states = runge_kutta(0.0, 1.0, [1.0, 0.0], STEPS, slope);

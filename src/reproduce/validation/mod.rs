@@ -1,4 +1,4 @@
-//! Published cases that everybody in the field knows, each beside a value by independent means.
+//! Well-known published cases, each compared with a value by an independent method.
 //!
 //! | file | contents |
 //! |---|---|

@@ -30,7 +30,7 @@ fn rows(cases: &[Case<BenchmarkRun>]) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// A line for each quantity, with the finest mesh.
+/// Writes a line for each quantity at the finest mesh.
 fn write(page: &mut Page, _: &[Case<BenchmarkRun>], rows: &[Row]) -> Result<()> {
     page.text(
         "Cases from the literature, with values by means that share nothing with the engine: closed forms, and \
@@ -62,14 +62,15 @@ fn write(page: &mut Page, _: &[Case<BenchmarkRun>], rows: &[Row]) -> Result<()> 
 mod tests {
     use super::*;
 
-    /// Exact values that do not depend on the engine agree with those of the papers.
+    /// Compares exact values, which do not depend on the engine, with those of the papers.
     #[test]
     fn exact_values_are_those_published() {
         for benchmark in BENCHMARKS {
             for (quantity, exact) in benchmark.quantities.iter().zip((benchmark.exact)()) {
                 assert!(exact.is_finite(), "{}", benchmark.name);
                 if let Some((published, accuracy)) = quantity.published {
-                    // Eight straight elements of the bend err by 0.7 %; stretching moves a tip by 1e-4.
+                    // The published bend with eight straight elements has an error of 0.7 %;
+                    // stretching moves a tip by 1e-4.
                     let coarse = 8e-3 * published * f64::from(benchmark.name.contains("bend-of"));
                     let bound = accuracy.max(1.5e-4) + coarse;
                     assert!(

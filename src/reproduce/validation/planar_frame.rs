@@ -1,4 +1,4 @@
-//! Limit loads of planar frames by shooting: a method that shares nothing with the discrete rods.
+//! Limit loads of planar frames by shooting, a method independent of the discrete rods.
 
 use nalgebra::{Matrix3x4, Matrix4, Vector3, Vector4};
 use rodlab_engine::mechanics::kirchhoff::numerics::{bisect, runge_kutta};
@@ -9,17 +9,18 @@ const STEPS: usize = 400;
 const DIFFERENCE: f64 = 1e-6;
 /// Arclength of a step along the path of equilibria, in the unknowns.
 const PATH_STEP: f64 = 0.1;
-/// Most steps along the path.
+/// Maximum number of steps along the path.
 const MOST_STEPS: usize = 2000;
 const MOST_ITERATIONS: usize = 30;
-/// Norm of the residual of a solution.
+/// Norm of the residual below which a solution has converged.
 const TOLERANCE: f64 = 1e-11;
 
-/// How the frame is held at its start, with the direction of its tangent there, rad from x towards z.
+/// Support of the frame at its start, with the direction of its tangent there, rad from x towards
+/// z.
 pub(super) enum Start {
     /// The tangent is held.
     Clamped(f64),
-    /// The frame turns freely; the tangent without a load.
+    /// Hinge: the frame turns freely; the direction is that of the unloaded frame.
     Hinged(f64),
 }
 
@@ -29,9 +30,9 @@ pub(super) struct Segment {
     pub length: f64,
     /// Natural curvature.
     pub curvature: f64,
-    /// Angle of the corner before it, rad.
+    /// Angle of the corner before the piece, rad.
     pub corner: f64,
-    /// Whether the load acts at its start.
+    /// Whether the load acts at the start of the piece.
     pub is_loaded: bool,
 }
 
@@ -41,9 +42,10 @@ pub(super) struct Segment {
 /// r' = (1 + n·t/EA) t,  t = (cos θ, sin θ),  θ' = κ + m,  m' = n_x r_z' − n_z r_x'
 /// ```
 ///
-/// with the force n and the moment m that the material behind s exerts, n constant but for a jump by (0, P) at the
-/// load. Unknown are the moment, or if hinged the direction of the tangent, and the force at the start, and P; the
-/// end is at its place without a moment.
+/// with the force n and the moment m that the material behind s exerts, n constant except for a
+/// jump by (0, P) at the load. The unknowns are P, the force at the start, and the moment there,
+/// or the direction of the tangent if the start is hinged. The end must be at its place without a
+/// moment.
 pub(super) struct PlanarFrame {
     /// The start.
     pub start: Start,
@@ -56,7 +58,7 @@ pub(super) struct PlanarFrame {
 }
 
 impl PlanarFrame {
-    /// The load at the first fold of the path of equilibria; `None` where there is none.
+    /// Returns the load at the first fold of the path of equilibria; `None` if there is none.
     pub fn limit_load(&self) -> Option<f64> {
         let angle = match self.start {
             Start::Clamped(_) => 0.0,
@@ -81,7 +83,7 @@ impl PlanarFrame {
         None
     }
 
-    /// The point of the path at a distance along its tangent.
+    /// Finds the point of the path at a distance along its tangent.
     fn beyond(
         &self,
         here: &Vector4<f64>,
@@ -101,13 +103,13 @@ impl PlanarFrame {
         None
     }
 
-    /// Unit tangent of the path, in the sense of the one before.
+    /// Unit tangent of the path, in the same sense as the previous one.
     fn tangent(&self, unknowns: &Vector4<f64>, before: &Vector4<f64>) -> Option<Vector4<f64>> {
         let tangent = self.bordered(unknowns, before).lu().solve(&Vector4::w())?;
         Some(tangent.normalize())
     }
 
-    /// The Jacobian of the misfit above a row.
+    /// Jacobian of the misfit, with another row below it.
     fn bordered(&self, unknowns: &Vector4<f64>, row: &Vector4<f64>) -> Matrix4<f64> {
         let columns: [Vector3<f64>; 4] = std::array::from_fn(|axis| {
             let change = DIFFERENCE * Vector4::ith(axis, 1.0);
@@ -118,7 +120,7 @@ impl PlanarFrame {
         Matrix4::from_fn(|i, j| if i < 3 { jacobian[(i, j)] } else { row[j] })
     }
 
-    /// Place of the end beside where it should be, and the moment there.
+    /// Deviation of the end from its prescribed place, and the moment there.
     fn misfit(&self, unknowns: &Vector4<f64>) -> Vector3<f64> {
         let [free, mut force, load] = [unknowns.x, 0.0, unknowns.w];
         let (angle, moment) = match self.start {
