@@ -47,7 +47,7 @@ fn faults_name_the_obstacle_and_what_is_allowed() {
         { kind = "mesh", TETRAHEDRON, triangles = [[0,1,2],[0,3,1],[0,2,3],[1,3,2]] } => inwards
         { kind = "mesh", TETRAHEDRON, triangles = [[0,1,1]] } => no area
         { kind = "mesh", TETRAHEDRON, triangles = [[0,1,7]] } => allowed: 0 to 3
-        { kind = "mesh", unit = 1e4, TETRAHEDRON, triangles = [[0,2,1],[0,1,3],[0,3,2],[1,2,3]] } => of another unit
+        { kind = "mesh", unit = 1e4, TETRAHEDRON, triangles = [[0,2,1],[0,1,3],[0,3,2],[1,2,3]] } => in another unit
         { kind = "heights", spacing = 0.1, heights = [[0, 0], [0]] } => the first row has 2
         { kind = "heights", spacing = 0.1, heights = [[0, 0]] } => 2 by 1
     "#;
