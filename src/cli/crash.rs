@@ -62,6 +62,6 @@ mod tests {
         assert!(text.contains("a fault of rodlab"), "{text}");
         assert!(text.contains("please report"), "{text}");
         assert!(text.contains("scene.rs:220:31"), "{text}");
-        assert!(text.ends_with("continues them\n"), "{text}");
+        assert!(text.ends_with("again to resume\n"), "{text}");
     }
 }

@@ -99,8 +99,9 @@ mod tests {
             let spans = line.split('`').skip(1).step_by(2);
             for span in spans.filter(|span| span.starts_with("rodlab ")) {
                 if let Err(error) = Arguments::try_parse_from(words(span)) {
-                    // Text may name a command without its required arguments.
+                    // Text may name a command without its required arguments, or its help.
                     let named = [
+                        ErrorKind::DisplayHelp,
                         ErrorKind::MissingRequiredArgument,
                         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand,
                         ErrorKind::MissingSubcommand,

@@ -37,8 +37,7 @@ pub struct Task {
     pub noise: BTreeMap<String, f64>,
     /// Errors that the numbers of each experiment share.
     pub shared: Option<Shared>,
-    /// Initial number of windows of each motion, see [`shooting`](super::shooting); 1 for no
-    /// division.
+    /// Initial number of windows of each motion for multiple shooting; 1 for no division.
     pub windows: usize,
 }
 
