@@ -150,7 +150,7 @@ fn what_has_no_derivative_is_named() {
     assert!(message.contains("[[probes]]"), "{message}");
     let rigid = ["contact={model=\"complementarity\"}"];
     let source = |more: &[String]| beam(&rigid, more);
-    let refused = field_derivatives(&source, &[], &[Field::Force], 1, &|| true);
+    let refused = field_derivatives(&source, &owned(&["tip"]), &[Field::Force], 1, &|| true);
     let message = refused.unwrap_err().to_string();
     assert!(message.contains("contact.model"), "{message}");
 }
