@@ -106,7 +106,7 @@ def test_a_key_is_removed_by_none() -> None:
 def test_a_sweep_is_read_but_not_simulated() -> None:
     scene = rodlab.load(SCENARIOS / "cantilever_sweep.toml")
     assert scene["rods.beam.radius"] == "3 mm"
-    with pytest.raises(rodlab.ScenarioError, match="this is a sweep"):
+    with pytest.raises(rodlab.ScenarioError, match="found a sweep"):
         scene.simulate()
 
 
