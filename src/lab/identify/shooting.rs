@@ -176,7 +176,8 @@ impl Track {
         Some([value, rate / span])
     }
 
-    /// Place, m, and rate, m/s, in the simulation.
+    /// Coordinate of the marker for the positions of the nodes, m, or its rate for their velocities,
+    /// m/s.
     fn of(&self, nodes: &[Vector3]) -> f64 {
         let parts = self.weights.iter();
         parts

@@ -48,8 +48,8 @@ pub(super) struct Quantity {
 pub(super) enum Measure {
     /// From the last node of the last output.
     Tip(fn(&Vector3) -> Vec<f64>),
-    /// The parameter of the first critical point of a kind, times a factor.
-    Critical(BranchKind, f64),
+    /// The parameter of the first critical point of a kind.
+    Critical(BranchKind),
 }
 
 /// A case at a number of edges.
@@ -150,10 +150,10 @@ impl Benchmark {
                 let tip = outputs.last().and_then(|output| output.positions.last());
                 tip.map(of)
             }
-            Measure::Critical(kind, factor) => {
+            Measure::Critical(kind) => {
                 let points = read_branches(&case.directory)?;
                 let critical = points.iter().find(|point| point.kind == kind);
-                critical.map(|point| vec![factor * point.parameter])
+                critical.map(|point| vec![point.parameter])
             }
         };
         Ok(values.unwrap_or_else(|| vec![f64::NAN; self.quantities.len()]))
@@ -203,13 +203,15 @@ impl Recipe for BenchmarkPage {
             "processor time, s" => number(row.cpu_time_s, 2),
         });
         let published = rows.iter().take(benchmark.quantities.len());
-        let published = published.filter(|row| row.published.is_some());
-        page.table(columns! { row in published;
-            "quantity" => row.quantity.as_str(),
-            "published" => row.published.map(|value| value.to_string()).unwrap_or_default(),
-            "to" => row.published_accuracy.map(|value| value.to_string()).unwrap_or_default(),
-            "exact" => digits(row.exact),
-        });
+        let published: Vec<&Row> = published.filter(|row| row.published.is_some()).collect();
+        if !published.is_empty() {
+            page.table(columns! { row in published;
+                "quantity" => row.quantity.as_str(),
+                "published" => row.published.map(|value| value.to_string()).unwrap_or_default(),
+                "to" => row.published_accuracy.map(|value| value.to_string()).unwrap_or_default(),
+                "exact" => digits(row.exact),
+            });
+        }
         for figure in figures(&rows) {
             page.figure(&figure)?;
         }
@@ -230,7 +232,6 @@ pub(super) fn digits(value: f64) -> String {
 /// Plots errors over the number of edges, one curve for each quantity of each case.
 pub(super) fn figures(rows: &[Row]) -> Vec<PageFigure> {
     let mut names: Vec<String> = rows.iter().map(name).collect();
-    names.dedup();
     names.sort();
     names.dedup();
     let curves = names.iter().map(|wanted| {
@@ -246,10 +247,22 @@ pub(super) fn figures(rows: &[Row]) -> Vec<PageFigure> {
         vertical: vec![AxisScale::Logarithmic],
         ..PlotStyle::default()
     };
-    let figure = styled_line_plots([plot("relative error", curves)], "edges of a rod", style);
-    let caption =
-        "Error over the number of edges; a line of slope −2 is convergence of second order";
+    let curves = curves.chain(second_order(rows));
+    let figure = styled_line_plots([plot("error", curves)], "edges of a rod", style);
+    let caption = "Error over the number of edges; dashed: convergence of second order";
     vec![PageFigure::new("errors", caption, figure)]
+}
+
+/// A line of slope −2 from the largest error of the coarsest mesh over the range of the meshes.
+fn second_order(rows: &[Row]) -> Option<Curve> {
+    let edges = || rows.iter().map(|row| row.edges);
+    let (first, last) = (edges().min()?, edges().max()?);
+    let of_first = rows.iter().filter(|row| row.edges == first);
+    let error = largest(of_first.map(|row| row.error.abs()));
+    let line = curve("second order", [first, last], |edges| {
+        (edges as f64, error * (first as f64 / edges as f64).powi(2))
+    });
+    Some(line.looking(Look::Dashed))
 }
 
 /// Name of the curve of a row.

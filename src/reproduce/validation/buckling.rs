@@ -24,7 +24,7 @@ pub(super) static HEAVY_COLUMN: Benchmark = Benchmark {
         scale: None,
     }],
     exact: || vec![bisect(7.0, 9.0, |weight| free_end_to_clamp(|s| weight * s))],
-    measure: Measure::Critical(BranchKind::Bifurcation, 1.0),
+    measure: Measure::Critical(BranchKind::Bifurcation),
 };
 
 pub(super) static STRIP_ON_EDGE: Benchmark = Benchmark {
@@ -46,7 +46,7 @@ pub(super) static STRIP_ON_EDGE: Benchmark = Benchmark {
         let rate = |weight: f64| free_end_to_clamp(|s| 0.25 * weight * weight * s.powi(4));
         vec![bisect(11.0, 15.0, rate)]
     },
-    measure: Measure::Critical(BranchKind::Bifurcation, 1.0),
+    measure: Measure::Critical(BranchKind::Bifurcation),
 };
 
 pub(super) static TWISTED_RING: Benchmark = Benchmark {
@@ -64,7 +64,7 @@ pub(super) static TWISTED_RING: Benchmark = Benchmark {
         scale: None,
     }],
     exact: || vec![TAU * 3.0f64.sqrt() * 1.5],
-    measure: Measure::Critical(BranchKind::Bifurcation, 1.0),
+    measure: Measure::Critical(BranchKind::Bifurcation),
 };
 
 /// Computes y(1) for y'' = −k(s) y with y(0) = 1, y'(0) = 0.

@@ -32,7 +32,7 @@ pub(super) static DEEP_ARCH: Benchmark = Benchmark {
         };
         vec![frame.limit_load().unwrap_or(f64::NAN)]
     },
-    measure: Measure::Critical(BranchKind::Fold, 1.0),
+    measure: Measure::Critical(BranchKind::Fold),
 };
 
 /// Half of the arch.
@@ -75,7 +75,7 @@ pub(super) static LEES_FRAME: Benchmark = Benchmark {
         };
         vec![frame.limit_load().unwrap_or(f64::NAN)]
     },
-    measure: Measure::Critical(BranchKind::Fold, 1.0),
+    measure: Measure::Critical(BranchKind::Fold),
 };
 
 /// A straight piece.
