@@ -177,6 +177,8 @@ fn points_and_formulas_are_patterns_too() {
     let demand = |name: &str| circle[name].as_f64().unwrap();
     let lying = demand("largest_lying_friction_demand");
     assert!((lying - 0.1).abs() < 2e-3, "{lying}");
+    let least = demand("least_lying_friction_demand");
+    assert!(least > 0.02 && least < 0.6 * lying, "{least}");
     // κ̄ = 0.32 with x_M = 2.57 and n_z = 0.72; the demand is greater near the end, where little
     // of the rod is left.
     assert!(demand("largest_friction_demand") > 0.17, "{circle}");

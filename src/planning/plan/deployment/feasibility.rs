@@ -1,5 +1,6 @@
 //! Requirements of a pattern on the rod and the table.
 
+use super::lying::least_lying_demand;
 use super::{DeployedRod, DeploymentError, GripperPose, Lead};
 use crate::plan::grasp::GraspProblem;
 use crate::plan::pattern::{LeadBend, Pattern, PatternPoint};
@@ -129,6 +130,9 @@ pub struct Feasibility {
     /// Largest friction demand of the lying rod alone (thesis Eq. 5.2).
     #[serde(rename = "largest_lying_friction_demand")]
     pub largest_lying_demand: f64,
+    /// Least friction that can hold the lying rod, by the tension that suits it best.
+    #[serde(rename = "least_lying_friction_demand")]
+    pub least_lying_demand: f64,
     /// Friction of the table, if known.
     pub friction: Option<f64>,
     /// Fraction of the length whose demand exceeds the friction of the table, if that is given.
@@ -227,6 +231,7 @@ impl Feasibility {
             largest_demand,
             largest_demand_at_m,
             largest_lying_demand: worst(points, &lying).0,
+            least_lying_demand: least_lying_demand(rod, points),
             friction,
             share_above_friction: friction.map(|friction| {
                 let above = points.iter().filter(|point| demand(point) > friction);

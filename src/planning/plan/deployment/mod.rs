@@ -8,6 +8,7 @@
 //! | `laid_path` | the whole path along which a rod is laid |
 //! | `timing` | timing of the gripper |
 //! | `feasibility` | friction, bending and length that the pattern needs |
+//! | `lying` | the least friction that can hold the lying rod |
 //! | `spare` | the surplus of a rod that is longer than its pattern |
 //! | `landing` | the hanging rod at the start |
 //! | `corrected_path` | the path of the gripper, replanned during laying |
@@ -22,6 +23,7 @@ mod feasibility;
 mod figure;
 mod laid_path;
 mod landing;
+mod lying;
 mod rod;
 mod spare;
 mod timing;
