@@ -160,9 +160,17 @@ impl<R: Run> Case<R> {
         self.record.status.in_words()
     }
 
-    /// Wall time per step with contact, s.
-    pub fn time_per_step_with_contact(&self) -> Option<f64> {
+    /// Processor time of the steps with contact, s: their wall time, times the ratio of processor
+    /// time to wall time of the whole run.
+    pub fn cpu_time_with_contact(&self) -> Option<f64> {
+        let share = self.record.wall_time_with_contact / self.record.wall_time;
+        Some(share * self.record.cpu_time?).filter(|time| time.is_finite())
+    }
+
+    /// Processor time per step with contact, s.
+    pub fn cpu_time_per_step_with_contact(&self) -> Option<f64> {
         let steps = self.record.outcome.steps_with_contact;
-        (steps > 0).then(|| self.record.wall_time_with_contact / steps as f64)
+        let time = self.cpu_time_with_contact()?;
+        (steps > 0).then(|| time / steps as f64)
     }
 }

@@ -51,7 +51,7 @@ fn write(page: &mut Page, _: &[Case<Bundling>], rows: &[Row]) -> Result<()> {
     page.text(
         "Iterations and times are means and totals over the steps with contact, as in the thesis, whose \
          simulations end early where the flagella tangle. How often a step failed and was halved is in the CSV file \
-         (`retries`).",
+         (`retries`). Times are processor times.",
     );
     page.table(columns! { row in rows;
         "μ" => number(row.friction, 1),
@@ -102,7 +102,7 @@ fn row((case, thesis): (&Case<Bundling>, &(f64, f64, f64))) -> Row {
         steps_with_contact: outcome.steps_with_contact,
         retries: outcome.retries,
         first_contact_s: outcome.first_contact,
-        time_per_step_s: case.time_per_step_with_contact(),
+        time_per_step_s: case.cpu_time_per_step_with_contact(),
         wall_time_s: case.record.wall_time,
         cpu_time_s: case.record.cpu_time,
         min_distance_ratio: outcome.minimum_distance_ratio,
