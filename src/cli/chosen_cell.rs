@@ -102,13 +102,15 @@ impl TaskCell {
         Ok(())
     }
 
-    /// Asks on the terminal whether real arms may move, unless --yes is given.
+    /// Shows the report of the plan and asks on the terminal whether real arms may move, unless
+    /// --yes is given.
     ///
     /// # Errors
     /// The user answers no.
     pub fn confirm(
         &self,
         arms: &[usize],
+        report: &Report,
         directory: &Path,
         choice: &CellChoice,
     ) -> Result<(), Failure> {
@@ -124,7 +126,9 @@ impl TaskCell {
             page.display()
         );
         let mut stderr = std::io::stderr();
-        let asked = write!(stderr, "{question}. Move? [y/N] ").and_then(|()| stderr.flush());
+        let table = report.table();
+        let asked =
+            write!(stderr, "{table}\n{question}. Move? [y/N] ").and_then(|()| stderr.flush());
         let mut answer = String::new();
         asked
             .and_then(|()| std::io::stdin().read_line(&mut answer))

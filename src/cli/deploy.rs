@@ -79,12 +79,12 @@ pub fn deploy(command: &InCell<DeployArguments>, common: &Common) -> Result<(), 
         let identified = directory.join(HeldArguments::NAME);
         command
             .identification()?
-            .run_in(identified.clone(), false)?;
+            .run_in(identified.clone(), false, common)?;
         plan.use_identified(identified.join(ROD));
-        return command.run_in(directory, true);
+        return command.run_in(directory, true, common);
     }
     if !is_simulated {
-        return command.run();
+        return command.run(common);
     }
     let directory = log_directory(DeployArguments::NAME, laying.task.out.as_deref())?;
     plan.write(&directory.join("plan"), &Spare::HANGS)?;

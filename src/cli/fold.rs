@@ -11,6 +11,6 @@ pub fn fold(command: &InCell<FoldArguments>, common: &Common) -> Result<(), Fail
     let sheet = arguments.sheet()?;
     match arguments.simulate {
         true => fold_in_simulation(arguments, &sheet.file.title, sheet.friction, common),
-        false => command.run(),
+        false => command.run(common),
     }
 }

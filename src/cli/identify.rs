@@ -100,7 +100,7 @@ pub struct IdentifyArguments {
 pub fn identify(arguments: &IdentifyArguments, common: &Common) -> Result<(), Failure> {
     let held = &arguments.held;
     let Some(scenario) = &arguments.scenario else {
-        return held.run();
+        return held.run(common);
     };
     if held.choice.cell.is_some() {
         return Err(Failure::Input(

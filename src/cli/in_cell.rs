@@ -6,6 +6,7 @@ use super::exit_code::NOT_SEEN_WHOLE;
 use super::interruption::watch_for_interruption;
 use super::log_directory::{empty_directory, results_directory};
 use super::prelude::*;
+use super::status_line::StatusLine;
 use rodlab_files::results::write_whole;
 use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
@@ -30,6 +31,7 @@ struct Work<'a> {
     marks: Vec<Unfinished>,
     /// Whether the record is printed at the end.
     prints: bool,
+    common: &'a Common,
 }
 
 impl<C: Args + TaskCommand> InCell<C>
@@ -37,19 +39,19 @@ where
     Failure: From<C::Error>,
 {
     /// Plans the task, shows the plan, and carries it out unless it is a dry run.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub fn run(&self, common: &Common) -> Result<(), Failure> {
         self.what.check()?;
         let out = self.what.way().out;
         let directory = match self.what.resumed_in() {
             Some(name) => results_directory(out, &name),
             None => empty_directory(C::NAME, out)?,
         };
-        self.run_in(directory, true)
+        self.run_in(directory, true, common)
     }
 
     /// Runs the task with its results in `directory`. `prints` determines whether the record is
     /// printed.
-    pub fn run_in(&self, directory: PathBuf, prints: bool) -> Result<(), Failure> {
+    pub fn run_in(&self, directory: PathBuf, prints: bool, common: &Common) -> Result<(), Failure> {
         let way = self.what.way();
         let chosen = self.choice.read(C::CELL, way.dry_run)?;
         let planning = Planning::new(&chosen.cell, &chosen.file, chosen.is_virtual, directory);
@@ -72,6 +74,7 @@ where
             choice: &self.choice,
             directory: &directory,
             prints,
+            common,
         };
         let run = TaskRun::planned(task, std::env::args().collect());
         if way.dry_run {
@@ -103,7 +106,9 @@ impl Work<'_> {
         cell: &Cell,
     ) -> Result<(), Failure> {
         run.note(self.directory)?;
-        self.chosen.confirm(arms, self.directory, self.choice)?;
+        let report = run.report(self.directory);
+        self.chosen
+            .confirm(arms, &report, self.directory, self.choice)?;
         let interrupted = watch_for_interruption()?;
         let ended = run.carry_out(&Workplace {
             cell,
@@ -111,6 +116,7 @@ impl Work<'_> {
             is_recorded: true,
             marks: &self.marks,
             is_interrupted: &|| interrupted.is_raised(),
+            display: &StatusLine::new(self.common),
         });
         let unclear = match &ended {
             // The arms have done their work and hold nothing.

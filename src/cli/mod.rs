@@ -92,6 +92,7 @@ mod solve_grasp;
 mod solve_knot;
 mod standard_error;
 mod status;
+mod status_line;
 mod stream;
 mod submit;
 mod sweep;
@@ -264,9 +265,9 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Movie(command) => movie::movie(command, &arguments.common),
         Command::Stream(command) => stream::stream(command),
         Command::Deploy(command) => deploy::deploy(command, &arguments.common),
-        Command::Place(command) => command.run(),
-        Command::Tie(command) => command.run(),
-        Command::Explore(command) => command.run(),
+        Command::Place(command) => command.run(&arguments.common),
+        Command::Tie(command) => command.run(&arguments.common),
+        Command::Explore(command) => command.run(&arguments.common),
         Command::Cell(command) => cell::cell(command),
         Command::Submit(command) => submit::submit(command),
         Command::Status(command) => status::status(command),

@@ -56,7 +56,8 @@ pub use path::{
 pub use pose::{Pose, between, difference, distance_and_angle, parts, pose, pose_of_angles};
 pub use posture::Posture;
 pub use stream::{
-    Ending, Fault, Moving, Part, StreamBounds, StreamLog, Tolerance, check, check_stops, stream,
+    Ending, Fault, Moving, Part, StreamBounds, StreamLog, StreamState, Supervisor, Tolerance,
+    check, check_stops, stream,
 };
 pub use timing::{
     Motion as TimedMotion, SAMPLE, TimingError, Utilisation, parametrise, utilisation,

@@ -4,7 +4,7 @@ use crate::chain::JointKind;
 use std::time::Duration;
 
 /// A distance for revolute joints and one for prismatic joints.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tolerance {
     /// Distance for revolute joints, rad.
     pub revolute: f64,
@@ -18,6 +18,14 @@ impl Tolerance {
         match kind {
             JointKind::Revolute => self.revolute,
             JointKind::Prismatic => self.prismatic,
+        }
+    }
+
+    /// The larger distance of each kind.
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            revolute: self.revolute.max(other.revolute),
+            prismatic: self.prismatic.max(other.prismatic),
         }
     }
 }

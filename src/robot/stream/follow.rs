@@ -5,7 +5,7 @@
 //! Several parts, or a motion sent in pieces, must keep the clock: each may lag by at most
 //! [`LATENESS`].
 
-use super::bounds::StreamBounds;
+use super::bounds::{StreamBounds, Tolerance};
 use super::reports::{Reports, STILL};
 use crate::chain::JointKind;
 use crate::driver::{Interpolant, JointState, PartTrajectory, range_of};
@@ -47,6 +47,8 @@ pub(super) struct Follower {
     is_paused: bool,
     /// Lag when the joints came to rest, s.
     lag_at_rest: Option<f64>,
+    /// Largest distances from the trajectory at the time of the last report.
+    tracking: Tolerance,
 }
 
 /// Result of the check of a report.
@@ -95,12 +97,18 @@ impl Follower {
             still_since: None,
             is_paused: false,
             lag_at_rest: None,
+            tracking: Tolerance::default(),
         }
     }
 
     /// Time by which the arm lags behind the clock of the motion, s.
     pub(super) fn lag(&self) -> f64 {
         self.lag
+    }
+
+    /// Largest distances of the joints from the trajectory at the time of the last report.
+    pub(super) fn tracking(&self) -> Tolerance {
+        self.tracking
     }
 
     /// Whether the arm has begun to move.
@@ -127,6 +135,7 @@ impl Follower {
         let from_start = self.distance(&state.positions, first, now.bounds);
         self.has_moved |= from_start.1 > NOTICEABLE;
         self.find_lag(state, now)?;
+        self.tracking = self.tracking_at(&state.positions, now.time - self.lag);
         self.look_for_stop(now)
     }
 
@@ -164,6 +173,20 @@ impl Follower {
             distance * allowed,
             unit = kind.unit(),
         ))
+    }
+
+    /// Largest distances of positions from the trajectory at a time, s.
+    fn tracking_at(&self, positions: &[f64], time: f64) -> Tolerance {
+        let should = self.path.at(time);
+        let mut largest = Tolerance::default();
+        for (kind, (at, should)) in self.kinds.iter().zip(positions.iter().zip(&should)) {
+            let largest = match kind {
+                JointKind::Revolute => &mut largest.revolute,
+                JointKind::Prismatic => &mut largest.prismatic,
+            };
+            *largest = largest.max((at - should).abs());
+        }
+        largest
     }
 
     /// The joint farthest from the recent part of its trajectory, and its distance relative to the

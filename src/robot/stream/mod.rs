@@ -1,4 +1,4 @@
-//! Safe streamingof trajectories to drivers on a common clock.
+//! Safe streaming of trajectories to drivers on a common clock.
 //!
 //! [`check`] checks the motion before the first point is sent. [`stream`] then connects, compares
 //! the joints with their first points, starts all parts at once, and watches their reports. A
@@ -16,6 +16,7 @@
 //! | `stop` | requests to stop, until the joints are at rest |
 //! | `clock`, `timer` | the clock of the motion; time as a stream reads it |
 //! | `bounds`, `log` | tolerances; the log |
+//! | `supervisor` | interruption, and the state of the motion for a display |
 
 mod bounds;
 mod check;
@@ -26,12 +27,14 @@ mod pieces;
 mod reports;
 mod start;
 mod stop;
+mod supervisor;
 mod timer;
 
 pub use bounds::{StreamBounds, Tolerance};
 pub use check::{Fault, check};
 pub use log::StreamLog;
 pub use pieces::check_stops;
+pub use supervisor::{StreamState, Supervisor};
 
 use super::chain::JointKind;
 use super::driver::{Driver, DriverError, Interpolant, JointState, PartTrajectory, Progress};
@@ -41,6 +44,7 @@ use pieces::{Piece, pieces};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
+use supervisor::Shown;
 use timer::{SystemTimer, Timer};
 
 /// Polling interval of the drivers.
@@ -105,25 +109,25 @@ impl Drop for Moving {
     }
 }
 
-/// Streams parts to their drivers until all have arrived, `is_interrupted` returns `true`, or an
-/// error occurs.
+/// Streams parts to their drivers until all have arrived, the supervisor interrupts, or an error
+/// occurs.
 pub fn stream(
     parts: &mut [Part],
     bounds: &StreamBounds,
-    is_interrupted: &dyn Fn() -> bool,
+    supervisor: &dyn Supervisor,
     log: &mut StreamLog,
 ) -> Ending {
-    stream_by(&SystemTimer, parts, bounds, is_interrupted, log)
+    stream_by(&SystemTimer, parts, bounds, supervisor, log)
 }
 
 fn stream_by(
     timer: &dyn Timer,
     parts: &mut [Part],
     bounds: &StreamBounds,
-    is_interrupted: &dyn Fn() -> bool,
+    supervisor: &dyn Supervisor,
     log: &mut StreamLog,
 ) -> Ending {
-    if let Err(ending) = start::prepare(parts, bounds, is_interrupted, timer, log) {
+    if let Err(ending) = start::prepare(parts, bounds, supervisor, timer, log) {
         log.event(match &ending {
             Ending::Failed(reason) => reason,
             _ => "interrupted",
@@ -133,7 +137,7 @@ fn stream_by(
     let _moving = Moving::begin();
     // A panic must not leave an arm moving.
     let run = catch_unwind(AssertUnwindSafe(|| {
-        run(timer, parts, bounds, is_interrupted, log)
+        run(timer, parts, bounds, supervisor, log)
     }));
     let ending = run.unwrap_or_else(|_| {
         Ending::Failed("an internal error of this program ended the motion".into())
@@ -174,7 +178,7 @@ fn run(
     timer: &dyn Timer,
     parts: &mut [Part],
     bounds: &StreamBounds,
-    is_interrupted: &dyn Fn() -> bool,
+    supervisor: &dyn Supervisor,
     log: &mut StreamLog,
 ) -> Ending {
     let mut watched: Vec<Watched> = parts
@@ -215,8 +219,9 @@ fn run(
         .iter()
         .map(|part| part.trajectory.duration())
         .fold(0.0, f64::max);
+    let mut shown = Shown::default();
     loop {
-        if is_interrupted() {
+        if supervisor.is_interrupted() {
             return Ending::Interrupted;
         }
         let elapsed = clock.elapsed(timer);
@@ -244,8 +249,17 @@ fn run(
             log.commanded(f64::INFINITY, parts);
             return Ending::Finished;
         }
-        let lags = watched.iter().filter_map(|part| part.follower.as_ref());
-        let lag = lags.map(Follower::lag).fold(0.0, f64::max);
+        let followers = || watched.iter().filter_map(|part| part.follower.as_ref());
+        let lag = followers().map(Follower::lag).fold(0.0, f64::max);
+        if shown.is_due(timer.now()) {
+            let tracking = followers().map(Follower::tracking);
+            supervisor.show(&StreamState {
+                time: (elapsed - lag).clamp(0.0, longest),
+                lag,
+                duration: longest,
+                tracking: tracking.fold(Tolerance::default(), Tolerance::max),
+            });
+        }
         if elapsed - lag > longest + OVERTIME * clock.rate() {
             let late = parts.iter().zip(&watched);
             let late = late.filter(|(_, watched)| !watched.is_done);

@@ -3,7 +3,7 @@
 
 use super::follow::apart;
 use super::timer::Timer;
-use super::{CYCLE, Ending, Part, StreamBounds, StreamLog, failed};
+use super::{CYCLE, Ending, Part, StreamBounds, StreamLog, Supervisor, failed};
 use std::time::Duration;
 
 /// Longest wait for the first reports of all joints.
@@ -14,7 +14,7 @@ const FIRST_STATE: Duration = Duration::from_secs(2);
 pub(super) fn prepare(
     parts: &mut [Part],
     bounds: &StreamBounds,
-    is_interrupted: &dyn Fn() -> bool,
+    supervisor: &dyn Supervisor,
     timer: &dyn Timer,
     log: &mut StreamLog,
 ) -> Result<(), Ending> {
@@ -25,7 +25,7 @@ pub(super) fn prepare(
     }
     let begin = timer.now();
     loop {
-        if is_interrupted() {
+        if supervisor.is_interrupted() {
             return Err(Ending::Interrupted);
         }
         let mut missing = None;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::chain::Limits;
 use crate::driver::RosVersion;
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::sync::{Arc, Mutex};
 
 /// Calls recorded by a fake driver.
@@ -90,7 +90,7 @@ pub(super) const BOUNDS: StreamBounds = StreamBounds {
 fn run_two(
     offset: fn(f64) -> f64,
     silent_after: f64,
-    interrupt: &dyn Fn() -> bool,
+    supervisor: &dyn Supervisor,
 ) -> (Ending, [Arc<Mutex<Notes>>; 2], Duration) {
     let notes: [Arc<Mutex<Notes>>; 2] = Default::default();
     let arm = |which: usize, offset, silent_after| Part {
@@ -107,7 +107,7 @@ fn run_two(
     };
     let mut parts = [arm(0, offset, silent_after), arm(1, |_| 0.0, f64::INFINITY)];
     let begin = Instant::now();
-    let ending = stream(&mut parts, &BOUNDS, interrupt, &mut StreamLog::none());
+    let ending = stream(&mut parts, &BOUNDS, supervisor, &mut StreamLog::none());
     (ending, notes, begin.elapsed())
 }
 
@@ -129,6 +129,33 @@ fn two_arms_that_follow_come_to_the_end_together() {
     assert_eq!(ending, Ending::Finished);
     assert!(time.as_secs_f64() < 3.0, "{time:?}");
     assert!(all(&notes, |notes| notes.stopped.is_none()));
+}
+
+#[test]
+fn a_supervisor_is_shown_how_far_the_arms_are() {
+    struct Shows(RefCell<Vec<StreamState>>);
+    impl Supervisor for Shows {
+        fn is_interrupted(&self) -> bool {
+            false
+        }
+        fn show(&self, state: &StreamState) {
+            self.0.borrow_mut().push(*state);
+        }
+    }
+    let shows = Shows(RefCell::default());
+    let (ending, _, _) = run_two(|_| 0.01, f64::INFINITY, &shows);
+    assert_eq!(ending, Ending::Finished);
+    let states = shows.0.into_inner();
+    assert!(states.len() > 1, "{states:?}");
+    assert!(states.windows(2).all(|pair| pair[0].time <= pair[1].time));
+    for state in &states {
+        assert_eq!((state.duration, state.tracking.prismatic), (1.0, 0.0));
+        assert!(state.time <= 1.0 && state.lag >= 0.0, "{state:?}");
+    }
+    // The first arm reports 0.01 rad beyond its trajectory, or less where it is late.
+    let off = states.iter().map(|state| state.tracking.revolute);
+    let off = off.fold(0.0, f64::max);
+    assert!(off > 5e-3 && off < BOUNDS.tracking.revolute, "{off}");
 }
 
 #[test]

@@ -85,7 +85,7 @@ impl Correction {
             let next = path.after(here).min(last);
             let way = self.way(plan, at.cell, &path, [here, next], &joints)?;
             let arm = WorkingArm { at, arm: plan.arm };
-            arm.carry(&format!("laying/{number:03}"), &way)?;
+            arm.lay(&format!("laying/{number:03}"), &way, &plan.along())?;
             joints.clone_from(&way.points[way.points.len() - 1]);
             here = next;
             if here == last {

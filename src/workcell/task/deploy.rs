@@ -69,6 +69,8 @@ impl DeployTask {
                 cell: cell.title.clone(),
                 arm: cell.arms[plan.arm].name.clone(),
                 pattern: plan.name.clone(),
+                rod: plan.rod,
+                largest_friction_demand: plan.largest_friction_demand(),
                 motion: plan.motion.report.clone(),
                 seen_length: None,
                 score: None,
@@ -89,7 +91,10 @@ impl DeployTask {
     fn lay(&mut self, at: &Workplace<'_>) -> Result<(), WorkError> {
         let plan = &self.plan;
         match &self.correction {
-            None => WorkingArm { at, arm: plan.arm }.carry("laying", &plan.motion.laying),
+            None => {
+                let arm = WorkingArm { at, arm: plan.arm };
+                arm.lay("laying", &plan.motion.laying, &plan.along())
+            }
             Some(correction) => correction.lay(plan, at),
         }
     }
@@ -139,11 +144,7 @@ impl Task for DeployTask {
     }
 
     fn paths(&self) -> Vec<LaidAlong<'_>> {
-        vec![LaidAlong {
-            poses: &self.plan.path.poses,
-            frame: self.plan.motion.frame,
-            unit: self.plan.rod.gravito_bending_length,
-        }]
+        vec![self.plan.along()]
     }
 
     fn steps(&self) -> Vec<Step<Self>> {

@@ -2,10 +2,11 @@
 
 use super::look::Seen;
 use super::motion::DeployMotion;
+use super::stopped::LaidAlong;
 use crate::cell::Cell;
 use image::RgbImage;
 use rodlab_lab::experiment::Fixtures;
-use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, falls_straight};
+use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, falls_straight, friction_demands};
 use rodlab_vision::{ColourRule, Point, SeenLength, VisionError};
 
 /// Plan of a deployment.
@@ -34,6 +35,21 @@ impl DeployPlan {
     /// Start of the rod in the frame of the pattern, m.
     pub fn start(&self) -> Point {
         self.path.points[0].position
+    }
+
+    /// The path along which the rod is laid, in the cell.
+    pub fn along(&self) -> LaidAlong<'_> {
+        LaidAlong {
+            poses: &self.path.poses,
+            frame: self.motion.frame,
+            unit: self.rod.gravito_bending_length,
+        }
+    }
+
+    /// Largest coefficient of friction that the path needs.
+    pub fn largest_friction_demand(&self) -> f64 {
+        let demands = friction_demands(&self.rod, &self.path.points, &self.path.poses);
+        demands.into_iter().fold(0.0, f64::max)
     }
 
     /// Detects the rod in a picture.

@@ -3,6 +3,7 @@
 use super::record::{OVERLAY, Report, TaskHead, TaskRecord};
 use crate::cell::PlanReport;
 use rodlab_lab::experiment::PassedPegs;
+use rodlab_planning::plan::deployment::DeployedRod;
 use rodlab_vision::{CurveError, SeenLength};
 use serde::Serialize;
 use std::path::Path;
@@ -25,6 +26,11 @@ pub struct DeployRecord {
     pub arm: String,
     /// The pattern, as given.
     pub pattern: String,
+    /// The rod for which the path is planned.
+    #[serde(skip)]
+    pub rod: DeployedRod,
+    /// Largest coefficient of friction that the path needs.
+    pub largest_friction_demand: f64,
     /// Numbers of the motion.
     pub motion: PlanReport,
     /// Length of the rod in the picture, and its real length.
@@ -42,7 +48,27 @@ impl TaskRecord for DeployRecord {
         report.row("cell", self.cell.as_str());
         report.row("arm", self.arm.as_str());
         report.head(head);
+        let [unit, length] =
+            [self.rod.gravito_bending_length, self.rod.length].map(|metres| 1e2 * metres);
+        report.row(
+            "rod, as planned",
+            format!("{length:.1} cm long, gravito-bending length {unit:.2} cm"),
+        );
+        report.row(
+            "friction needed",
+            format!(
+                "{:.2}; with less, the rod slides",
+                self.largest_friction_demand
+            ),
+        );
         report.motion(self.motion.duration_s, self.motion.least_clearance_m);
+        report.row(
+            "joint velocities",
+            format!(
+                "{:.0} % of their limits at most",
+                1e2 * self.motion.velocity_used
+            ),
+        );
         report.times(head);
         if let Some(length) = &self.seen_length {
             let [seen, whole] = [length.seen_m, length.rod_m].map(|metres| 1e3 * metres);

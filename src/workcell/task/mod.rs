@@ -17,6 +17,7 @@
 //! | `arguments` | arguments that tasks with rods share |
 //! | `workplace` | the cell, camera and directory of a step |
 //! | `working_arm` | motions and grips of an arm, with the log of each |
+//! | `display` | display of the progress |
 //! | `stage` | name and description of a step |
 //! | `error` | reasons of an early end |
 //! | `stopped` | state of the cell after an early end |
@@ -30,6 +31,7 @@ mod correction;
 mod deploy;
 mod deploy_plan;
 mod deploy_record;
+mod display;
 mod error;
 mod exploration;
 mod fold;
@@ -53,6 +55,7 @@ pub use correction::Correction;
 pub use deploy::DeployTask;
 pub use deploy_plan::DeployPlan;
 pub use deploy_record::{DeployRecord, DeployScore};
+pub use display::{Display, Hidden};
 pub use error::{TaskError, WorkError};
 pub use exploration::{
     Exploration, ExplorationPlan, ExplorationRecord, ExplorationRow, ExplorationSummary,

@@ -101,6 +101,7 @@ impl<T: Task> TaskRun<T> {
                 noted.map_err(failed)?;
             }
             at.check().map_err(failed)?;
+            at.display.step(number, steps.len(), stage);
             let begin = Instant::now();
             step.act(&mut self.task, at).map_err(failed)?;
             tracing::info!("done, {number} of {}: {}", steps.len(), stage.words);

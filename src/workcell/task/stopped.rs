@@ -81,22 +81,32 @@ impl LaidAlong<'_> {
         }
     }
 
-    /// Length laid up to the pose that is nearest to a hand. Since a path may cross itself,
-    /// rotations count too, weighted by the gravito-bending length.
+    /// Length laid up to a hand.
     pub fn until(&self, hand: &HandPlace) -> LaidLength {
-        let laid_m = hand.pose.and_then(|pose| {
-            let here = self.frame.inverse() * pose;
-            let away = |pose: &GripperPose| {
-                let shift = (pose.position - here.translation.vector).norm();
-                shift + self.unit * pose.rotation.angle_to(&here.rotation)
-            };
-            let nearest = self.poses.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
-            nearest.map(|pose| pose.s)
-        });
         LaidLength {
-            laid_m,
+            laid_m: hand.pose.and_then(|pose| self.nearest(&pose)),
             path_m: self.length(),
         }
+    }
+
+    /// Length laid up to the pose of a hand in the cell.
+    pub fn at(&self, hand: &Pose) -> LaidLength {
+        LaidLength {
+            laid_m: self.nearest(hand),
+            path_m: self.length(),
+        }
+    }
+
+    /// Arc length of the pose that is nearest to that of a hand, m. Since a path may cross itself,
+    /// rotations count too, weighted by the gravito-bending length.
+    fn nearest(&self, hand: &Pose) -> Option<f64> {
+        let here = self.frame.inverse() * hand;
+        let away = |pose: &GripperPose| {
+            let shift = (pose.position - here.translation.vector).norm();
+            shift + self.unit * pose.rotation.angle_to(&here.rotation)
+        };
+        let nearest = self.poses.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+        nearest.map(|pose| pose.s)
     }
 }
 

@@ -1,10 +1,13 @@
 //! Motions and grips of an arm in a task, with a log folder for each motion.
 
 use super::error::WorkError;
+use super::stopped::LaidAlong;
 use super::workplace::Workplace;
 use crate::cell::Fingers;
 use rodlab_files::results::write_whole;
-use rodlab_robot::{Ending, JointTrajectory, Moving, Pose, StreamLog, stream};
+use rodlab_robot::{
+    Ending, JointTrajectory, Moving, Pose, StreamLog, StreamState, Supervisor, stream,
+};
 use std::time::Duration;
 
 /// Longest wait for a gripper.
@@ -37,7 +40,7 @@ impl WorkingArm<'_> {
     /// # Errors
     /// The motion cannot be done, or failed; all arms were commanded to hold.
     pub fn follow(&self, name: &str, motion: &JointTrajectory) -> Result<(), WorkError> {
-        self.stream(name, motion, None)
+        self.stream(name, motion, None, None)
     }
 
     /// Streams a motion with an object in the gripper. Fails if the object slips out, which is
@@ -46,13 +49,35 @@ impl WorkingArm<'_> {
     /// # Errors
     /// Errors of [`Self::follow`], or the object slipped out.
     pub fn carry(&self, name: &str, motion: &JointTrajectory) -> Result<(), WorkError> {
+        self.hold(name, motion, None)
+    }
+
+    /// Streams a motion that lays a rod along a path, see [`Self::carry`].
+    ///
+    /// # Errors
+    /// Errors of [`Self::carry`].
+    pub fn lay(
+        &self,
+        name: &str,
+        motion: &JointTrajectory,
+        along: &LaidAlong<'_>,
+    ) -> Result<(), WorkError> {
+        self.hold(name, motion, Some(along))
+    }
+
+    fn hold(
+        &self,
+        name: &str,
+        motion: &JointTrajectory,
+        along: Option<&LaidAlong<'_>>,
+    ) -> Result<(), WorkError> {
         let fingers = self.at.cell.fingers(self.arm).map_err(WorkError::Failed)?;
         if fingers.as_ref().is_some_and(|fingers| !fingers.hold()) {
             return Err(WorkError::failed(
                 "its fingers hold nothing: the object slipped out of the gripper, or was never grasped",
             ));
         }
-        self.stream(name, motion, fingers.as_ref())
+        self.stream(name, motion, fingers.as_ref(), along)
     }
 
     fn stream(
@@ -60,6 +85,7 @@ impl WorkingArm<'_> {
         name: &str,
         motion: &JointTrajectory,
         fingers: Option<&Fingers>,
+        along: Option<&LaidAlong<'_>>,
     ) -> Result<(), WorkError> {
         let folder = self.at.directory.join(name);
         let unwritable = |error: std::io::Error| {
@@ -73,13 +99,19 @@ impl WorkingArm<'_> {
         let (mut parts, _) = prepared.map_err(WorkError::Failed)?;
         let mut log = StreamLog::open(&folder).map_err(unwritable)?;
         self.at.mark(self.arm)?;
-        let slipped = || fingers.and_then(Fingers::slipped);
-        let must_end = || (self.at.is_interrupted)() || slipped().is_some();
-        let ending = stream(&mut parts, &self.at.cell.streaming, &must_end, &mut log);
+        let watched = WatchedMotion {
+            arm: self,
+            motion,
+            fingers,
+            along,
+        };
+        let ending = stream(&mut parts, &self.at.cell.streaming, &watched, &mut log);
         let logged = log.finish();
         match ending {
             Ending::Finished => logged.map_err(unwritable),
-            Ending::Interrupted => Err(slipped().map_or(WorkError::Interrupted, WorkError::Failed)),
+            Ending::Interrupted => Err(watched
+                .slipped()
+                .map_or(WorkError::Interrupted, WorkError::Failed)),
             Ending::Failed(reason) => Err(WorkError::Failed(reason)),
         }
     }
@@ -173,5 +205,37 @@ impl WorkingArm<'_> {
     pub fn hand(&self) -> Result<Pose, WorkError> {
         let joints = self.at.cell.stands(self.arm).map_err(WorkError::Failed)?;
         Ok(self.at.cell.arms[self.arm].hand(&joints))
+    }
+}
+
+/// A motion that ends when the user interrupts it or the object slips out, and that is shown.
+struct WatchedMotion<'a> {
+    arm: &'a WorkingArm<'a>,
+    motion: &'a JointTrajectory,
+    fingers: Option<&'a Fingers>,
+    along: Option<&'a LaidAlong<'a>>,
+}
+
+impl WatchedMotion<'_> {
+    /// The reason why the object is lost; `None` if the gripper holds it.
+    fn slipped(&self) -> Option<String> {
+        self.fingers.and_then(Fingers::slipped)
+    }
+}
+
+impl Supervisor for WatchedMotion<'_> {
+    fn is_interrupted(&self) -> bool {
+        (self.arm.at.is_interrupted)() || self.slipped().is_some()
+    }
+
+    fn show(&self, state: &StreamState) {
+        let WorkingArm { at, arm } = self.arm;
+        let laid = self.along.and_then(|along| {
+            let begin = self.motion.times.first()?;
+            let passed = (self.motion.times).partition_point(|time| time - begin <= state.time);
+            let joints = self.motion.points.get(passed.saturating_sub(1))?;
+            Some(along.at(&at.cell.arms[*arm].hand(joints)))
+        });
+        at.display.motion(state, laid);
     }
 }

@@ -1,5 +1,6 @@
 //! Workplace of the steps of a task: the cell, its camera, and the results directory.
 
+use super::display::{Display, Hidden};
 use super::error::WorkError;
 use super::unfinished::Unfinished;
 use crate::cell::Cell;
@@ -26,11 +27,13 @@ pub struct Workplace<'a> {
     pub marks: &'a [Unfinished],
     /// Whether an interruption was requested.
     pub is_interrupted: &'a dyn Fn() -> bool,
+    /// Display of the progress.
+    pub display: &'a dyn Display,
 }
 
 impl<'a> Workplace<'a> {
-    /// A workplace in a cell that only this program uses: without marks, records and
-    /// interruptions.
+    /// A workplace in a cell that only this program uses: without marks, records,
+    /// interruptions and display.
     pub fn alone(cell: &'a Cell, directory: &'a Path) -> Self {
         Self {
             cell,
@@ -38,6 +41,7 @@ impl<'a> Workplace<'a> {
             is_recorded: false,
             marks: &[],
             is_interrupted: &|| false,
+            display: &Hidden,
         }
     }
 }

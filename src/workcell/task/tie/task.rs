@@ -114,8 +114,9 @@ impl TieTask {
 
     fn lay(&self, number: usize, at: &Workplace<'_>) -> Result<(), WorkError> {
         let motion = &self.plan.motion.layings[number].motion;
-        self.arm(number % 2, at)
-            .carry(&self.named("laying", number), motion)
+        let along = &self.paths()[number];
+        let arm = self.arm(number % 2, at);
+        arm.lay(&self.named("laying", number), motion, along)
     }
 
     /// Leads the ends and lifts the strands.

@@ -1,0 +1,52 @@
+//! Supervision of a stream: interruption, and the state of the motion for a display.
+
+use super::bounds::Tolerance;
+use std::time::{Duration, Instant};
+
+/// Time between two states that are shown.
+const INTERVAL: Duration = Duration::from_millis(200);
+
+/// State of a motion in progress.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StreamState {
+    /// Time of the trajectory that the slowest part has reached, s.
+    pub time: f64,
+    /// Time by which the slowest part is late, s.
+    pub lag: f64,
+    /// Duration of the trajectory, s.
+    pub duration: f64,
+    /// Largest distance of a joint from its trajectory at the time of the last report; zero for
+    /// parts that do not report.
+    pub tracking: Tolerance,
+}
+
+/// Supervises a stream. Every closure that returns whether to interrupt is a supervisor.
+pub trait Supervisor {
+    /// Whether the motion must end early.
+    fn is_interrupted(&self) -> bool;
+
+    /// Shows the state of the motion. It is called five times per second between two cycles, so it
+    /// must return at once.
+    fn show(&self, _state: &StreamState) {}
+}
+
+impl<F: Fn() -> bool> Supervisor for F {
+    fn is_interrupted(&self) -> bool {
+        self()
+    }
+}
+
+/// Decides when a state is due.
+#[derive(Default)]
+pub(super) struct Shown(Option<Instant>);
+
+impl Shown {
+    /// Whether a state is due at a time.
+    pub(super) fn is_due(&mut self, now: Instant) -> bool {
+        let is_due = (self.0).is_none_or(|last| now.saturating_duration_since(last) >= INTERVAL);
+        if is_due {
+            self.0 = Some(now);
+        }
+        is_due
+    }
+}
