@@ -15,6 +15,9 @@ pub struct CellChoice {
     /// The preset cell is simulated in this process at full speed.
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     pub cell: Option<PathBuf>,
+    /// Slow all motions down to this fraction of their speed
+    #[arg(long, hide_short_help = true, value_name = "FRACTION", default_value_t = 1.0, value_parser = within(0.01, 1.0))]
+    pub speed_scale: f64,
     /// Move the arms of --cell without asking first
     #[arg(long)]
     pub yes: bool,

@@ -117,6 +117,7 @@ impl Work<'_> {
             marks: &self.marks,
             is_interrupted: &|| interrupted.is_raised(),
             display: &StatusLine::new(self.common),
+            speed_scale: self.choice.speed_scale,
         });
         let unclear = match &ended {
             // The arms have done their work and hold nothing.

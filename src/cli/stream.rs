@@ -1,11 +1,11 @@
 //! `rodlab stream`.
 
-use super::interruption::watch_for_interruption;
+use super::interruption::{Interruption, watch_for_interruption};
 use super::log_directory::log_directory;
 use super::prelude::*;
 use rodlab_files::results::write_whole;
-use rodlab_robot::{Ending, JointTrajectory, StreamLog, stream as run};
-use rodlab_workcell::cell::{Cell, Driver, StreamReport};
+use rodlab_robot::{Ending, JointTrajectory, StreamLog, Supervisor, stream as run};
+use rodlab_workcell::cell::{Cell, Driver, HandGuard, StreamReport};
 use rodlab_workcell::task::write_manifest;
 
 const HELP: [&str; 2] = help!(
@@ -67,6 +67,22 @@ struct Manifest<'a> {
     report: StreamReport,
 }
 
+/// A motion that ends when the user interrupts it, or a hand leaves its limits.
+struct Guarded<'a> {
+    guard: HandGuard<'a>,
+    interrupted: &'a Interruption,
+}
+
+impl Supervisor for Guarded<'_> {
+    fn is_interrupted(&self) -> bool {
+        self.interrupted.is_raised()
+    }
+
+    fn refuses(&self, part: &str, time: f64, positions: &[f64]) -> Option<String> {
+        self.guard.fault(part, time, positions)
+    }
+}
+
 /// Streams trajectories.
 pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     let cell = Cell::read(&arguments.cell)?;
@@ -119,12 +135,11 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     };
     let mut log = StreamLog::open(&directory).map_err(unwritable)?;
     let interrupted = watch_for_interruption()?;
-    let ending = run(
-        &mut parts,
-        &cell.streaming,
-        &|| interrupted.is_raised(),
-        &mut log,
-    );
+    let guarded = Guarded {
+        guard: HandGuard::new(&cell),
+        interrupted: &interrupted,
+    };
+    let ending = run(&mut parts, &cell.streaming, &guarded, &mut log);
     let logged = log.finish().map_err(unwritable);
     manifest.end = Some(jiff::Timestamp::now());
     manifest.interrupted_by = interrupted.signal();

@@ -235,6 +235,7 @@ fn run(
         let keeps_clock = parts.len() > 1 || bounds.horizon.is_some();
         for ((part, watched), state) in parts.iter().zip(&mut watched).zip(&states) {
             let watch = Watch {
+                supervisor,
                 bounds,
                 clock: &clock,
                 timer,
@@ -325,6 +326,7 @@ fn advance(
 
 /// Context for the check of a part.
 struct Watch<'a> {
+    supervisor: &'a dyn Supervisor,
     bounds: &'a StreamBounds,
     clock: &'a MotionClock,
     timer: &'a dyn Timer,
@@ -346,6 +348,9 @@ impl Watch<'_> {
         };
         let time = self.clock.time_of(state);
         log.state(part, state, time);
+        if let Some(reason) = (self.supervisor).refuses(&part.name, time, &state.positions) {
+            return Err(reason);
+        }
         let has_moved = (watched.follower.as_ref()).is_none_or(Follower::has_moved);
         let is_accepted = part.driver.is_accepted();
         self.listen(part, state, is_accepted || has_moved)?;

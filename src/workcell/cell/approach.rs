@@ -134,7 +134,7 @@ impl Cell {
         let last = (joints.len() - 1) as f64;
         let way = (0..joints.len()).map(|k| k as f64 / last * whole);
         let way: Vec<f64> = way.collect();
-        let motion = parametrise(&joints, &way, &known.limits(), speed)?;
+        let motion = parametrise(&joints, &way, &known.limits(), self.safety.planned(speed))?;
         Ok(Some(self.sampled(arm, RATE, &motion.samples)))
     }
 

@@ -42,7 +42,7 @@ impl Cell {
             })?);
         }
         let way: Vec<f64> = points.iter().map(|point| point.way).collect();
-        let motion = parametrise(&joints, &way, &known.limits(), speed)?;
+        let motion = parametrise(&joints, &way, &known.limits(), self.safety.planned(speed))?;
         Ok(self.sampled(arm, rate, &motion.samples))
     }
 

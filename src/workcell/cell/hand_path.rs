@@ -104,7 +104,7 @@ impl Cell {
             libm::hypot(distance, LENGTH_PER_RADIAN * angle.max(turned))
         }));
         let limits = [&arm.limits()[..], &[axis.limits]].concat();
-        let motion = parametrise(points, &way, &limits, speed)?;
+        let motion = parametrise(points, &way, &limits, self.safety.planned(speed))?;
         let columns = arm.columns().chain([Column {
             part: axis.name.clone(),
             joint: None,

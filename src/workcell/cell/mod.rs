@@ -10,6 +10,7 @@
 //! | `resolved` | the [`Cell`] |
 //! | `surroundings`, `clearance`, `plan` | collision checks; the least distance along a motion; joint trajectories along a path of a hand |
 //! | `streaming` | a joint trajectory with the drivers that it moves |
+//! | `safety` | limits of the hands, before and during every motion |
 //! | `approach` | motion of an arm from its current joints to the start of another motion |
 //! | `hand_path` | joints along poses of a hand that begin where it is, and motions along a part of them, with an axis |
 //! | `sums` | lengths from the start of a curve on |
@@ -31,6 +32,7 @@ mod resolve;
 mod resolve_chain;
 mod resolved;
 mod resolver;
+mod safety;
 mod streaming;
 mod sums;
 mod surroundings;
@@ -46,5 +48,6 @@ pub use plan::{Place, Plan, PlanError, PlanReport, PlanRequest, read_poses};
 pub use report::CellReport;
 pub(crate) use resolved::ros_version;
 pub use resolved::{Arm, Axis, Camera, Cell, Chuck, Driver, Gripper, Obstacle, Table};
+pub use safety::{HandGuard, Safety};
 pub use streaming::StreamReport;
 pub(crate) use sums::sums;

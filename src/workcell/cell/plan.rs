@@ -233,7 +233,12 @@ impl Cell {
         })?;
         let way: Vec<f64> = points.iter().map(|point| point.way).collect();
         let limits = arm.limits();
-        let motion = parametrise(&path.joints, &way, &limits, request.speed)?;
+        let motion = parametrise(
+            &path.joints,
+            &way,
+            &limits,
+            self.safety.planned(request.speed),
+        )?;
         let used: Utilisation = utilisation(&motion.samples, &limits);
         let trajectory = self.sampled(request.arm, request.rate, &motion.samples);
         let (place_position, place_quaternion) = parts(&frame);

@@ -1,8 +1,9 @@
 //! Converts the cell file as typed to the cell in SI units.
 
 use super::resolve_chain::resolve_arm;
-use super::resolved::{Axis, Camera, Cell, Chuck, Obstacle, Table};
+use super::resolved::{Arm, Axis, Camera, Cell, Chuck, Obstacle, Table};
 use super::resolver::Resolver;
+use super::safety::Safety;
 use super::typed::{self, CellFile};
 use rodlab_lab::scenario::dimension::{Angle, Length, Time};
 use rodlab_lab::scenario::{KeyPath, Quantity, ScenarioError, TypedFile};
@@ -43,7 +44,7 @@ impl Resolver<'_> {
         self.unique_names();
         let arms = typed.arms.iter().enumerate();
         let arms = arms.filter_map(|(k, arm)| resolve_arm(self, &root.key("arms").index(k), arm));
-        let arms = arms.collect();
+        let arms: Vec<Arm> = arms.collect();
         let axes = typed.axes.iter().enumerate();
         let axes = axes.map(|(k, axis)| self.axis(&root.key("axes").index(k), axis));
         let axes = axes.collect();
@@ -62,6 +63,7 @@ impl Resolver<'_> {
         });
         let obstacles = obstacles.collect();
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let safety = self.safety(&arms);
         Cell {
             title: typed.title.clone().unwrap_or_else(|| stem.into_owned()),
             arms,
@@ -71,6 +73,7 @@ impl Resolver<'_> {
             chuck: typed.chuck.as_ref().map(|chuck| self.chuck(chuck)),
             camera: typed.camera.as_ref().map(|camera| self.camera(camera)),
             rod: typed.rod.as_ref().map(|rod| self.rod(rod)),
+            safety,
             streaming: self.streaming(),
             warnings: self.warnings.take(),
         }
@@ -199,6 +202,37 @@ impl Resolver<'_> {
             revolute: self.positive(&turns, self.si_or(&turns, turning, otherwise.revolute)),
             prismatic: self.positive(&slides, self.si_or(&slides, sliding, otherwise.prismatic)),
         }
+    }
+
+    /// Limits of the hands. The hands of all arms must be inside the box at home.
+    fn safety(&self, arms: &[Arm]) -> Safety {
+        let Some(typed) = &self.file.typed.safety else {
+            return Safety::default();
+        };
+        let path = KeyPath::from("safety");
+        let workspace = typed.workspace.as_ref().map(|typed| {
+            let path = path.key("workspace");
+            let lower = self.vector(&path.key("lower"), &typed.lower);
+            let upper = self.vector(&path.key("upper"), &typed.upper);
+            if (0..3).any(|axis| !(lower[axis] < upper[axis])) {
+                let message = "each coordinate must be below that of `upper`";
+                self.fault(&path.key("lower"), message);
+            }
+            [lower, upper]
+        });
+        let hand_speed = typed.hand_speed.as_ref();
+        let safety = Safety {
+            workspace,
+            hand_speed: hand_speed.map(|speed| self.positive_si(&path.key("hand_speed"), speed)),
+        };
+        for arm in arms {
+            let hand = arm.hand(&arm.home).translation.vector;
+            if let Some(message) = safety.outside(&hand, 0.0) {
+                let message = format!("{}, at home: {message}", arm.name);
+                self.fault(&path.key("workspace"), message);
+            }
+        }
+        safety
     }
 
     fn streaming(&self) -> StreamBounds {

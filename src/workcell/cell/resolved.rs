@@ -1,5 +1,6 @@
 //! The cell in SI units.
 
+use super::safety::Safety;
 use rodlab_robot::{Body, Chain, Column, Limits, Pose, Ros2Address, RosVersion, StreamBounds};
 use std::path::PathBuf;
 
@@ -22,6 +23,8 @@ pub struct Cell {
     pub camera: Option<Camera>,
     /// File of the rod for tasks that name no other rod.
     pub rod: Option<PathBuf>,
+    /// Limits of the hands.
+    pub safety: Safety,
     /// Settings for streaming trajectories.
     pub streaming: StreamBounds,
     /// Warnings about input that was ignored.

@@ -29,7 +29,7 @@ pub struct StreamReport {
 
 impl Cell {
     /// Prepares the parts of trajectories for a stream, on one clock from zero, with drivers that
-    /// are not connected yet. Every point is checked against limits and collisions.
+    /// are not connected yet. Every point is checked against limits, collisions and `[safety]`.
     ///
     /// # Errors
     /// A message: an unknown name, a missing joint, an arm in two trajectories, an exceeded limit,
@@ -112,6 +112,7 @@ impl Cell {
                 Ok(least) => least_clearance = least,
                 Err(touches) => faults.push(touches),
             }
+            faults.extend(self.safe_hands(&parts).err());
         }
         if !faults.is_empty() {
             return Err(faults.join("\n"));

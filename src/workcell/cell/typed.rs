@@ -32,6 +32,8 @@ pub struct CellFile {
     pub camera: Option<Camera>,
     /// The rod for tasks that name no other rod.
     pub rod: Option<SuppliedRod>,
+    /// Limits of the hands.
+    pub safety: Option<Safety>,
     /// Settings of the streaming of trajectories.
     pub streaming: Option<Streaming>,
 }
@@ -218,6 +220,20 @@ pub struct Camera {
     pub quaternion: Option<[Quantity<Dimensionless>; 4]>,
     pub table_height: Option<Quantity<Length>>,
     pub source: Option<String>,
+}
+
+/// Limits of the hands.
+#[derive(Debug, Deserialize)]
+pub struct Safety {
+    pub workspace: Option<Workspace>,
+    pub hand_speed: Option<Quantity<Velocity>>,
+}
+
+/// A box, by its corners.
+#[derive(Debug, Deserialize)]
+pub struct Workspace {
+    pub lower: Vector<Length>,
+    pub upper: Vector<Length>,
 }
 
 /// Settings of the streaming of trajectories.

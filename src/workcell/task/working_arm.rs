@@ -3,7 +3,7 @@
 use super::error::WorkError;
 use super::stopped::LaidAlong;
 use super::workplace::Workplace;
-use crate::cell::Fingers;
+use crate::cell::{Fingers, HandGuard};
 use rodlab_files::results::write_whole;
 use rodlab_robot::{
     Ending, JointTrajectory, Moving, Pose, StreamLog, StreamState, Supervisor, stream,
@@ -87,6 +87,7 @@ impl WorkingArm<'_> {
         fingers: Option<&Fingers>,
         along: Option<&LaidAlong<'_>>,
     ) -> Result<(), WorkError> {
+        let motion = &motion.scaled(self.at.speed_scale);
         let folder = self.at.directory.join(name);
         let unwritable = |error: std::io::Error| {
             WorkError::Failed(format!("{} cannot be written: {error}", folder.display()))
@@ -100,6 +101,7 @@ impl WorkingArm<'_> {
         let mut log = StreamLog::open(&folder).map_err(unwritable)?;
         self.at.mark(self.arm)?;
         let watched = WatchedMotion {
+            guard: HandGuard::new(self.at.cell),
             arm: self,
             motion,
             fingers,
@@ -210,6 +212,7 @@ impl WorkingArm<'_> {
 
 /// A motion that ends when the user interrupts it or the object slips out, and that is shown.
 struct WatchedMotion<'a> {
+    guard: HandGuard<'a>,
     arm: &'a WorkingArm<'a>,
     motion: &'a JointTrajectory,
     fingers: Option<&'a Fingers>,
@@ -226,6 +229,10 @@ impl WatchedMotion<'_> {
 impl Supervisor for WatchedMotion<'_> {
     fn is_interrupted(&self) -> bool {
         (self.arm.at.is_interrupted)() || self.slipped().is_some()
+    }
+
+    fn refuses(&self, part: &str, time: f64, positions: &[f64]) -> Option<String> {
+        self.guard.fault(part, time, positions)
     }
 
     fn show(&self, state: &StreamState) {

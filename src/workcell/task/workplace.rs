@@ -29,6 +29,8 @@ pub struct Workplace<'a> {
     pub is_interrupted: &'a dyn Fn() -> bool,
     /// Display of the progress.
     pub display: &'a dyn Display,
+    /// Speed of all motions relative to the planned ones, at most 1.
+    pub speed_scale: f64,
 }
 
 impl<'a> Workplace<'a> {
@@ -42,6 +44,7 @@ impl<'a> Workplace<'a> {
             marks: &[],
             is_interrupted: &|| false,
             display: &Hidden,
+            speed_scale: 1.0,
         }
     }
 }
