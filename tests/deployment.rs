@@ -178,7 +178,8 @@ fn points_and_formulas_are_patterns_too() {
     let lying = demand("largest_lying_friction_demand");
     assert!((lying - 0.1).abs() < 2e-3, "{lying}");
     let least = demand("least_lying_friction_demand");
-    assert!(least > 0.02 && least < 0.6 * lying, "{least}");
+    // Where the lead-in begins, it has a second derivative and no curvature, so no tension helps.
+    assert!(least > 0.9 * lying && least <= lying, "{least}");
     // κ̄ = 0.32 with x_M = 2.57 and n_z = 0.72; the demand is greater near the end, where little
     // of the rod is left.
     assert!(demand("largest_friction_demand") > 0.17, "{circle}");

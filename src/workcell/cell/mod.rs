@@ -10,7 +10,7 @@
 //! | `resolved` | the [`Cell`] |
 //! | `surroundings`, `clearance`, `plan` | collision checks; the least distance along a motion; joint trajectories along a path of a hand |
 //! | `streaming` | a joint trajectory with the drivers that it moves |
-//! | `safety` | limits of the hands, before and during every motion |
+//! | `safety`, `hand_guard` | limits of the hands, checked before and during every motion |
 //! | `approach` | motion of an arm from its current joints to the start of another motion |
 //! | `hand_path` | joints along poses of a hand that begin where it is, and motions along a part of them, with an axis |
 //! | `sums` | lengths from the start of a curve on |
@@ -25,6 +25,7 @@ mod camera;
 mod clearance;
 mod continuation;
 mod fingers;
+mod hand_guard;
 mod hand_path;
 mod plan;
 mod report;
@@ -43,11 +44,12 @@ mod view;
 
 pub(crate) use approach::straight;
 pub use fingers::Fingers;
+pub use hand_guard::HandGuard;
 pub use hand_path::{HandPath, HandPathRequest};
 pub use plan::{Place, Plan, PlanError, PlanReport, PlanRequest, read_poses};
 pub use report::CellReport;
 pub(crate) use resolved::ros_version;
 pub use resolved::{Arm, Axis, Camera, Cell, Chuck, Driver, Gripper, Obstacle, Table};
-pub use safety::{HandGuard, Safety};
+pub use safety::Safety;
 pub use streaming::StreamReport;
 pub(crate) use sums::sums;
