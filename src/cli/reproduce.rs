@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn the_list_names_everything_that_is_accepted() {
         let list = list();
-        for known in ARTIFACTS {
+        for known in ARTIFACTS.iter() {
             assert!(list.contains(known.name()) && list.contains(known.title()));
             assert_eq!(artifact(known.name()), Ok(known));
         }

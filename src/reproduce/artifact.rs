@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// A table or figure of the thesis, or a table or figure about this engine itself. Each is
 /// declared next to the code of its page.
+#[derive(Clone)]
 pub struct Artifact {
     pub(super) name: &'static str,
     pub(super) title: &'static str,

@@ -50,6 +50,8 @@ pub(super) enum Measure {
     Tip(fn(&Vector3) -> Vec<f64>),
     /// The parameter of the first critical point of a kind.
     Critical(BranchKind),
+    /// From the results of the run.
+    Run(fn(&Case<BenchmarkRun>) -> Result<Vec<f64>>),
 }
 
 /// A case at a number of edges.
@@ -155,34 +157,22 @@ impl Benchmark {
                 let critical = points.iter().find(|point| point.kind == kind);
                 critical.map(|point| vec![point.parameter])
             }
+            Measure::Run(of) => Some(of(case)?),
         };
         Ok(values.unwrap_or_else(|| vec![f64::NAN; self.quantities.len()]))
     }
 }
 
 /// The page of a case.
-pub(super) struct BenchmarkPage(pub &'static Benchmark);
-
-impl BenchmarkPage {
-    /// The artefact with this page.
-    pub const fn artifact(&'static self) -> Artifact {
-        Artifact {
-            name: self.0.name,
-            title: self.0.title,
-            recipe: self,
-        }
-    }
-}
-
-impl Recipe for BenchmarkPage {
+impl Recipe for &'static Benchmark {
     type Run = BenchmarkRun;
 
     fn runs(&self, quick: bool) -> Vec<BenchmarkRun> {
-        self.0.runs(quick)
+        Benchmark::runs(self, quick)
     }
 
     fn write(&self, page: &mut Page, cases: &[Case<BenchmarkRun>]) -> Result<()> {
-        let Self(benchmark) = self;
+        let benchmark = *self;
         let rows = benchmark.rows(cases)?;
         page.csv(&rows)?;
         let scene = format!("{}.toml", stem(benchmark.name));

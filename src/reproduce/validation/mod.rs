@@ -16,10 +16,10 @@ mod overview;
 mod planar_frame;
 
 use super::Artifact;
-use benchmark::{Benchmark, BenchmarkPage};
+use benchmark::Benchmark;
 
 /// All cases.
-static BENCHMARKS: [&Benchmark; 8] = [
+static BENCHMARKS: &[&Benchmark] = &[
     &bending::ROLL_UP,
     &bending::TIP_FORCE,
     &bending::BEND_OF_45_DEGREES,
@@ -30,19 +30,12 @@ static BENCHMARKS: [&Benchmark; 8] = [
     &buckling::TWISTED_RING,
 ];
 
-/// The table of all cases.
-pub(super) const OVERVIEW: Artifact = overview::ARTIFACT;
-/// The pages of the cases.
-pub(super) const ROLL_UP: Artifact = const { &BenchmarkPage(&bending::ROLL_UP) }.artifact();
-pub(super) const TIP_FORCE: Artifact = const { &BenchmarkPage(&bending::TIP_FORCE) }.artifact();
-pub(super) const BEND_OF_45_DEGREES: Artifact =
-    const { &BenchmarkPage(&bending::BEND_OF_45_DEGREES) }.artifact();
-pub(super) const DEEP_ARCH: Artifact = const { &BenchmarkPage(&limit_loads::DEEP_ARCH) }.artifact();
-pub(super) const LEES_FRAME: Artifact =
-    const { &BenchmarkPage(&limit_loads::LEES_FRAME) }.artifact();
-pub(super) const HEAVY_COLUMN: Artifact =
-    const { &BenchmarkPage(&buckling::HEAVY_COLUMN) }.artifact();
-pub(super) const STRIP_ON_EDGE: Artifact =
-    const { &BenchmarkPage(&buckling::STRIP_ON_EDGE) }.artifact();
-pub(super) const TWISTED_RING: Artifact =
-    const { &BenchmarkPage(&buckling::TWISTED_RING) }.artifact();
+/// The table of all cases, and the page of each.
+pub(super) fn artifacts() -> impl Iterator<Item = Artifact> {
+    let pages = BENCHMARKS.iter().map(|case| Artifact {
+        name: case.name,
+        title: case.title,
+        recipe: case,
+    });
+    std::iter::once(overview::ARTIFACT).chain(pages)
+}

@@ -20,7 +20,7 @@ fn runs(quick: bool) -> Vec<BenchmarkRun> {
 /// The rows of all cases.
 fn rows(cases: &[Case<BenchmarkRun>]) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
-    for benchmark in BENCHMARKS {
+    for benchmark in BENCHMARKS.iter() {
         let own = cases
             .iter()
             .filter(|case| case.run.benchmark.name == benchmark.name);
@@ -65,7 +65,7 @@ mod tests {
     /// Compares exact values, which do not depend on the engine, with those of the papers.
     #[test]
     fn exact_values_are_those_published() {
-        for benchmark in BENCHMARKS {
+        for benchmark in BENCHMARKS.iter() {
             for (quantity, exact) in benchmark.quantities.iter().zip((benchmark.exact)()) {
                 assert!(exact.is_finite(), "{}", benchmark.name);
                 if let Some((published, accuracy)) = quantity.published {
