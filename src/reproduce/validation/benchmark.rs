@@ -8,6 +8,7 @@ use crate::reproduce::table::rows_of;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_files::results::{BranchKind, read_branches, read_nodes};
 use rodlab_lab::run::PreparedRun;
+use std::iter::repeat;
 use std::path::Path;
 
 /// A published case.
@@ -48,7 +49,7 @@ pub(super) struct Quantity {
 pub(super) enum Measure {
     /// From the last node of the last output.
     Tip(fn(&Vector3) -> Vec<f64>),
-    /// The parameter of the first critical point of a kind.
+    /// The parameters of the first critical points of a kind.
     Critical(BranchKind),
     /// From the results of the run.
     Run(fn(&Case<BenchmarkRun>) -> Result<Vec<f64>>),
@@ -154,8 +155,10 @@ impl Benchmark {
             }
             Measure::Critical(kind) => {
                 let points = read_branches(&case.directory)?;
-                let critical = points.iter().find(|point| point.kind == kind);
-                critical.map(|point| vec![point.parameter])
+                let critical = points.iter().filter(|point| point.kind == kind);
+                let parameters = critical.map(|point| point.parameter);
+                let count = self.quantities.len();
+                Some(parameters.chain(repeat(f64::NAN)).take(count).collect())
             }
             Measure::Run(of) => Some(of(case)?),
         };

@@ -3,7 +3,7 @@
 use super::benchmark::{Benchmark, Measure, Quantity};
 use rodlab_engine::mechanics::kirchhoff::numerics::{bisect, runge_kutta};
 use rodlab_files::results::BranchKind;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Steps of the Runge–Kutta method.
 const STEPS: usize = 2000;
@@ -46,6 +46,63 @@ pub(super) static STRIP_ON_EDGE: Benchmark = Benchmark {
         let rate = |weight: f64| free_end_to_clamp(|s| 0.25 * weight * weight * s.powi(4));
         vec![bisect(11.0, 15.0, rate)]
     },
+    measure: Measure::Critical(BranchKind::Bifurcation),
+};
+
+pub(super) static STRIP_WITH_TIP_LOAD: Benchmark = Benchmark {
+    name: "validation/strip-with-tip-load",
+    title: "A strip on edge that buckles sideways under a force at its end",
+    about: "A horizontal strip on edge is clamped at one end and carries a force P at the other. It is stiff in the \
+            vertical plane, where its stiffness is 10⁵ EI here, and turns over sideways at P = 4.013 √(EI GJ)/L².",
+    source: "Prandtl 1899; Timoshenko and Gere 1961, Theory of Elastic Stability, sec. 6.3, with 4.013",
+    means: "root of φ'(0) = 0, φ'' = −P² s²/(EI GJ) φ, φ(L) = 0 over the length s from the free end, for a strip that is rigid in its plane",
+    scene: include_str!("scenes/strip-with-tip-load.toml"),
+    edges: [10, 20, 40],
+    quantities: &[Quantity {
+        name: "critical force P L²/√(EI GJ)",
+        published: Some((4.013, 5e-4)),
+        scale: None,
+    }],
+    exact: || {
+        let rate = |force: f64| free_end_to_clamp(|s| force * force * s * s);
+        vec![bisect(3.0, 5.0, rate)]
+    },
+    measure: Measure::Critical(BranchKind::Bifurcation),
+};
+
+pub(super) static BENT_STRIP: Benchmark = Benchmark {
+    name: "validation/bent-strip",
+    title: "A strip that buckles sideways in pure bending",
+    about: "Moments M at both ends bend a strip in its stiff plane, where its stiffness is 10⁵ EI here. Its ends \
+            cannot turn about the tangent, and turn freely sideways. It buckles sideways at M = π √(EI GJ)/L.",
+    source: "Michell 1899, Phil. Mag. 48, 298; Timoshenko and Gere 1961, Theory of Elastic Stability, sec. 6.2",
+    means: "closed form, for a strip that is rigid in its plane",
+    scene: include_str!("scenes/bent-strip.toml"),
+    edges: [20, 40, 80],
+    quantities: &[Quantity {
+        name: "critical moment M L/√(EI GJ)",
+        published: None,
+        scale: None,
+    }],
+    exact: || vec![PI],
+    measure: Measure::Critical(BranchKind::Bifurcation),
+};
+
+pub(super) static TWISTED_ROD: Benchmark = Benchmark {
+    name: "validation/twisted-rod",
+    title: "A straight rod that buckles under twist",
+    about: "The clamped ends of a straight rod are turned against each other. The rod buckles into space at the \
+            twisting moment M = 8.9868 EI/L; the twist Θ is M L/GJ, with EI/GJ = 1.5 here.",
+    source: "Greenhill 1883, Proc. Inst. Mech. Eng. 34, 182",
+    means: "closed form: M L/2EI is the first positive root of tan x = x",
+    scene: include_str!("scenes/twisted-rod.toml"),
+    edges: [20, 40, 80],
+    quantities: &[Quantity {
+        name: "critical twist Θ, rad",
+        published: None,
+        scale: None,
+    }],
+    exact: || vec![3.0 * bisect(4.0, 4.6, |x| libm::sin(x) - x * libm::cos(x))],
     measure: Measure::Critical(BranchKind::Bifurcation),
 };
 

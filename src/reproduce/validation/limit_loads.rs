@@ -1,7 +1,7 @@
 //! Limit loads of arches and frames.
 
 use super::benchmark::{Benchmark, Measure, Quantity};
-use super::planar_frame::{PlanarFrame, Segment, Start};
+use super::planar_frame::{End, PlanarFrame, Segment, Start};
 use rodlab_files::results::BranchKind;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -28,9 +28,10 @@ pub(super) static DEEP_ARCH: Benchmark = Benchmark {
             start: Start::Clamped(HALF_OPENING),
             segments: &HALVES,
             end: [2.0 * libm::sin(HALF_OPENING), 0.0],
+            support: End::Hinged,
             stretching: 1e6,
         };
-        vec![frame.limit_load().unwrap_or(f64::NAN)]
+        frame.limit_loads().unwrap_or([f64::NAN]).to_vec()
     },
     measure: Measure::Critical(BranchKind::Fold),
 };
@@ -71,9 +72,10 @@ pub(super) static LEES_FRAME: Benchmark = Benchmark {
             start: Start::Hinged(FRAC_PI_2),
             segments: &PIECES,
             end: [1.0, 1.0],
+            support: End::Hinged,
             stretching: 43200.0,
         };
-        vec![frame.limit_load().unwrap_or(f64::NAN)]
+        frame.limit_loads().unwrap_or([f64::NAN]).to_vec()
     },
     measure: Measure::Critical(BranchKind::Fold),
 };

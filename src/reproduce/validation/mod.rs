@@ -3,17 +3,25 @@
 //! | file | contents |
 //! |---|---|
 //! | `scenes` | the scenarios, which users can run |
-//! | `bending`, `limit_loads`, `buckling` | the cases |
+//! | `bending`, `elasticas`, `princeton`, `curls` | cases of large bending and twist |
+//! | `limit_loads`, `toggle`, `buckling`, `flutter` | critical loads |
 //! | `planar_frame` | limit loads by shooting |
+//! | `buckled_sideways` | loss of stability of planar shapes by shooting |
 //! | `benchmark` | a case, its runs and its page |
 //! | `overview` | the table of all cases |
 
 mod benchmark;
 mod bending;
+mod buckled_sideways;
 mod buckling;
+mod curls;
+mod elasticas;
+mod flutter;
 mod limit_loads;
 mod overview;
 mod planar_frame;
+mod princeton;
+mod toggle;
 
 use super::Artifact;
 use benchmark::Benchmark;
@@ -23,11 +31,22 @@ static BENCHMARKS: &[&Benchmark] = &[
     &bending::ROLL_UP,
     &bending::TIP_FORCE,
     &bending::BEND_OF_45_DEGREES,
+    &elasticas::HEAVY_CANTILEVERS,
+    &elasticas::BUCKLED_COLUMNS,
+    &princeton::PRINCETON_BEAM,
+    &toggle::TOGGLE,
     &limit_loads::DEEP_ARCH,
     &limit_loads::LEES_FRAME,
     &buckling::HEAVY_COLUMN,
     &buckling::STRIP_ON_EDGE,
+    &buckling::STRIP_WITH_TIP_LOAD,
+    &buckling::BENT_STRIP,
+    &flutter::BECKS_COLUMN,
+    &buckling::TWISTED_ROD,
     &buckling::TWISTED_RING,
+    &curls::SUSPENDED_CURL,
+    &curls::FOLDED_RING,
+    &curls::HELICAL_SPRING,
 ];
 
 /// The table of all cases, and the page of each.

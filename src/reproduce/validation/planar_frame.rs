@@ -7,8 +7,10 @@ use rodlab_engine::mechanics::kirchhoff::numerics::{bisect, runge_kutta};
 const STEPS: usize = 400;
 /// Step of difference quotients.
 const DIFFERENCE: f64 = 1e-6;
-/// Arclength of a step along the path of equilibria, in the unknowns.
+/// Largest arclength of a step along the path of equilibria, in the unknowns.
 const PATH_STEP: f64 = 0.1;
+/// Least cosine of the angle by which the path turns in a step.
+const LEAST_COSINE: f64 = 0.9;
 /// Maximum number of steps along the path.
 const MOST_STEPS: usize = 2000;
 const MOST_ITERATIONS: usize = 30;
@@ -36,7 +38,15 @@ pub(super) struct Segment {
     pub is_loaded: bool,
 }
 
-/// A frame with EI = 1 in the plane of x and z that is hinged at its end; the load P acts along −z.
+/// Support of the frame at its end.
+pub(super) enum End {
+    /// The tangent is held in this direction, rad from x towards z.
+    Clamped(f64),
+    /// Hinge.
+    Hinged,
+}
+
+/// A frame with EI = 1 in the plane of x and z whose ends are supported; the load P acts along −z.
 ///
 /// ```text
 /// r' = (1 + n·t/EA) t,  t = (cos θ, sin θ),  θ' = κ + m,  m' = n_x r_z' − n_z r_x'
@@ -44,41 +54,54 @@ pub(super) struct Segment {
 ///
 /// with the force n and the moment m that the material behind s exerts, n constant except for a
 /// jump by (0, P) at the load. The unknowns are P, the force at the start, and the moment there,
-/// or the direction of the tangent if the start is hinged. The end must be at its place without a
-/// moment.
-pub(super) struct PlanarFrame {
+/// or the direction of the tangent if the start is hinged. The end must be at its place, without a
+/// moment or in its direction.
+pub(super) struct PlanarFrame<'a> {
     /// The start.
     pub start: Start,
     /// The pieces, from the start.
-    pub segments: &'static [Segment],
+    pub segments: &'a [Segment],
     /// Place of the end from the start.
     pub end: [f64; 2],
+    /// Support of the end.
+    pub support: End,
     /// EA.
     pub stretching: f64,
 }
 
-impl PlanarFrame {
-    /// Returns the load at the first fold of the path of equilibria; `None` if there is none.
-    pub fn limit_load(&self) -> Option<f64> {
+impl PlanarFrame<'_> {
+    /// Returns the loads at the first folds of the path of equilibria; `None` if there are fewer.
+    pub fn limit_loads<const N: usize>(&self) -> Option<[f64; N]> {
         let angle = match self.start {
             Start::Clamped(_) => 0.0,
             Start::Hinged(angle) => angle,
         };
         let mut here = Vector4::new(angle, 0.0, 0.0, 0.0);
         let mut tangent = self.tangent(&here, &Vector4::w())?;
+        let mut loads = Vec::new();
+        let mut step = PATH_STEP;
         for _ in 0..MOST_STEPS {
-            let next = self.beyond(&here, &tangent, PATH_STEP)?;
-            let after = self.tangent(&next, &tangent)?;
-            if after.w <= 0.0 {
+            let next = self.beyond(&here, &tangent, step);
+            let after = next.and_then(|next| self.tangent(&next, &tangent));
+            let is_smooth = |after: &Vector4<f64>| after.dot(&tangent) > LEAST_COSINE;
+            let Some((next, after)) = next.zip(after.filter(is_smooth)) else {
+                step *= 0.5;
+                continue;
+            };
+            if after.w * tangent.w <= 0.0 {
                 let rate = |step: f64| {
                     let there = self.beyond(&here, &tangent, step);
                     let along = there.and_then(|there| self.tangent(&there, &tangent));
                     along.map_or(f64::NAN, |along| along.w)
                 };
-                let fold = bisect(0.0, PATH_STEP, rate);
-                return Some(self.beyond(&here, &tangent, fold)?.w);
+                let fold = bisect(0.0, step, rate);
+                loads.push(self.beyond(&here, &tangent, fold)?.w);
+                if loads.len() == N {
+                    return loads.try_into().ok();
+                }
             }
             (here, tangent) = (next, after);
+            step = PATH_STEP.min(2.0 * step);
         }
         None
     }
@@ -120,7 +143,7 @@ impl PlanarFrame {
         Matrix4::from_fn(|i, j| if i < 3 { jacobian[(i, j)] } else { row[j] })
     }
 
-    /// Deviation of the end from its prescribed place, and the moment there.
+    /// Deviation of the end from its prescribed place, and the moment or deviation of the angle there.
     fn misfit(&self, unknowns: &Vector4<f64>) -> Vector3<f64> {
         let [free, mut force, load] = [unknowns.x, 0.0, unknowns.w];
         let (angle, moment) = match self.start {
@@ -144,6 +167,11 @@ impl PlanarFrame {
             let states = runge_kutta(0.0, segment.length, state, STEPS, slope);
             state = states[states.len() - 1];
         }
-        Vector3::new(state[0] - self.end[0], state[1] - self.end[1], state[3])
+        let [x, z, angle, moment] = state;
+        let free = match self.support {
+            End::Clamped(held) => angle - held,
+            End::Hinged => moment,
+        };
+        Vector3::new(x - self.end[0], z - self.end[1], free)
     }
 }
