@@ -41,6 +41,33 @@ pub(super) static SUSPENDED_CURL: Benchmark = Benchmark {
     measure: Measure::Critical(BranchKind::Bifurcation),
 };
 
+pub(super) static CURVED_STRIP: Benchmark = Benchmark {
+    name: "validation/curved-strip",
+    title: "A curved strip on edge that buckles sideways under its own weight",
+    about: "A strip on edge rises naturally from its horizontal clamp along an arc of 1 rad. Its stiffness in the \
+            vertical plane is 100 EI, and GJ = EI. Its weight w per length bends it down, until it turns over \
+            sideways. A straight strip does so at 12.85 √(EI GJ)/L³.",
+    source: "Timoshenko and Gere 1961, Theory of Elastic Stability, ch. 7, on curved strips; here with the load of \
+             Prandtl 1899",
+    means: "shooting of the planar equilibrium, and of the linearised equations of rotations out of its plane",
+    scene: include_str!("scenes/curved-strip.toml"),
+    edges: [20, 40, 80],
+    quantities: &[Quantity {
+        name: "critical weight w L³/EI",
+        published: None,
+        scale: None,
+    }],
+    exact: || {
+        let rod = HangingRod {
+            stiffness: [100.0, 1.0, 1.0],
+            natural_curvature: -1.0,
+            clamp: PI,
+        };
+        rod.critical_weights::<1>(0.5).to_vec()
+    },
+    measure: Measure::Critical(BranchKind::Bifurcation),
+};
+
 pub(super) static FOLDED_RING: Benchmark = Benchmark {
     name: "validation/folded-ring",
     title: "An overcurved ring that folds to three coils",

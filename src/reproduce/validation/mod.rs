@@ -45,6 +45,7 @@ static BENCHMARKS: &[&Benchmark] = &[
     &buckling::TWISTED_ROD,
     &buckling::TWISTED_RING,
     &curls::SUSPENDED_CURL,
+    &curls::CURVED_STRIP,
     &curls::FOLDED_RING,
     &curls::HELICAL_SPRING,
 ];

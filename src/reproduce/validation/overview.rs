@@ -35,7 +35,8 @@ fn write(page: &mut Page, _: &[Case<BenchmarkRun>], rows: &[Row]) -> Result<()> 
     page.text(
         "Cases from the literature, with values by means that share nothing with the engine: closed forms, and \
          solutions of the boundary value problem by shooting. Errors are those of the finest of three meshes. A page for each \
-         case has its source, its scenario, all meshes and the published values. `rodlab reproduce validation` makes them all again.",
+         case has its source, its scenario, all meshes and the published values. `rodlab reproduce validation` makes them all again. \
+         Three real wires, with the errors of a photograph that was not fitted, are on the page `identification` of the guide.",
     );
     let finest: Vec<&Row> = BENCHMARKS
         .iter()
