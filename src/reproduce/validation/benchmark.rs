@@ -8,6 +8,7 @@ use crate::reproduce::table::rows_of;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_files::results::{BranchKind, read_branches, read_nodes};
 use rodlab_lab::run::PreparedRun;
+use std::collections::BTreeMap;
 use std::iter::repeat;
 use std::path::Path;
 
@@ -222,18 +223,29 @@ pub(super) fn digits(value: f64) -> String {
     format!("{value:.*}", 6usize.saturating_sub(before))
 }
 
-/// Plots errors over the number of edges, one curve for each quantity of each case.
-pub(super) fn figures(rows: &[Row]) -> Vec<PageFigure> {
-    let mut names: Vec<String> = rows.iter().map(name).collect();
+/// Plots errors over the number of edges, one curve for each quantity.
+fn figures(rows: &[Row]) -> Vec<PageFigure> {
+    errors_over_edges(rows, |row| &row.quantity)
+}
+
+/// Plots the largest error of each case at each number of edges.
+pub(super) fn figures_of_cases(rows: &[Row]) -> Vec<PageFigure> {
+    errors_over_edges(rows, |row| &row.case)
+}
+
+/// Plots the largest error of rows of the same name at each number of edges, a curve for each name.
+fn errors_over_edges(rows: &[Row], name: fn(&Row) -> &String) -> Vec<PageFigure> {
+    let mut names: Vec<&String> = rows.iter().map(name).collect();
     names.sort();
     names.dedup();
-    let curves = names.iter().map(|wanted| {
-        let own = rows.iter().filter(|row| name(row) == *wanted);
-        let own = own.filter(|row| row.error != 0.0);
-        curve(wanted.as_str(), own, |row| {
-            (row.edges as f64, row.error.abs())
-        })
-        .looking(Look::Marked)
+    let curves = names.into_iter().map(|wanted| {
+        let mut errors = BTreeMap::new();
+        for row in rows.iter().filter(|row| name(row) == wanted) {
+            let largest = errors.entry(row.edges).or_insert(0.0);
+            *largest = row.error.abs().max(*largest);
+        }
+        let errors = errors.into_iter().filter(|(_, error)| *error > 0.0);
+        curve(wanted, errors, |(edges, error)| (edges as f64, error)).looking(Look::Marked)
     });
     let style = PlotStyle {
         horizontal: AxisScale::Logarithmic,
@@ -256,9 +268,4 @@ fn second_order(rows: &[Row]) -> Option<Curve> {
         (edges as f64, error * (first as f64 / edges as f64).powi(2))
     });
     Some(line.looking(Look::Dashed))
-}
-
-/// Name of the curve of a row.
-fn name(row: &Row) -> String {
-    format!("{}: {}", row.case, row.quantity)
 }

@@ -1,14 +1,14 @@
 //! The table of all published cases.
 
 use super::BENCHMARKS;
-use super::benchmark::{BenchmarkRun, Row, digits, figures};
+use super::benchmark::{BenchmarkRun, Row, digits, figures_of_cases};
 use crate::reproduce::page::stem;
 use crate::reproduce::prelude::*;
 
 pub(super) const ARTIFACT: Artifact = Artifact {
     name: "validation",
     title: "Published cases",
-    recipe: &Tabled::new(runs, Rows::All(rows), write, figures),
+    recipe: &Tabled::new(runs, Rows::All(rows), write, figures_of_cases),
 };
 
 /// The runs of all cases.

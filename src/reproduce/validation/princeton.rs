@@ -44,32 +44,14 @@ pub(super) static PRINCETON_BEAM: Benchmark = Benchmark {
     scene: include_str!("scenes/princeton-beam.toml"),
     edges: [20, 40, 80],
     quantities: &[
-        quantity(
-            "30°: deflection in the stiff direction, mm",
-            Some((16.6587, 0.255)),
-        ),
-        quantity(
-            "30°: deflection in the soft direction, mm",
-            Some((117.736, 3.99)),
-        ),
+        quantity("30°: stiff deflection, mm", Some((16.6587, 0.255))),
+        quantity("30°: soft deflection, mm", Some((117.736, 3.99))),
         quantity("30°: twist, degrees", None),
-        quantity(
-            "45°: deflection in the stiff direction, mm",
-            Some((15.1862, 0.336)),
-        ),
-        quantity(
-            "45°: deflection in the soft direction, mm",
-            Some((156.467, 2.92)),
-        ),
+        quantity("45°: stiff deflection, mm", Some((15.1862, 0.336))),
+        quantity("45°: soft deflection, mm", Some((156.467, 2.92))),
         quantity("45°: twist, degrees", None),
-        quantity(
-            "60°: deflection in the stiff direction, mm",
-            Some((11.5784, 0.307)),
-        ),
-        quantity(
-            "60°: deflection in the soft direction, mm",
-            Some((181.862, 1.89)),
-        ),
+        quantity("60°: stiff deflection, mm", Some((11.5784, 0.307))),
+        quantity("60°: soft deflection, mm", Some((181.862, 1.89))),
         quantity("60°: twist, degrees", None),
     ],
     exact: || {
