@@ -207,14 +207,24 @@ impl Page {
         self.heading.name
     }
 
+    /// Whether this is the quick version.
+    pub fn is_quick(&self) -> bool {
+        self.manifest.quick
+    }
+
     /// Writes rows as a CSV file named after the artefact.
     pub fn csv(&mut self, rows: &[impl Serialize]) -> Result<(), ResultsError> {
+        self.csv_as(&format!("{}.csv", stem(self.heading.name)), rows)
+    }
+
+    /// Writes rows as a CSV file.
+    pub fn csv_as(&mut self, name: &str, rows: &[impl Serialize]) -> Result<(), ResultsError> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         for row in rows {
             writer.serialize(row).expect("plain rows go into memory");
         }
         let bytes = writer.into_inner().expect("memory takes all bytes");
-        self.file(&format!("{}.csv", stem(self.heading.name)), &bytes)
+        self.file(name, &bytes)
     }
 
     /// Writes a figure and shows it on the page.

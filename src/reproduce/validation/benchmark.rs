@@ -1,5 +1,6 @@
 //! A published case with its scenario, quantities, exact values and page.
 
+use super::peers::{Section, verdict};
 use crate::reproduce::artifact::Recipe;
 use crate::reproduce::cases::{Run, prepared};
 use crate::reproduce::page::stem;
@@ -179,6 +180,11 @@ impl Recipe for &'static Benchmark {
         let benchmark = *self;
         let rows = benchmark.rows(cases)?;
         page.csv(&rows)?;
+        let peers = Section::of(benchmark, cases, page.is_quick())?;
+        let better = verdict(&rows, &peers.rows);
+        if !better.is_empty() {
+            page.text(&better);
+        }
         let scene = format!("{}.toml", stem(benchmark.name));
         page.file(&scene, benchmark.scene.as_bytes())?;
         page.text(benchmark.about);
@@ -187,15 +193,19 @@ impl Recipe for &'static Benchmark {
         page.text(&format!(
             "`rodlab run {scene} --set parameters.edges=80` in this folder makes a run."
         ));
-        page.table(columns! { row in &rows;
+        let mut table = columns! { row in &rows;
             "quantity" => row.quantity.as_str(),
             "edges" => row.edges.to_string(),
-            "rodlab" => digits(row.value),
+            "program" => "rodlab",
+            "value" => digits(row.value),
             "exact" => digits(row.exact),
             "error" => format!("{:.1e}", row.error),
             "order" => number(row.order, 2),
             "processor time, s" => number(row.cpu_time_s, 2),
-        });
+        };
+        table.lines.extend(peers.cells());
+        page.table(table);
+        peers.write(page, stem(benchmark.name))?;
         let published = rows.iter().take(benchmark.quantities.len());
         let published: Vec<&Row> = published.filter(|row| row.published.is_some()).collect();
         if !published.is_empty() {

@@ -54,20 +54,7 @@ pub(super) static TIP_FORCE: Benchmark = Benchmark {
             scale: None,
         },
     ],
-    exact: || {
-        let tip = tip(&SpatialCantilever {
-            length: 1.0,
-            stiffness: [1.0, 1e3, 1e3],
-            stretching: 1e5,
-            natural: |_| [0.0; 3],
-            director: Vector3::y(),
-            tangent: Vector3::x(),
-            load_per_length: Vector3::zeros(),
-            end_force: -10.0 * Vector3::z(),
-            end_moment: Vector3::zeros(),
-        });
-        vec![-tip.z, 1.0 - tip.x]
-    },
+    exact: || tip_under_force(1e5),
     measure: Measure::Tip(|tip| vec![-tip.z, 1.0 - tip.x]),
 };
 
@@ -100,22 +87,41 @@ pub(super) static BEND_OF_45_DEGREES: Benchmark = Benchmark {
             scale: None,
         },
     ],
-    exact: || {
-        let tip = tip(&SpatialCantilever {
-            length: 25.0 * std::f64::consts::PI,
-            stiffness: [1e7 / 12.0; 3],
-            stretching: 1e7,
-            natural: |_| [0.01, 0.0, 0.0],
-            director: -Vector3::z(),
-            tangent: Vector3::y(),
-            load_per_length: Vector3::zeros(),
-            end_force: 600.0 * Vector3::z(),
-            end_moment: Vector3::zeros(),
-        });
-        vec![tip.x, tip.y, tip.z]
-    },
+    exact: || tip_of_bend(1e7),
     measure: Measure::Tip(|tip| vec![tip.x, tip.y, tip.z]),
 };
+
+/// Deflection and shortening of the cantilever under a force, with its stiffness EA.
+pub(super) fn tip_under_force(stretching: f64) -> Vec<f64> {
+    let tip = tip(&SpatialCantilever {
+        length: 1.0,
+        stiffness: [1.0, 1e3, 1e3],
+        stretching,
+        natural: |_| [0.0; 3],
+        director: Vector3::y(),
+        tangent: Vector3::x(),
+        load_per_length: Vector3::zeros(),
+        end_force: -10.0 * Vector3::z(),
+        end_moment: Vector3::zeros(),
+    });
+    vec![-tip.z, 1.0 - tip.x]
+}
+
+/// The tip of the bend, with its stiffness EA.
+pub(super) fn tip_of_bend(stretching: f64) -> Vec<f64> {
+    let tip = tip(&SpatialCantilever {
+        length: 25.0 * std::f64::consts::PI,
+        stiffness: [1e7 / 12.0; 3],
+        stretching,
+        natural: |_| [0.01, 0.0, 0.0],
+        director: -Vector3::z(),
+        tangent: Vector3::y(),
+        load_per_length: Vector3::zeros(),
+        end_force: 600.0 * Vector3::z(),
+        end_moment: Vector3::zeros(),
+    });
+    vec![tip.x, tip.y, tip.z]
+}
 
 /// The free end of a cantilever.
 fn tip<N: Fn(f64) -> [f64; 3]>(cantilever: &SpatialCantilever<N>) -> Vector3 {

@@ -8,6 +8,7 @@
 //! | `planar_frame` | limit loads by shooting |
 //! | `buckled_sideways` | loss of stability of planar shapes by shooting |
 //! | `benchmark` | a case, its runs and its page |
+//! | `peers` | the cases by other programs |
 //! | `overview` | the table of all cases |
 
 mod benchmark;
@@ -19,6 +20,7 @@ mod elasticas;
 mod flutter;
 mod limit_loads;
 mod overview;
+mod peers;
 mod planar_frame;
 mod princeton;
 mod toggle;

@@ -2,6 +2,7 @@
 
 use super::BENCHMARKS;
 use super::benchmark::{BenchmarkRun, Row, digits, figures_of_cases};
+use super::peers::{PeerRow, Section, best_of_peers, verdict};
 use crate::reproduce::page::stem;
 use crate::reproduce::prelude::*;
 
@@ -31,7 +32,14 @@ fn rows(cases: &[Case<BenchmarkRun>]) -> Result<Vec<Row>> {
 }
 
 /// Writes a line for each quantity at the finest mesh.
-fn write(page: &mut Page, _: &[Case<BenchmarkRun>], rows: &[Row]) -> Result<()> {
+fn write(page: &mut Page, cases: &[Case<BenchmarkRun>], rows: &[Row]) -> Result<()> {
+    let mut peers = Vec::new();
+    for benchmark in BENCHMARKS {
+        let own = |case: &&Case<BenchmarkRun>| case.run.benchmark.name == benchmark.name;
+        let own: Vec<Case<BenchmarkRun>> = cases.iter().filter(own).cloned().collect();
+        peers.extend(Section::of(benchmark, &own, page.is_quick())?.rows);
+    }
+    list_better(page, rows, &peers);
     page.text(
         "Cases from the literature, with values by means that share nothing with the engine: closed forms, and \
          solutions of the boundary value problem by shooting. Errors are those of the finest of three meshes. A page for each \
@@ -46,7 +54,7 @@ fn write(page: &mut Page, _: &[Case<BenchmarkRun>], rows: &[Row]) -> Result<()> 
             own().filter(move |row| Some(row.edges) == most)
         })
         .collect();
-    page.table(columns! { row in finest;
+    page.table(columns! { row in &finest;
         "case" => format!("[{0}]({0}/README.md)", row.case),
         "quantity" => row.quantity.as_str(),
         "published" => row.published.map(|value| value.to_string()).unwrap_or_default(),
@@ -56,6 +64,71 @@ fn write(page: &mut Page, _: &[Case<BenchmarkRun>], rows: &[Row]) -> Result<()> 
         "error" => format!("{:.1e}", row.error),
         "order" => number(row.order, 2),
     });
+    compare(page, &finest, &peers)
+}
+
+/// Lists the cases in which another program is better.
+fn list_better(page: &mut Page, rows: &[Row], peers: &[PeerRow]) {
+    let better = BENCHMARKS.iter().filter_map(|benchmark| {
+        let case = stem(benchmark.name);
+        let own: Vec<PeerRow> = peers
+            .iter()
+            .filter(|row| row.case == case)
+            .cloned()
+            .collect();
+        let words = verdict(rows, &own);
+        (!words.is_empty()).then(|| format!("- [{case}]({case}/README.md): {words}"))
+    });
+    let better: Vec<String> = better.collect();
+    if !better.is_empty() {
+        page.text("Other programs are better than rodlab in these cases:");
+        page.text(&better.join("\n"));
+    }
+}
+
+/// Compares errors and times of the finest meshes with those of other programs.
+fn compare(page: &mut Page, finest: &[&Row], peers: &[PeerRow]) -> Result<()> {
+    page.text(
+        "The same by other programs that `pip` installs, each at its finest mesh. Their scripts lie beside the pages of the \
+         cases, and run with the Python that `RODLAB_PYTHON` names, or with `python3`. A program that is not installed is \
+         left out. Times are processor times of a run, without imports and compilation of Python.",
+    );
+    let mut lines = Vec::new();
+    for row in finest {
+        let best = best_of_peers(row, peers);
+        if best.is_empty() {
+            continue;
+        }
+        let own = ("rodlab", row.edges, row.error, row.cpu_time_s);
+        let others = best.into_iter().map(|peer| {
+            let program = peer.program.as_str();
+            (program, peer.edges, peer.error, Some(peer.cpu_time_s))
+        });
+        for (program, edges, error, time) in std::iter::once(own).chain(others) {
+            lines.push(vec![
+                row.case.clone(),
+                row.quantity.clone(),
+                program.into(),
+                edges.to_string(),
+                format!("{error:.1e}"),
+                number(time, 2),
+            ]);
+        }
+    }
+    if !lines.is_empty() {
+        let header = [
+            "case",
+            "quantity",
+            "program",
+            "edges",
+            "error",
+            "processor time, s",
+        ];
+        page.lines(&header, &lines);
+    }
+    if !peers.is_empty() {
+        page.csv_as("peers.csv", peers)?;
+    }
     Ok(())
 }
 

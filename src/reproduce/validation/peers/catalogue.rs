@@ -1,0 +1,168 @@
+//! The scripts of other programs, and the cases that a program is left out of.
+
+use super::super::bending;
+use super::{Peer, Program};
+
+/// The file that all scripts import.
+pub(super) const COMMON: (&str, &str) = ("peer.py", include_str!("peer.py"));
+
+pub(super) static EXUDYN: Program = Program {
+    name: "Exudyn",
+    package: "exudyn scipy",
+    module: "exudyn",
+    common: ("exudyn_rod.py", include_str!("exudyn_rod.py")),
+};
+
+pub(super) static MUJOCO: Program = Program {
+    name: "MuJoCo",
+    package: "mujoco",
+    module: "mujoco",
+    common: ("mujoco_rod.py", include_str!("mujoco_rod.py")),
+};
+
+pub(super) static PYELASTICA: Program = Program {
+    name: "PyElastica",
+    package: "pyelastica",
+    module: "elastica",
+    common: ("elastica_rod.py", include_str!("elastica_rod.py")),
+};
+
+/// Names and embeds a script.
+macro_rules! script {
+    ($name:literal) => {
+        ($name, include_str!($name))
+    };
+}
+
+const RELAXATION_IN_MUJOCO: &str = "a flex of dimension 1, a discrete elastic rod whose edges keep their lengths, steps with drag to rest by \
+     its implicit `discrete` integrator; errors are those of a rod that does not stretch";
+const RELAXATION_IN_PYELASTICA: &str = "explicit steps with damping until the rod rests; errors are those of a rod without stretching and shear, \
+     whose part is subtracted";
+const CABLES: &str = "planar ANCF cables of cubic shape, static solver";
+const LIMIT: &str = "planar ANCF cables of cubic shape; the loaded point falls in static steps, and the largest force is \
+     found by search";
+
+/// All scripts.
+pub(in super::super) static PEERS: &[Peer] = &[
+    Peer {
+        case: "roll-up",
+        program: &EXUDYN,
+        script: script!("roll-up_exudyn.py"),
+        method: CABLES,
+        exact: None,
+    },
+    Peer {
+        case: "roll-up",
+        program: &MUJOCO,
+        script: script!("roll-up_mujoco.py"),
+        method: RELAXATION_IN_MUJOCO,
+        exact: None,
+    },
+    Peer {
+        case: "roll-up",
+        program: &PYELASTICA,
+        script: script!("roll-up_elastica.py"),
+        method: RELAXATION_IN_PYELASTICA,
+        exact: None,
+    },
+    Peer {
+        case: "tip-force",
+        program: &EXUDYN,
+        script: script!("tip-force_exudyn.py"),
+        method: CABLES,
+        exact: None,
+    },
+    Peer {
+        case: "tip-force",
+        program: &MUJOCO,
+        script: script!("tip-force_mujoco.py"),
+        method: RELAXATION_IN_MUJOCO,
+        exact: Some(|| bending::tip_under_force(f64::INFINITY)),
+    },
+    Peer {
+        case: "tip-force",
+        program: &PYELASTICA,
+        script: script!("tip-force_elastica.py"),
+        method: RELAXATION_IN_PYELASTICA,
+        exact: Some(|| bending::tip_under_force(f64::INFINITY)),
+    },
+    Peer {
+        case: "bend-of-45-degrees",
+        program: &EXUDYN,
+        script: script!("bend-of-45-degrees_exudyn.py"),
+        method: "geometrically exact beams with a stiff shear, static solver",
+        exact: None,
+    },
+    Peer {
+        case: "bend-of-45-degrees",
+        program: &MUJOCO,
+        script: script!("bend-of-45-degrees_mujoco.py"),
+        method: RELAXATION_IN_MUJOCO,
+        exact: Some(|| bending::tip_of_bend(f64::INFINITY)),
+    },
+    Peer {
+        case: "bend-of-45-degrees",
+        program: &PYELASTICA,
+        script: script!("bend-of-45-degrees_elastica.py"),
+        method: RELAXATION_IN_PYELASTICA,
+        exact: Some(|| bending::tip_of_bend(f64::INFINITY)),
+    },
+    Peer {
+        case: "deep-arch",
+        program: &EXUDYN,
+        script: script!("deep-arch_exudyn.py"),
+        method: LIMIT,
+        exact: None,
+    },
+    Peer {
+        case: "lees-frame",
+        program: &EXUDYN,
+        script: script!("lees-frame_exudyn.py"),
+        method: LIMIT,
+        exact: None,
+    },
+    Peer {
+        case: "heavy-column",
+        program: &EXUDYN,
+        script: script!("heavy-column_exudyn.py"),
+        method: "planar ANCF cables of cubic shape; the weight at which the least eigenvalue of the stiffness matrix is zero",
+        exact: None,
+    },
+    Peer {
+        case: "strip-on-edge",
+        program: &EXUDYN,
+        script: script!("strip-on-edge_exudyn.py"),
+        method: "geometrically exact beams; the weight at which the least eigenvalue of the stiffness matrix is zero",
+        exact: None,
+    },
+];
+
+/// Cases that a program is left out of, and the reason.
+pub(in super::super) static LEFT_OUT: &[(&[&str], &Program, &str)] = &[
+    (
+        &["deep-arch", "lees-frame"],
+        &MUJOCO,
+        "it steps in time only, and a rod that steps under a growing load snaps near, not at, the limit load",
+    ),
+    (
+        &["deep-arch", "lees-frame"],
+        &PYELASTICA,
+        "it steps in time only, and a rod that steps under a growing load snaps near, not at, the limit load",
+    ),
+    (
+        &["heavy-column", "strip-on-edge", "twisted-ring"],
+        &MUJOCO,
+        "it has no stiffness matrix of a state at rest, so that a critical load would be guessed from growing motion",
+    ),
+    (
+        &["heavy-column", "strip-on-edge", "twisted-ring"],
+        &PYELASTICA,
+        "it has no stiffness matrix of a state at rest, so that a critical load would be guessed from growing motion",
+    ),
+    (
+        &["twisted-ring"],
+        &EXUDYN,
+        "its static solver takes no nodes whose rotation exceeds a turn without a constraint on Euler parameters, \
+         whose part is missing from the stiffness matrix that it returns",
+    ),
+];
