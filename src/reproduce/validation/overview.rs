@@ -89,7 +89,7 @@ fn list_better(page: &mut Page, rows: &[Row], peers: &[PeerRow]) {
 /// Compares errors and times of the finest meshes with those of other programs.
 fn compare(page: &mut Page, finest: &[&Row], peers: &[PeerRow]) -> Result<()> {
     page.text(
-        "The same by other programs that `pip` installs, each at its finest mesh. Their scripts lie beside the pages of the \
+        "The same by other programs that `pip` installs, each at its finest mesh. Their scripts are beside the pages of the \
          cases, and run with the Python that `RODLAB_PYTHON` names, or with `python3`. A program that is not installed is \
          left out. Times are processor times of a run, without imports and compilation of Python.",
     );
