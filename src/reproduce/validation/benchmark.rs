@@ -201,7 +201,7 @@ impl Recipe for &'static Benchmark {
             "exact" => digits(row.exact),
             "error" => format!("{:.1e}", row.error),
             "order" => number(row.order, 2),
-            "processor time, s" => number(row.cpu_time_s, 2),
+            "processor time, s" => number(row.cpu_time_s, 3),
         };
         table.lines.extend(peers.cells());
         page.table(table);

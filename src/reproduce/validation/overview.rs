@@ -44,7 +44,8 @@ fn write(page: &mut Page, cases: &[Case<BenchmarkRun>], rows: &[Row]) -> Result<
         "Cases from the literature, with values by means that share nothing with the engine: closed forms, and \
          solutions of the boundary value problem by shooting. Errors are those of the finest of three meshes. A page for each \
          case has its source, its scenario, all meshes and the published values. `rodlab reproduce validation` makes them all again. \
-         Three real wires, with the errors of a photograph that was not fitted, are on the page `identification` of the guide.",
+         Three real wires, with the errors of a photograph that was not fitted, are on the page `identification` of the guide. \
+         [PAPER.md](PAPER.md) describes method and proof.",
     );
     let finest: Vec<&Row> = BENCHMARKS
         .iter()
@@ -111,7 +112,7 @@ fn compare(page: &mut Page, finest: &[&Row], peers: &[PeerRow]) -> Result<()> {
                 program.into(),
                 edges.to_string(),
                 format!("{error:.1e}"),
-                number(time, 2),
+                number(time, 3),
             ]);
         }
     }

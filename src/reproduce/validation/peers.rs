@@ -277,6 +277,17 @@ impl Section {
         Ok(())
     }
 
+    /// Observed order of convergence of a row, from the mesh of half as many edges.
+    fn order(&self, row: &PeerRow) -> Option<f64> {
+        let is_coarser = |other: &&PeerRow| {
+            other.program == row.program
+                && other.quantity == row.quantity
+                && 2 * other.edges == row.edges
+        };
+        let ratio = self.rows.iter().find(is_coarser)?.error / row.error;
+        (ratio > 0.0).then(|| libm::log2(ratio))
+    }
+
     /// The cells of the rows in the table of the page.
     pub fn cells(&self) -> impl Iterator<Item = Vec<String>> + '_ {
         self.rows.iter().map(|row| {
@@ -287,8 +298,8 @@ impl Section {
                 digits(row.value),
                 digits(row.exact),
                 format!("{:.1e}", row.error),
-                number(None, 2),
-                number(row.cpu_time_s, 2),
+                number(self.order(row), 2),
+                number(row.cpu_time_s, 3),
             ]
         })
     }

@@ -162,7 +162,7 @@ pub(in super::super) static LEFT_OUT: &[(&[&str], &Program, &str)] = &[
     (
         &["twisted-ring"],
         &EXUDYN,
-        "its static solver takes no nodes whose rotation exceeds a turn without a constraint on Euler parameters, \
-         whose part is missing from the stiffness matrix that it returns",
+        "the ring turns by more than its Euler angles can, and the stiffness matrix of nodes with Euler parameters leaves \
+         out the constraint on their norm",
     ),
 ];

@@ -16,7 +16,7 @@ def load(edges):
     rods.hold(mbs, nodes[-1], range(2))
     crown = rods.hold(mbs, nodes[edges // 2], [1])[0]
     mbs.Assemble()
-    return [rods.limit_load(mbs, crown, 0.05)]
+    return rods.limit_loads(mbs, crown, 0.05)
 
 
 peer.run("Exudyn", "exudyn", ["limit load P R²/EI"], load)

@@ -10,7 +10,7 @@ def weight(edges):
     rods.hold(mbs, nodes[0], range(4))
     loads = rods.weight(mbs, elements)
     mbs.Assemble()
-    return [rods.critical_weight(mbs, loads, [0, -1, 0], 4, 6.0, 9.0)]
+    return [rods.critical_load(mbs, loads, [0, -1, 0], 4, 6.0, 9.0)]
 
 
 peer.run("Exudyn", "exudyn", ["critical weight w L³/EI"], weight)

@@ -3,7 +3,6 @@
 import exudyn_rod as rods
 import numpy as np
 import peer
-from exudyn.utilities import GenericJoint, MarkerBodyRigid
 
 
 def load(edges):
@@ -12,19 +11,10 @@ def load(edges):
     beam, of_beam = rods.straight(mbs, [0, 1], [1, 0], edges, 43200.0)
     rods.hold(mbs, column[0], range(2))
     rods.hold(mbs, beam[-1], range(2))
-    corner = [
-        mbs.AddMarker(MarkerBodyRigid(bodyNumber=of_column[-1], localPosition=[1 / edges, 0, 0])),
-        mbs.AddMarker(MarkerBodyRigid(bodyNumber=of_beam[0], localPosition=[0, 0, 0])),
-    ]
-    quarter = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
-    mbs.AddObject(
-        GenericJoint(
-            markerNumbers=corner, constrainedAxes=[1, 1, 0, 0, 0, 1], rotationMarker1=quarter
-        )
-    )
+    rods.join(mbs, of_column[-1], 1 / edges, of_beam[0], np.pi / 2)
     loaded = rods.hold(mbs, beam[edges // 5], [1])[0]
     mbs.Assemble()
-    return [rods.limit_load(mbs, loaded, 0.05)]
+    return rods.limit_loads(mbs, loaded, 0.05)
 
 
 peer.run("Exudyn", "exudyn", ["limit load P L²/EI"], load)

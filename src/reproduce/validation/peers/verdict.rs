@@ -10,7 +10,7 @@ use std::fmt::Write;
 pub(in super::super) fn verdict(own: &[Row], peers: &[PeerRow]) -> String {
     let mut text = String::new();
     for (program, rows) in by_program(peers) {
-        let mut say = |what: &str, quantities: Vec<&str>| {
+        let mut say = |what: &str, quantities: Vec<String>| {
             if !quantities.is_empty() {
                 let gap = if text.is_empty() { "" } else { " " };
                 // Writing to a string cannot fail.
@@ -19,45 +19,54 @@ pub(in super::super) fn verdict(own: &[Row], peers: &[PeerRow]) -> String {
         };
         say(
             "more accurate at the same number of edges",
-            better(own, &rows, is_more_accurate),
+            better(own, &rows, more_accurate),
         );
         say(
             "faster at the same error or a smaller one",
-            better(own, &rows, is_faster),
+            better(own, &rows, faster),
         );
     }
     text
 }
 
-/// The quantities in which a comparison holds for a row of a program.
-fn better<'a>(
-    own: &[Row],
-    peers: &[&'a PeerRow],
-    holds: fn(&[&Row], &PeerRow) -> bool,
-) -> Vec<&'a str> {
-    let mut quantities = Vec::new();
+/// The quantities in which a comparison holds for a row of a program, each with the numbers of the
+/// finest such mesh.
+fn better(own: &[Row], peers: &[&PeerRow], compare: Comparison) -> Vec<String> {
+    let mut quantities: Vec<(&str, String)> = Vec::new();
     for peer in peers {
         let same = |row: &&Row| row.case == peer.case && row.quantity == peer.quantity;
         let same: Vec<&Row> = own.iter().filter(same).collect();
-        if holds(&same, peer) && !quantities.contains(&peer.quantity.as_str()) {
-            quantities.push(peer.quantity.as_str());
+        if let Some(numbers) = compare(&same, peer) {
+            quantities.retain(|(known, _)| *known != peer.quantity);
+            quantities.push((&peer.quantity, numbers));
         }
     }
-    quantities
+    let in_words = |(quantity, numbers)| format!("{quantity} ({numbers})");
+    quantities.into_iter().map(in_words).collect()
 }
 
-/// Whether the error is smaller than that of the same mesh.
-fn is_more_accurate(own: &[&Row], peer: &PeerRow) -> bool {
-    let mut of_mesh = own.iter().filter(|row| row.edges == peer.edges);
-    of_mesh.any(|row| peer.error.abs() < row.error.abs())
+/// Compares a row of another program with those of this one; returns the numbers if it is better.
+type Comparison = fn(&[&Row], &PeerRow) -> Option<String>;
+
+/// Holds if the error is smaller than that of the same mesh.
+fn more_accurate(own: &[&Row], peer: &PeerRow) -> Option<String> {
+    let (error, edges) = (peer.error.abs(), peer.edges);
+    let same = own.iter().find(|row| row.edges == peer.edges)?;
+    let ours = same.error.abs();
+    (error < ours).then(|| format!("an error of {error:.1e}, not {ours:.1e}, with {edges} edges"))
 }
 
-/// Whether it takes less time than a mesh whose error is not smaller.
-fn is_faster(own: &[&Row], peer: &PeerRow) -> bool {
-    own.iter().any(|row| {
-        let time = row.cpu_time_s.unwrap_or(0.0);
-        peer.error.abs() <= row.error.abs() && peer.cpu_time_s < time
-    })
+/// Holds if it takes less time than a mesh whose error is not smaller.
+fn faster(own: &[&Row], peer: &PeerRow) -> Option<String> {
+    let slower = own.iter().find_map(|row| {
+        let time = row.cpu_time_s.filter(|time| peer.cpu_time_s < *time)?;
+        (peer.error.abs() <= row.error.abs()).then_some((row.error.abs(), time))
+    });
+    let (error, time) = slower?;
+    let [theirs, seconds] = [peer.error.abs(), peer.cpu_time_s];
+    Some(format!(
+        "an error of {theirs:.1e} in {seconds:.3} s, not {error:.1e} in {time:.3} s"
+    ))
 }
 
 /// The row of the finest mesh of each program for a quantity of a case.
