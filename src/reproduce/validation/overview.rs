@@ -34,7 +34,7 @@ fn rows(cases: &[Case<BenchmarkRun>]) -> Result<Vec<Row>> {
 /// Writes a line for each quantity at the finest mesh.
 fn write(page: &mut Page, cases: &[Case<BenchmarkRun>], rows: &[Row]) -> Result<()> {
     let mut peers = Vec::new();
-    for benchmark in BENCHMARKS {
+    for benchmark in BENCHMARKS.iter() {
         let own = |case: &&Case<BenchmarkRun>| case.run.benchmark.name == benchmark.name;
         let own: Vec<Case<BenchmarkRun>> = cases.iter().filter(own).cloned().collect();
         peers.extend(Section::of(benchmark, &own, page.is_quick())?.rows);
@@ -44,8 +44,7 @@ fn write(page: &mut Page, cases: &[Case<BenchmarkRun>], rows: &[Row]) -> Result<
         "Cases from the literature, with values by means that share nothing with the engine: closed forms, and \
          solutions of the boundary value problem by shooting. Errors are those of the finest of three meshes. A page for each \
          case has its source, its scenario, all meshes and the published values. `rodlab reproduce validation` makes them all again. \
-         Three real wires, with the errors of a photograph that was not fitted, are on the page `identification` of the guide. \
-         [PAPER.md](PAPER.md) describes method and proof.",
+         Three real wires, with the errors of a photograph that was not fitted, are on the page `identification` of the guide.",
     );
     let finest: Vec<&Row> = BENCHMARKS
         .iter()
@@ -65,6 +64,7 @@ fn write(page: &mut Page, cases: &[Case<BenchmarkRun>], rows: &[Row]) -> Result<
         "error" => format!("{:.1e}", row.error),
         "order" => number(row.order, 2),
     });
+    page.text("[PAPER.md](PAPER.md) describes method and proof.");
     compare(page, &finest, &peers)
 }
 
