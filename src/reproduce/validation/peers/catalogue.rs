@@ -152,12 +152,12 @@ pub(in super::super) static LEFT_OUT: &[(&[&str], &Program, &str)] = &[
     (
         &["heavy-column", "strip-on-edge", "twisted-ring"],
         &MUJOCO,
-        "it has no stiffness matrix of a state at rest, so that a critical load would be guessed from growing motion",
+        "it has no stiffness matrix of a state at rest, so that a critical load could only be estimated from growing motion",
     ),
     (
         &["heavy-column", "strip-on-edge", "twisted-ring"],
         &PYELASTICA,
-        "it has no stiffness matrix of a state at rest, so that a critical load would be guessed from growing motion",
+        "it has no stiffness matrix of a state at rest, so that a critical load could only be estimated from growing motion",
     ),
     (
         &["twisted-ring"],
