@@ -4,9 +4,14 @@
 //! |---|---|
 //! | `scenes` | the scenarios, which users can run |
 //! | `bending`, `elasticas`, `princeton`, `curls` | cases of large bending and twist |
+//! | `tops`, `cables`, `rotating`, `capstan`, `stick_slip`, `flow` | motion, contact and fluid |
 //! | `limit_loads`, `toggle`, `buckling`, `flutter` | critical loads |
 //! | `planar_frame` | limit loads by shooting |
 //! | `buckled_sideways` | loss of stability of planar shapes by shooting |
+//! | `links` | motion of chains of rigid links |
+//! | `filament` | rigid filaments in viscous flow |
+//! | `root` | roots of several equations |
+//! | `measured` | quantities from the results of runs |
 //! | `benchmark` | a case, its runs and its page |
 //! | `peers` | the cases by other programs |
 //! | `overview` | the table of all cases |
@@ -15,15 +20,25 @@ mod benchmark;
 mod bending;
 mod buckled_sideways;
 mod buckling;
+mod cables;
+mod capstan;
 mod curls;
 mod elasticas;
+mod filament;
+mod flow;
 mod flutter;
 mod limit_loads;
+mod links;
+mod measured;
 mod overview;
 mod peers;
 mod planar_frame;
 mod princeton;
+mod root;
+mod rotating;
+mod stick_slip;
 mod toggle;
+mod tops;
 
 use super::Artifact;
 use benchmark::Benchmark;
@@ -50,6 +65,17 @@ static BENCHMARKS: &[&Benchmark] = &[
     &curls::CURVED_STRIP,
     &curls::FOLDED_RING,
     &curls::HELICAL_SPRING,
+    &tops::HEAVY_TOP,
+    &tops::INTERMEDIATE_AXIS,
+    &cables::SWINGING_CHAIN,
+    &cables::SWINGING_CABLE,
+    &cables::FLYING_ROD,
+    &rotating::ROTATING_BEAM,
+    &rotating::ROTATING_BEAM_FLAP,
+    &capstan::CAPSTAN,
+    &capstan::CLASP,
+    &stick_slip::STICK_SLIP,
+    &flow::HELIX_IN_FLOW,
 ];
 
 /// The table of all cases, and the page of each.
