@@ -27,7 +27,8 @@ impl RigidHelix {
     /// # Panics
     /// Never: the matrix is positive definite.
     pub fn resistances(&self) -> [f64; 3] {
-        let length = self.turns * (std::f64::consts::TAU * self.radius).hypot(self.pitch);
+        let round = std::f64::consts::TAU * self.radius;
+        let length = self.turns * libm::hypot(round, self.pitch);
         let intervals = (length / self.regularization * POINTS_IN_LENGTH) as usize;
         let points = intervals + 1;
         let place = |k: usize| {

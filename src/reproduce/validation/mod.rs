@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `scenes` | the scenarios, which users can run |
 //! | `bending`, `elasticas`, `princeton`, `curls` | cases of large bending and twist |
-//! | `tops`, `cables`, `rotating`, `capstan`, `stick_slip`, `flow` | motion, contact and fluid |
+//! | `tops`, `cables`, `rotating`, `capstan`, `stick_slip`, `plectoneme`, `flow` | motion, contact and fluid |
 //! | `limit_loads`, `toggle`, `buckling`, `flutter` | critical loads |
 //! | `planar_frame` | limit loads by shooting |
 //! | `buckled_sideways` | loss of stability of planar shapes by shooting |
@@ -33,6 +33,7 @@ mod measured;
 mod overview;
 mod peers;
 mod planar_frame;
+mod plectoneme;
 mod princeton;
 mod root;
 mod rotating;
@@ -75,6 +76,7 @@ static BENCHMARKS: &[&Benchmark] = &[
     &capstan::CAPSTAN,
     &capstan::CLASP,
     &stick_slip::STICK_SLIP,
+    &plectoneme::PLECTONEME,
     &flow::HELIX_IN_FLOW,
 ];
 

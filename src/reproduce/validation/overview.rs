@@ -41,8 +41,8 @@ fn write(page: &mut Page, cases: &[Case<BenchmarkRun>], rows: &[Row]) -> Result<
     }
     list_better(page, rows, &peers);
     page.text(
-        "Cases from the literature, with values by means that share nothing with the engine: closed forms, and \
-         solutions of the boundary value problem by shooting. Errors are those of the finest of three meshes. A page for each \
+        "Cases from the literature, with values by means that share nothing with the engine: closed forms, \
+         shooting, and small solvers of their own. Errors are those of the finest of three meshes. A page for each \
          case has its source, its scenario, all meshes and the published values. `rodlab reproduce validation` makes them all again. \
          Three real wires, with the errors of a photograph that was not fitted, are on the page `identification` of the guide.",
     );
