@@ -1,17 +1,13 @@
-//! A published case with its scenario, quantities, exact values and page.
+//! A published case with its scenario, quantities and exact values.
 
-use super::peers::{Section, verdict};
-use crate::reproduce::artifact::Recipe;
 use crate::reproduce::cases::{Run, prepared};
 use crate::reproduce::page::stem;
 use crate::reproduce::prelude::*;
-use crate::reproduce::table::rows_of;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_files::results::{BranchKind, read_branches, read_nodes};
 use rodlab_lab::run::PreparedRun;
 use std::collections::BTreeMap;
 use std::iter::repeat;
-use std::path::Path;
 
 /// A published case.
 pub(super) struct Benchmark {
@@ -168,65 +164,6 @@ impl Benchmark {
     }
 }
 
-/// The page of a case.
-impl Recipe for &'static Benchmark {
-    type Run = BenchmarkRun;
-
-    fn runs(&self, quick: bool) -> Vec<BenchmarkRun> {
-        Benchmark::runs(self, quick)
-    }
-
-    fn write(&self, page: &mut Page, cases: &[Case<BenchmarkRun>]) -> Result<()> {
-        let benchmark = *self;
-        let rows = benchmark.rows(cases)?;
-        page.csv(&rows)?;
-        let peers = Section::of(benchmark, cases, page.is_quick())?;
-        let better = verdict(&rows, &peers.rows);
-        if !better.is_empty() {
-            page.text(&better);
-        }
-        let scene = format!("{}.toml", stem(benchmark.name));
-        page.file(&scene, benchmark.scene.as_bytes())?;
-        page.text(benchmark.about);
-        page.text(&format!("Source: {}.", benchmark.source));
-        page.text(&format!("Exact values: {}.", benchmark.means));
-        page.text(&format!(
-            "`rodlab run {scene} --set parameters.edges=80` in this folder makes a run."
-        ));
-        let mut table = columns! { row in &rows;
-            "quantity" => row.quantity.as_str(),
-            "edges" => row.edges.to_string(),
-            "program" => "rodlab",
-            "value" => digits(row.value),
-            "exact" => digits(row.exact),
-            "error" => format!("{:.1e}", row.error),
-            "order" => number(row.order, 2),
-            "processor time, s" => number(row.cpu_time_s, 3),
-        };
-        table.lines.extend(peers.cells());
-        page.table(table);
-        peers.write(page, stem(benchmark.name))?;
-        let published = rows.iter().take(benchmark.quantities.len());
-        let published: Vec<&Row> = published.filter(|row| row.published.is_some()).collect();
-        if !published.is_empty() {
-            page.table(columns! { row in published;
-                "quantity" => row.quantity.as_str(),
-                "published" => row.published.map(|value| value.to_string()).unwrap_or_default(),
-                "to" => row.published_accuracy.map(|value| value.to_string()).unwrap_or_default(),
-                "exact" => digits(row.exact),
-            });
-        }
-        for figure in figures(&rows) {
-            page.figure(&figure)?;
-        }
-        Ok(())
-    }
-
-    fn figures_of_table(&self, table: &Path) -> Option<Result<Vec<PageFigure>>> {
-        Some(rows_of(table).map(|rows| figures(&rows)))
-    }
-}
-
 /// Six significant digits.
 pub(super) fn digits(value: f64) -> String {
     let before = libm::log10(value.abs().max(1.0)) as usize + 1;
@@ -234,7 +171,7 @@ pub(super) fn digits(value: f64) -> String {
 }
 
 /// Plots errors over the number of edges, one curve for each quantity.
-fn figures(rows: &[Row]) -> Vec<PageFigure> {
+pub(super) fn figures(rows: &[Row]) -> Vec<PageFigure> {
     errors_over_edges(rows, |row| &row.quantity)
 }
 

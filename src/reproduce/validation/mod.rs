@@ -12,7 +12,7 @@
 //! | `filament` | rigid filaments in viscous flow |
 //! | `root` | roots of several equations |
 //! | `measured` | quantities from the results of runs |
-//! | `benchmark` | a case, its runs and its page |
+//! | `benchmark`, `case_page` | a case with its runs, and its page |
 //! | `peers` | the cases by other programs |
 //! | `overview` | the table of all cases |
 
@@ -22,6 +22,7 @@ mod buckled_sideways;
 mod buckling;
 mod cables;
 mod capstan;
+mod case_page;
 mod curls;
 mod elasticas;
 mod filament;

@@ -5,6 +5,9 @@ use crate::reproduce::validation::benchmark::Row;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+/// Least part by which an error must be smaller to be reported.
+const LEAST_GAIN: f64 = 0.01;
+
 /// Sentences on the quantities in which another program is more accurate at the same number of
 /// edges, or as accurate in less processor time; empty if there are none.
 pub(in super::super) fn verdict(own: &[Row], peers: &[PeerRow]) -> String {
@@ -53,7 +56,8 @@ fn more_accurate(own: &[&Row], peer: &PeerRow) -> Option<String> {
     let (error, edges) = (peer.error.abs(), peer.edges);
     let same = own.iter().find(|row| row.edges == peer.edges)?;
     let ours = same.error.abs();
-    (error < ours).then(|| format!("an error of {error:.1e}, not {ours:.1e}, with {edges} edges"))
+    let is_less = error < (1.0 - LEAST_GAIN) * ours;
+    is_less.then(|| format!("an error of {error:.1e}, not {ours:.1e}, with {edges} edges"))
 }
 
 /// Holds if it takes less time than a mesh whose error is not smaller.
