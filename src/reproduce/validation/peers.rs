@@ -243,15 +243,20 @@ pub(super) struct Section {
 }
 
 impl Section {
-    /// Makes the runs of a case; the quick version shows only earlier runs.
+    /// Makes the runs of a case; the quick version makes none.
     pub fn of(benchmark: &Benchmark, cases: &[Case<BenchmarkRun>], is_quick: bool) -> Result<Self> {
         let name = stem(benchmark.name);
-        let python = python();
-        let python = Some(python.as_os_str()).filter(|_| !is_quick);
         let mut section = Self {
             rows: Vec::new(),
             notes: Vec::new(),
         };
+        if is_quick {
+            let note = "The quick version runs no other programs.";
+            section.notes.push(note.into());
+            return Ok(section);
+        }
+        let python = python();
+        let python = Some(python.as_os_str());
         for peer in peers_of(name) {
             let outcome = peer.rows(benchmark, cases, python)?;
             section.notes.push(peer.note(&outcome));
