@@ -39,6 +39,10 @@ const RELAXATION_IN_MUJOCO: &str = "a flex of dimension 1, a discrete elastic ro
 const RELAXATION_IN_PYELASTICA: &str = "explicit steps with damping until the rod rests; errors are those of a rod without stretching and shear, \
      whose part is subtracted";
 const CABLES: &str = "planar ANCF cables of cubic shape, static solver";
+const MOTION: &str =
+    "planar ANCF cables of cubic shape, generalized-α method with the time steps of the scenario";
+const RIGID: &str =
+    "a rigid body, Runge–Kutta method of fourth order with the time steps of the scenario";
 const LIMIT: &str = "planar ANCF cables of cubic shape; the loaded point falls in static steps, and the largest force is \
      found by search";
 
@@ -135,27 +139,104 @@ pub(in super::super) static PEERS: &[Peer] = &[
         method: "geometrically exact beams; the weight at which the least eigenvalue of the stiffness matrix is zero",
         exact: None,
     },
+    Peer {
+        case: "toggle",
+        program: &EXUDYN,
+        script: script!("toggle_exudyn.py"),
+        method: LIMIT,
+        exact: None,
+    },
+    Peer {
+        case: "princeton-beam",
+        program: &EXUDYN,
+        script: script!("princeton-beam_exudyn.py"),
+        method: "geometrically exact beams with the shear of the section, static solver",
+        exact: None,
+    },
+    Peer {
+        case: "strip-with-tip-load",
+        program: &EXUDYN,
+        script: script!("strip-with-tip-load_exudyn.py"),
+        method: "geometrically exact beams; the force at which the least eigenvalue of the stiffness matrix is zero",
+        exact: None,
+    },
+    Peer {
+        case: "swinging-cable",
+        program: &EXUDYN,
+        script: script!("swinging-cable_exudyn.py"),
+        method: MOTION,
+        exact: None,
+    },
+    Peer {
+        case: "flying-rod",
+        program: &EXUDYN,
+        script: script!("flying-rod_exudyn.py"),
+        method: MOTION,
+        exact: None,
+    },
+    Peer {
+        case: "heavy-top",
+        program: &MUJOCO,
+        script: script!("heavy-top_mujoco.py"),
+        method: RIGID,
+        exact: None,
+    },
+    Peer {
+        case: "intermediate-axis",
+        program: &MUJOCO,
+        script: script!("intermediate-axis_mujoco.py"),
+        method: RIGID,
+        exact: None,
+    },
+    Peer {
+        case: "heavy-cantilevers",
+        program: &EXUDYN,
+        script: script!("heavy-cantilevers_exudyn.py"),
+        method: CABLES,
+        exact: None,
+    },
+    Peer {
+        case: "buckled-columns",
+        program: &EXUDYN,
+        script: script!("buckled-columns_exudyn.py"),
+        method: "planar ANCF cables of cubic shape, static solver; a small force across the top begins the bending",
+        exact: None,
+    },
 ];
 
 /// Cases that a program is left out of, and the reason.
 pub(in super::super) static LEFT_OUT: &[(&[&str], &Program, &str)] = &[
     (
-        &["deep-arch", "lees-frame"],
+        &["toggle", "deep-arch", "lees-frame"],
         &MUJOCO,
         "it steps in time only, and a rod that steps under a growing load snaps near, not at, the limit load",
     ),
     (
-        &["deep-arch", "lees-frame"],
+        &["toggle", "deep-arch", "lees-frame"],
         &PYELASTICA,
         "it steps in time only, and a rod that steps under a growing load snaps near, not at, the limit load",
     ),
     (
-        &["heavy-column", "strip-on-edge", "twisted-ring"],
+        &[
+            "heavy-column",
+            "strip-on-edge",
+            "strip-with-tip-load",
+            "bent-strip",
+            "twisted-rod",
+            "twisted-ring",
+        ],
         &MUJOCO,
         "it has no stiffness matrix of a state at rest, so that a critical load could only be estimated from growing motion",
     ),
     (
-        &["heavy-column", "strip-on-edge", "twisted-ring"],
+        &[
+            "heavy-column",
+            "strip-on-edge",
+            "strip-with-tip-load",
+            "bent-strip",
+            "twisted-rod",
+            "twisted-ring",
+        ],
         &PYELASTICA,
         "it has no stiffness matrix of a state at rest, so that a critical load could only be estimated from growing motion",
     ),
