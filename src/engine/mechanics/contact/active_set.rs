@@ -139,6 +139,11 @@ impl ContactSystem {
         self.active_laws.extend_from_slice(laws);
     }
 
+    /// Removes the laws: contact forces are then those of the contact model.
+    pub(crate) fn clear_active_laws(&mut self) {
+        self.active_laws.clear();
+    }
+
     fn corners(&self, law: &ActiveLaw, positions: &[Vector3], previous: &[Vector3]) -> Corners {
         [
             self.obstacles.points(positions).of(law.nodes),

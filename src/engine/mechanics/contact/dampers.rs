@@ -5,12 +5,59 @@
 //! the positions x_mⁿ at the start of the step as a damper does:
 //!
 //! ∂F_k/∂x_mⁿ = −w_k w_m D,  D = N ∂t/∂v /Δt.
+//!
+//! The laws of an active set ([`super::active_set`]) are linear in the positions, with their own
+//! derivatives over those at the start.
 
+use super::active_law::{ActiveLaw, START};
 use super::contact_system::ContactSystem;
+use super::contacts::EdgeJacobian;
 use super::evaluation::Motion;
 use super::friction::{FrictionLaw, slip};
 use super::nearest_points::NearestPoints;
 use crate::mechanics::{Matrix3, Vector3};
+
+/// Contact forces as a function of the node positions at the start of the step.
+#[derive(Clone, Debug)]
+pub(crate) enum FromStart {
+    /// Friction, as a damper between the nodes.
+    Damper(Damper),
+    /// A law of an active set.
+    Active {
+        /// `None` for vertices of obstacles.
+        nodes: [Option<usize>; 4],
+        /// Derivative of the forces, N/m.
+        over: Box<EdgeJacobian>,
+    },
+}
+
+impl FromStart {
+    /// Adds the derivative of the work −Σ F·λ with respect to the node positions at the start of
+    /// the step, for a virtual motion λ of the nodes at its end.
+    pub(crate) fn add_to_start(
+        &self,
+        of_node: impl Fn(usize) -> Vector3,
+        mut add: impl FnMut(usize, Vector3),
+    ) {
+        let (nodes, over) = match self {
+            Self::Damper(damper) => return damper.add_to_start(of_node, add),
+            Self::Active { nodes, over } => (nodes, over),
+        };
+        let moves = nodes.map(|node| node.map_or_else(Vector3::zeros, &of_node));
+        for (corner, node) in nodes.iter().enumerate() {
+            let work = |axis: usize| {
+                let rates = over.iter().map(|row| row[3 * corner + axis]);
+                let products = rates
+                    .enumerate()
+                    .map(|(k, rate)| rate * moves[k / 3][k % 3]);
+                products.sum::<f64>()
+            };
+            if let Some(node) = node {
+                add(*node, -Vector3::from_fn(|axis, _| work(axis)));
+            }
+        }
+    }
+}
 
 /// A contact with friction, as a damper between its nodes.
 #[derive(Clone, Copy, Debug)]
@@ -23,9 +70,7 @@ pub(crate) struct Damper {
 }
 
 impl Damper {
-    /// Adds the derivative of the work −Σ F·λ with respect to the node positions at the start of
-    /// the step, for a virtual motion λ of the nodes at its end.
-    pub(crate) fn add_to_start(
+    fn add_to_start(
         &self,
         of_node: impl Fn(usize) -> Vector3,
         mut add: impl FnMut(usize, Vector3),
@@ -41,13 +86,17 @@ impl Damper {
 }
 
 impl ContactSystem {
-    /// The contacts of the last evaluation, at `positions`, that have friction.
-    pub(crate) fn dampers(
+    /// The contacts of the last evaluation, at `positions`, that depend on the start of the step:
+    /// those with friction, or the laws of an active set.
+    pub(crate) fn from_start(
         &self,
         positions: &[Vector3],
         previous: &[Vector3],
         time_step: f64,
-    ) -> Vec<Damper> {
+    ) -> Vec<FromStart> {
+        if !self.active_laws.is_empty() {
+            return self.active_from_start();
+        }
         let motion = Motion {
             positions,
             previous,
@@ -93,14 +142,34 @@ impl ContactSystem {
                 damping: damping(law, &plane.normal, &velocity, touch.normal_force),
             })
         });
-        of_pairs.chain(of_planes).collect()
+        of_pairs.chain(of_planes).map(FromStart::Damper).collect()
+    }
+
+    fn active_from_start(&self) -> Vec<FromStart> {
+        let of_law = |law: &ActiveLaw| {
+            let is_alone = law.nodes[0] == law.nodes[3];
+            let corner = |corner: usize| {
+                let node = law.nodes[corner];
+                let counts = self.is_of_rod(node) && (corner == 0 || !is_alone);
+                counts.then_some(node)
+            };
+            FromStart::Active {
+                nodes: [0, 1, 2, 3].map(corner),
+                over: Box::new(law.over[START]),
+            }
+        };
+        self.active_laws.iter().map(of_law).collect()
     }
 
     /// Derivative of the work Σ F·λ of the contacts of the last evaluation with respect to k, in a
     /// virtual motion λ, m per unit of its motion.
     ///
     /// Forces are proportional to k where k is not below the least stiffness of the two bodies.
+    /// Those of an active set do not depend on k.
     pub(crate) fn work_over_stiffness(&self, of_node: impl Fn(usize) -> Vector3) -> f64 {
+        if !self.active_laws.is_empty() {
+            return 0.0;
+        }
         let follows =
             |first: usize, second: usize| self.stiffness_between(first, second) <= self.stiffness;
         let pairs = self

@@ -103,7 +103,7 @@ pub use contacts::{
     ActiveContact, CandidatePair, ConstraintPlace, ContactConstraint, ContactPair, EdgeJacobian,
     ForceCorrections, PlaneContact, PlaneJacobian, Proximity,
 };
-pub(crate) use dampers::Damper;
+pub(crate) use dampers::FromStart;
 pub(crate) use levers::{Levers, NONE};
 pub(crate) use memory::{ContactMemory, MismatchedMemory};
 pub use parameters::{ContactModel, ContactParameters, FrictionAt};

@@ -7,7 +7,7 @@ use super::scheme::TimeScheme;
 use super::state::State;
 use crate::mechanics::fluid::{Fluid, FluidError, FluidMemory, Sphere};
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::topology::{add_to_node, position};
 use crate::mechanics::scene::Scene;
 use crate::mechanics::system::{Assembly, Stage, copy_positions};
 use crate::mechanics::{Matrix3, SceneError, Vector3};
@@ -141,6 +141,36 @@ impl FluidDrag {
         }
         self.take_spins(stage, predicted);
         self.evaluate(stage)
+    }
+
+    /// Velocities in the motion from the start of a stage to `unknowns`, m/s, of the entries on
+    /// which the fluid acts.
+    pub(crate) fn velocities_in(&self, stage: &Stage, unknowns: &[f64]) -> Vec<Vector3> {
+        let velocity =
+            |node: usize| (position(unknowns, node) - position(&stage.start, node)) / stage.step;
+        (0..self.places()).map(velocity).collect()
+    }
+
+    /// Derivatives of λ·R, for the drag of entries with these velocities in a virtual motion λ, with
+    /// respect to the unknowns for which the local resistance D was last computed; `None` without a
+    /// fluid. The drag is that of the local resistance alone, D v: resistive force theory.
+    pub(crate) fn over_places(
+        &mut self,
+        velocities: &[Vector3],
+        motion: &[f64],
+    ) -> Option<Vec<f64>> {
+        let fluid = self.fluid.as_mut()?;
+        let places = 0..self.positions.len();
+        let motions: Vec<Vector3> = places.map(|node| position(motion, node)).collect();
+        let mut gradient = vec![Vector3::zeros(); motions.len()];
+        fluid
+            .add_power_gradient(&self.positions, [velocities, &motions], &mut gradient)
+            .expect("the fluid has a drag at these positions");
+        let mut over = vec![0.0; motion.len()];
+        for (node, gradient) in gradient.iter().enumerate() {
+            add_to_node(&mut over, node, gradient);
+        }
+        Some(over)
     }
 
     /// Computes the mean spins of the motion from the start of `stage` to `unknowns`.

@@ -58,8 +58,8 @@ pub(super) struct Workspace {
     newton: Newton,
     /// Corrections already made to the prediction; taken by the next attempt.
     pub corrected: Option<Corrected>,
-    /// The prediction; scratch.
-    prediction: Vec<f64>,
+    /// The prediction.
+    pub prediction: Vec<f64>,
 }
 
 impl Workspace {
@@ -370,10 +370,10 @@ impl Workspace {
         system: &mut System,
         state: &State,
     ) {
+        self.prediction.copy_from_slice(&self.trial.unknowns);
         if system.contact().is_none() {
             return;
         }
-        self.prediction.copy_from_slice(&self.trial.unknowns);
         let may_bound = !setting.parameters.scheme.rules().extrapolates();
         self.at_prediction(setting, system, state, |system, unknowns, stage| {
             let before = system.contact_stiffness();

@@ -85,6 +85,13 @@ impl Continuation {
     }
 }
 
+impl Continuation {
+    /// The first filament of the chain of each filament, at the last [`Self::lengths`].
+    pub(crate) fn chains(&self) -> &[usize] {
+        &self.first
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

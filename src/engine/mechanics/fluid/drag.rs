@@ -244,6 +244,40 @@ impl Fluid {
         }
     }
 
+    /// Adds the derivatives of the power Σ λ·D v of the local resistance with respect to the
+    /// positions of the nodes, for `velocities` v and a `motion` λ of all nodes; nothing for a flow.
+    ///
+    /// # Errors
+    /// As [`Self::drag`].
+    pub(crate) fn add_power_gradient(
+        &mut self,
+        positions: &[Vector3],
+        velocities_and_motion: [&[Vector3]; 2],
+        gradient: &mut [Vector3],
+    ) -> Result<(), FluidError> {
+        let Method::Resistive {
+            viscosity,
+            continuation,
+            spheres,
+        } = &mut self.method
+        else {
+            return Ok(());
+        };
+        let stations = nodes_of(&self.filaments).enumerate();
+        let inside = stations.filter(|&(station, _)| spheres.hold(station));
+        let inside: Vec<usize> = inside.map(|(_, node)| node).collect();
+        let lengths = continuation.lengths(&self.filaments, positions).to_vec();
+        resistive_force_theory::add_power_gradient(
+            *viscosity,
+            &self.filaments,
+            (&lengths, continuation.chains()),
+            &|node| !inside.contains(&node),
+            positions,
+            velocities_and_motion,
+            gradient,
+        )
+    }
+
     /// Computes the force of the fluid on every node (N) for other velocities, m/s and rad/s. The
     /// nodes stay where they were in the last [`Self::drag`], which determined the local
     /// `resistance`. The force is linear in the velocities, as for any flow without inertia.

@@ -117,6 +117,63 @@ pub(super) fn drag(
     Ok(())
 }
 
+/// Adds the derivatives of the power Σ λ·D v of the resistance D of [`drag`], in a motion λ of the
+/// nodes, with respect to their positions. `chains` are the first filaments of the chains that have
+/// these `lengths`; nodes that are not `wet` have no drag.
+///
+/// An edge e = l t contributes ½ (ξ_⊥ l λ·v + (ξ_∥ − ξ_⊥) (λ·e)(e·v)/l) at either node. The
+/// coefficients depend on the length L of the chain: dξ_∥/dL = −ξ_∥²/2πηL, dξ_⊥/dL = −ξ_⊥²/4πηL.
+///
+/// # Errors
+/// As [`drag`].
+pub(super) fn add_power_gradient(
+    viscosity: f64,
+    filaments: &[Filament],
+    (lengths, chains): (&[f64], &[usize]),
+    wet: &dyn Fn(usize) -> bool,
+    positions: &[Vector3],
+    [velocities, motion]: [&[Vector3]; 2],
+    gradient: &mut [Vector3],
+) -> Result<(), FluidError> {
+    let mut over_length = vec![0.0; filaments.len()];
+    let ends = |filament: &Filament, i: usize| {
+        [i, i + 1].map(|node| filament.first_node + node % filament.nodes)
+    };
+    for (number, filament) in filaments.iter().enumerate() {
+        let length = lengths[number];
+        let own = DragCoefficients::slender_cylinder(viscosity, length, filament.radius)?;
+        let slopes = DragCoefficients {
+            along: -own.along * own.along / (2.0 * PI * viscosity * length),
+            across: -own.across * own.across / (4.0 * PI * viscosity * length),
+        };
+        for i in 0..filament.edges() {
+            let [start, end] = ends(filament, i);
+            let edge = positions[end] - positions[start];
+            let (size, tangent) = (edge.norm(), edge.normalize());
+            for node in [start, end].into_iter().filter(|node| wet(*node)) {
+                let (v, l) = (velocities[node], motion[node]);
+                let [along_v, along_l] = [v, l].map(|vector| tangent.dot(&vector));
+                let turning = l * along_v + v * along_l - tangent * (along_l * along_v);
+                let anisotropy = own.along - own.across;
+                let over = (tangent * (own.across * l.dot(&v)) + turning * anisotropy) * 0.5;
+                gradient[end] += over;
+                gradient[start] -= over;
+                let per_length = slopes.resistance_per_length(&tangent);
+                over_length[chains[number]] += 0.5 * size * l.dot(&(per_length * v));
+            }
+        }
+    }
+    for (filament, chain) in filaments.iter().zip(chains) {
+        for i in 0..filament.edges() {
+            let [start, end] = ends(filament, i);
+            let over = (positions[end] - positions[start]).normalize() * over_length[*chain];
+            gradient[end] += over;
+            gradient[start] -= over;
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

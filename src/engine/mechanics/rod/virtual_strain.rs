@@ -37,6 +37,16 @@ impl EdgeMotion {
         spin: 0.0,
     };
 
+    /// Rotation of a unit vector with its frame, which turns by `turn`.
+    pub(crate) fn turned(frame: &EdgeFrame, turn: &Vector3) -> Self {
+        let tangent = turn.cross(&frame.tangent);
+        Self {
+            stretch: tangent,
+            tangent,
+            spin: turn.dot(&frame.tangent),
+        }
+    }
+
     /// Motion of an edge whose ends move apart by `change` while its angle changes by `angle`.
     pub(crate) fn new(frame: &EdgeFrame, change: &Vector3, angle: f64) -> Self {
         let stretch = change * frame.inverse_length;

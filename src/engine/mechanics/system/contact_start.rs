@@ -8,7 +8,7 @@ use super::contact_stiffness::{MADE, allowed_by_contacts, stored_at_start};
 use super::term::Kind;
 use super::{Stage, System, WholeMatrix, copy_positions};
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::{ActiveLaw, Adaption, ContactSystem, Damper};
+use crate::mechanics::contact::{ActiveLaw, Adaption, ContactSystem, FromStart};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
 
@@ -93,14 +93,21 @@ impl System {
         }
     }
 
-    /// Contacts of the last evaluation with friction, as functions of the start of the step.
-    pub(crate) fn dampers(&self, unknowns: &[f64], stage: &Stage) -> Vec<Damper> {
+    /// Removes the laws for derivatives.
+    pub(crate) fn clear_active_laws(&mut self) {
+        if let Some(contact) = &mut self.terms.contact.model {
+            contact.clear_active_laws();
+        }
+    }
+
+    /// Contacts of the last evaluation that depend on the start of the step, as functions of it.
+    pub(crate) fn contacts_from_start(&self, unknowns: &[f64], stage: &Stage) -> Vec<FromStart> {
         let Some(contact) = self.contact() else {
             return Vec::new();
         };
         let mut positions = stage.positions.clone();
         copy_positions(unknowns, &mut positions);
-        contact.dampers(&positions, &stage.positions, stage.step)
+        contact.from_start(&positions, &stage.positions, stage.step)
     }
 
     /// Derivative of −λ·R with respect to the contact stiffness k, for a virtual motion λ at the
@@ -133,7 +140,8 @@ impl System {
                 None
             } else {
                 let found = self.stiffness_bound(&mut contact, [before, wanted], unknowns, stage);
-                let (bounded, bound) = found?;
+                let (bounded, mut bound) = found?;
+                self.gather_changes(unknowns, &mut bound.prediction);
                 let is_same = (bounded - adapted).abs() <= PART * PART * adapted;
                 Some(is_same.then_some(bound)?)
             };

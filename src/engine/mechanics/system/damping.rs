@@ -174,6 +174,25 @@ impl Damping {
         )
     }
 
+    /// r γ and e^(−x) of each strain in the present stage, and both times K; `None` if no rod
+    /// relaxes.
+    pub(super) fn relaxation(&self, assembly: &Assembly) -> Option<[Vec<f64>; 4]> {
+        if self.stage.is_none() || !self.relaxes() {
+            return None;
+        }
+        let of = |value: &dyn Fn(&Beside, f64) -> f64| {
+            let strains = all_strains(assembly);
+            let values = strains.map(|(_, rod, stiffness)| value(&self.beside(rod), stiffness));
+            values.collect()
+        };
+        Some([
+            of(&|beside, _| beside.relaxing),
+            of(&|beside, _| beside.kept),
+            of(&|beside, stiffness| stiffness * beside.relaxing),
+            of(&|beside, stiffness| stiffness * beside.kept),
+        ])
+    }
+
     /// Weights in ε̂ of the strains at the starts of the present step and of the two before it.
     pub(super) fn start_weights(&self) -> [f64; 3] {
         let [last, earlier] = self.stage.map_or([0.0; 2], |stage| stage.weights);
@@ -464,7 +483,7 @@ impl System {
     }
 
     /// Without a stage dashpots carry no force.
-    pub(super) fn undamp(&mut self) {
+    pub(crate) fn undamp(&mut self) {
         if self.terms.damping.stage.take().is_some() {
             self.geometry.take_natural_strains(&self.assembly.rods);
         }

@@ -76,6 +76,7 @@ pub(crate) use demand::Demand;
 pub(crate) use events::Event;
 pub use grasp::{Grasp, Interventions};
 use joints::Border;
+pub(crate) use joints::TurningFrame;
 pub use joints::{check_joints, joint_unknowns};
 use newton_matrix::NewtonMatrix;
 pub(crate) use newton_matrix::WholeMatrix;

@@ -30,6 +30,14 @@ pub struct Stage {
 }
 
 impl Stage {
+    /// The same stage without the drag of a fluid, but with its local resistance.
+    pub(crate) fn without_drag(&self) -> Self {
+        let mut stage = self.clone();
+        stage.drag.fill(Vector3::zeros());
+        stage.drag_velocity.fill(Vector3::zeros());
+        stage
+    }
+
     /// Sets the positions and angles at the start from the unknowns.
     pub(crate) fn start_at(&mut self, unknowns: &[f64]) {
         copy_positions(unknowns, &mut self.positions);

@@ -48,6 +48,20 @@ impl OfStrains {
         self.vertices.iter().flatten().chain(&self.edges)
     }
 
+    /// Adds a factor times another list.
+    pub(crate) fn add(&mut self, factor: f64, other: &Self) {
+        let pairs = self.all_mut().zip(other.all());
+        pairs.for_each(|(sum, other)| *sum += factor * other);
+    }
+
+    /// The products of two lists.
+    pub(crate) fn product(one: &Self, other: &Self) -> Self {
+        let mut product = one.clone();
+        let pairs = product.all_mut().zip(other.all());
+        pairs.for_each(|(own, other)| *own *= other);
+        product
+    }
+
     /// Adds a factor times the products of two other lists.
     pub(crate) fn add_products(&mut self, factor: f64, one: &Self, other: &Self) {
         let products = one.all().zip(other.all());
@@ -74,9 +88,23 @@ pub(crate) struct StrainLaws {
     pub moment: OfStrains,
     /// Stiffness K T/H of the dashpots; `None` if there are none.
     pub dashpot: Option<OfStrains>,
+    /// The springs in series with dashpots; `None` if there are none.
+    pub relaxation: Option<RelaxationLaws>,
     /// Weights of the strains at the start of the step and of the two before it in the reference
     /// strain of the dashpots.
     pub start_weights: [f64; 3],
+}
+
+/// Laws of the relaxing parts q of the strains in a step: q = e^(−x) qₙ + r γ (ε − εₙ), and the
+/// force K q.
+#[derive(Debug)]
+pub(crate) struct RelaxationLaws {
+    /// r γ.
+    pub gained: OfStrains,
+    /// e^(−x).
+    pub kept: OfStrains,
+    /// K r γ and K e^(−x).
+    pub forces: [OfStrains; 2],
 }
 
 impl System {
@@ -118,12 +146,22 @@ impl System {
             stiffness,
             moment,
             dashpot: dashpots.map(|all| OfStrains::of(&all, acting)),
+            relaxation: (damping.relaxation(&self.assembly)).map(|all| {
+                let [gained, kept, of_change, of_start] =
+                    all.map(|all| OfStrains::of(&all, acting));
+                RelaxationLaws {
+                    gained,
+                    kept,
+                    forces: [of_change, of_start],
+                }
+            }),
             start_weights: damping.start_weights(),
         }
     }
 
-    /// Derivatives of the strains along a virtual motion λ of the unknowns, at the last evaluation.
-    pub(crate) fn strains_along(&self, motion: &[f64]) -> OfStrains {
+    /// Derivatives of the strains along a virtual motion λ of the unknowns, at the last evaluation,
+    /// which was at `unknowns`.
+    pub(crate) fn strains_along(&self, unknowns: &[f64], motion: &[f64]) -> OfStrains {
         let rods = &self.assembly.rods;
         let frames = &self.geometry.edges;
         let mut along = OfStrains::zero(rods);
@@ -133,6 +171,10 @@ impl System {
             let frame = &frames[edge.start];
             motions[edge.start] = EdgeMotion::new(frame, &change, motion[STRIDE * edge.start + 3]);
             *own = frame.tangent.dot(&change);
+        }
+        for (ghost, turn) in self.assembly.joints.turns_of_ghosts(unknowns, motion) {
+            let edge = rods.nodes + ghost;
+            motions[edge] = EdgeMotion::turned(&frames[edge], &turn);
         }
         for (index, (own, vertex)) in along.vertices.iter_mut().zip(&rods.vertices).enumerate() {
             let strains = self.geometry.strains(index, vertex);
@@ -147,7 +189,8 @@ impl System {
     }
 
     /// Σ cₖ ∂εₖ/∂q at the last evaluation: the forces equivalent to given moments c. The entry of
-    /// the angle of an edge is the derivative with respect to the spin of its frame.
+    /// the angle of an edge is the derivative with respect to the spin of its frame; entries of
+    /// frames are moments in the fixed frame.
     pub(crate) fn forces_of_moments(&self, moments: &OfStrains) -> Vec<f64> {
         let mut forces = vec![0.0; self.residual.len()];
         let largest =

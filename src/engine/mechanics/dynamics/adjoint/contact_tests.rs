@@ -4,12 +4,12 @@
 use super::tests::{Course, SCHEMES, check_at, course, results};
 use super::{LARGEST_TRACE, Recording};
 use crate::mechanics::contact::{ContactModel, FrictionAt};
-use crate::mechanics::dynamics::IntegrationParameters;
 use crate::mechanics::dynamics::sensitivity::{Sensitivity, Variation};
+use crate::mechanics::dynamics::{IntegrationParameters, Scheme};
 use crate::mechanics::rigid_body::RigidBody;
-use crate::mechanics::scene::{Motion, Obstacle, Scene};
+use crate::mechanics::scene::{Motion, Obstacle, RodNode, Scene};
 use crate::mechanics::test_support::{
-    SOFT_MODELS, cantilever, crossed, ground, moved, obstacle, point_force, pulled, rubbing,
+    SOFT_MODELS, at, cantilever, crossed, ground, moved, obstacle, point_force, pulled, rubbing,
 };
 use crate::mechanics::{UnitQuaternion, Vector3};
 
@@ -43,13 +43,17 @@ fn falling(model: ContactModel) -> Scene {
 
 /// Largest difference between the derivatives with respect to a force on a node and those of the
 /// forward mode, relative to the largest derivative.
-fn against_forward(course: &Course, scene: &Scene, step: f64) -> f64 {
-    let (node, gradients) = (7, course.gradients(scene, LARGEST_TRACE));
+pub(super) fn against_forward(course: &Course, scene: &Scene, at: RodNode, step: f64) -> f64 {
+    let gradients = course.gradients(scene, LARGEST_TRACE);
+    let before = scene.rods[..at.rod].iter();
+    let node = at.node + before.map(|rod| rod.centreline.len()).sum::<usize>();
     let with = |force: f64| {
         let mut scene = scene.clone();
-        scene
-            .loads
-            .push(point_force(0, node, Vector3::new(0.3, 0.5, 1.0) * force));
+        scene.loads.push(point_force(
+            at.rod,
+            at.node,
+            Vector3::new(0.3, 0.5, 1.0) * force,
+        ));
         scene
     };
     let variation = Variation {
@@ -91,7 +95,7 @@ fn check_contact(
                 steps,
                 ..course(scheme)
             };
-            let error = against_forward(&course, &scene(model), step);
+            let error = against_forward(&course, &scene(model), at(0, 7), step);
             println!("{name} {model:?} {scheme:?} against the forward mode: {error:.1e}");
             assert!(error < 4e-7, "{name} {model:?} {scheme:?}: {error:e}");
         }
@@ -132,6 +136,38 @@ fn contact_that_begins() {
     check_contact("falling", &SOFT_MODELS, falling, 60, 1e-8, &[0.02]);
 }
 
+/// Contacts that stick and slide; the active set of a step is that of the run.
+#[test]
+fn complementarity_by_its_active_set() {
+    for (name, scene) in [
+        ("pulled", pulled as fn(ContactModel) -> Scene),
+        ("crossed", crossed),
+    ] {
+        let scene = scene(ContactModel::Complementarity);
+        let course = course(Scheme::ImplicitEuler);
+        let error = against_forward(&course, &scene, at(0, 7), 1e-7);
+        println!("{name} against the forward mode: {error:.1e}");
+        assert!(error < 1e-5, "{name}: {error:e}");
+        check_at([7], 1e-5, name, &course, &scene, 0.02);
+        // Repeated parts of the motion find the same contacts.
+        let whole = course.gradients(&scene, LARGEST_TRACE);
+        assert_eq!(whole, course.gradients(&scene, 100_000));
+    }
+}
+
+#[test]
+fn friction_by_the_midpoint_rule() {
+    // Later steps end in impacts.
+    let course = Course {
+        steps: 2,
+        ..course(Scheme::ImplicitMidpoint)
+    };
+    let scene = pulled(ContactModel::ImplicitContact);
+    let error = against_forward(&course, &scene, at(0, 7), 1e-7);
+    println!("midpoint against the forward mode: {error:.1e}");
+    assert!(error < 4e-7, "{error:e}");
+}
+
 #[test]
 fn an_equilibrium_in_contact() {
     for model in SOFT_MODELS {
@@ -142,7 +178,7 @@ fn an_equilibrium_in_contact() {
             steps: 2,
             ..course(SCHEMES[0])
         };
-        let error = against_forward(&course, &scene, 1e-9);
+        let error = against_forward(&course, &scene, at(0, 7), 1e-9);
         println!("equilibrium {model:?} against the forward mode: {error:.1e}");
         assert!(error < 4e-7, "{error:e}");
     }

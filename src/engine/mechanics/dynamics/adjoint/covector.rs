@@ -1,9 +1,8 @@
 //! Derivative of a result with respect to the state.
 
 use super::SensitivityError;
-use super::weights::{HistoryWeights, MOTIONS, Weights};
+use super::weights::{MOTIONS, Weights};
 use crate::mechanics::dynamics::simulation::Simulation;
-use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::OfStrains;
 
 /// Number of starts of steps whose strains enter the rates of dashpots.
@@ -22,6 +21,8 @@ pub(super) struct Covector {
     /// With respect to the strains at present and at the starts of the last steps, as used by the
     /// dashpots of later steps.
     pub strains: [OfStrains; STRAINS],
+    /// With respect to the relaxing parts q of the strains.
+    pub relaxing: OfStrains,
     /// With respect to the contact stiffness k.
     pub stiffness: f64,
 }
@@ -41,6 +42,7 @@ impl Covector {
             velocities: std::array::from_fn(|_| of_unknowns.clone()),
             spins: vec![0.0; rods.nodes],
             strains: std::array::from_fn(|_| OfStrains::zero(rods)),
+            relaxing: OfStrains::zero(rods),
             stiffness: 0.0,
         }
     }
@@ -55,39 +57,41 @@ impl Covector {
         &self,
         simulation: &mut Simulation,
     ) -> Result<VirtualMotion, SensitivityError> {
-        let mut force = simulation.system.forces_of_moments(&self.strains[0]);
+        let moments = simulation.system.forces_of_moments(&self.strains[0]);
+        let mut over = vec![0.0; moments.len()];
         for unknowns in &self.unknowns {
-            add(&mut force, unknowns);
+            add(&mut over, unknowns);
         }
-        let motion = solve(simulation, force)?;
-        let strains = simulation.system.strains_along(&motion);
+        let at = simulation.state.unknowns.clone();
+        let force = simulation.system.gather_over(&at, &over, moments);
+        let motion = solve(simulation, &at, force)?;
+        let strains = simulation.system.strains_along(&at, &motion);
         Ok(VirtualMotion { motion, strains })
     }
 }
 
 impl Covector {
-    /// Starts the derivative with respect to the start of a step (s) from that with respect to its
-    /// end: the state at the start of the last step becomes the present state. Returns the
-    /// derivatives with respect to the spins of the frames at the end of the step.
-    pub(super) fn begin_start(
-        &mut self,
-        of_strains: &[f64],
-        step: f64,
-        weights: &HistoryWeights,
-    ) -> Vec<f64> {
-        let over_start = self.velocities[0].iter().map(|velocity| -velocity / step);
-        let over_start: Vec<f64> = over_start.collect();
+    /// Begins the derivative with respect to the start of a step with that with respect to its
+    /// end: the state at the start of the last step becomes the present state.
+    pub(super) fn begin_start(&mut self) {
         for all in [&mut self.unknowns, &mut self.velocities] {
             all.rotate_left(1);
             all[MOTIONS - 1].fill(0.0);
         }
-        self.add_history(1.0, [&weights.start], [&over_start]);
         self.strains.rotate_left(1);
         self.strains[STRAINS - 1].clear();
-        let spins = self.spins.iter_mut().enumerate();
-        spins
-            .map(|(node, spin)| std::mem::take(spin) + of_strains[STRIDE * node + 3])
-            .collect()
+    }
+
+    /// Converts the derivative with respect to a state at which a motion was started again, as
+    /// after a joint broke, to one with respect to the state before: there are no earlier steps.
+    pub(super) fn before_restart(&mut self) {
+        for all in [&mut self.unknowns, &mut self.velocities] {
+            let [now, earlier @ ..] = all;
+            for earlier in earlier {
+                add(now, earlier);
+                earlier.fill(0.0);
+            }
+        }
     }
 
     /// Adds a factor times derivatives with respect to the quantities that a scheme computes from
@@ -115,9 +119,10 @@ impl Covector {
     }
 }
 
-/// Solves Jᵀ λ = q̄.
+/// Solves Jᵀ λ = q̄ at `unknowns` of the last evaluation.
 pub(super) fn solve(
     simulation: &mut Simulation,
+    unknowns: &[f64],
     mut force: Vec<f64>,
 ) -> Result<Vec<f64>, SensitivityError> {
     let solved = simulation.system.solve(&mut force);
@@ -126,6 +131,7 @@ pub(super) fn solve(
             time: simulation.state.time,
         });
     }
+    simulation.system.spread_virtual(unknowns, &mut force);
     Ok(force)
 }
 

@@ -70,11 +70,13 @@ impl Sums {
 
     /// Adds the derivatives with respect to the velocities at the start of a motion and in the
     /// steps before it, which have the same velocities.
-    pub(super) fn start(&mut self, covector: &Covector) {
+    pub(super) fn start(&mut self, covector: &Covector, assembly: &Assembly) {
         for velocities in &covector.velocities {
             let pairs = self.velocity.iter_mut().zip(velocities);
             pairs.for_each(|(sum, velocity)| *sum += velocity);
         }
+        // Joined nodes start with the velocity of the owner of their position.
+        assembly.joints.gather_points(&mut self.velocity);
     }
 
     /// The fields.

@@ -17,7 +17,6 @@ pub(super) fn derivatives(
     simulation: &mut Simulation,
     results: &dyn Fn(&Simulation) -> Vec<f64>,
 ) -> Vec<Covector> {
-    let here = results(simulation);
     let edges = simulation.system.assembly.rods.edges.iter();
     let lengths = edges.map(|edge| edge.natural_length);
     let shortest = lengths.fold(f64::INFINITY, f64::min);
@@ -25,15 +24,21 @@ pub(super) fn derivatives(
     let fastest = speeds.fold(SLOW, |largest, speed| largest.max(speed.abs()));
     let unknowns = simulation.state.unknowns.len();
     let held = simulation.system.assembly.held.clone();
-    let mut covectors = vec![Covector::zero(simulation); here.len()];
+    // Tips of bodies follow frames, but their velocities are stored.
+    let mut prescribed = held.clone();
+    let joints = &simulation.system.assembly.joints;
+    joints.of_tips().for_each(|k| prescribed[k] = false);
+    let nothing = Covector::zero(simulation);
     let at = [&simulation.state.unknowns[..], &simulation.state.velocity].concat();
     let mut values = |at: &[f64]| {
         let (places, velocities) = at.split_at(unknowns);
+        let mut places = places.to_vec();
+        simulation.system.complete(&mut places);
         let moves = simulation.state.unknowns != places;
-        simulation.state.unknowns.copy_from_slice(places);
+        simulation.state.unknowns.copy_from_slice(&places);
         simulation.state.velocity.copy_from_slice(velocities);
         if moves {
-            simulation.system.update_geometry(places);
+            simulation.system.update_geometry(&places);
         }
         simulation.publish();
         results(simulation)
@@ -42,22 +47,27 @@ pub(super) fn derivatives(
     let step = |number: usize| {
         RELATIVE_STEP
             * match number.checked_sub(unknowns) {
-                _ if held[number % unknowns] => 0.0,
+                Some(own) if prescribed[own] => 0.0,
                 Some(_) => fastest,
+                None if held[number] => 0.0,
                 None if number % STRIDE == 3 => 1.0,
                 None => shortest,
             }
     };
+    let here = values(&at);
+    let mut covectors = vec![nothing; here.len()];
     let mut store = |result: usize, number: usize, derivative: f64| {
         let covector = &mut covectors[result];
         match number.checked_sub(unknowns) {
             Some(number) => covector.velocities[0][number] = derivative,
             None => {
                 covector.unknowns[0][number] = derivative;
-                if number % STRIDE == 3 {
+                if number % STRIDE == 3
+                    && let Some(spin) = covector.spins.get_mut(number / STRIDE)
+                {
                     // The material frame turns with the angle, and with the frame from which the
                     // angle is measured.
-                    covector.spins[number / STRIDE] = derivative;
+                    *spin = derivative;
                 }
             }
         }

@@ -57,15 +57,21 @@
 //! | `gradient` | the derivatives over fields |
 //! | `measured`, `differences` | derivatives of the results over the last state |
 //! | `covector` | the derivative over a state |
+//! | `charts`, `breaks` | rotation vectors that were reset, joints that broke |
+//! | `extrapolation` | the end of a step of the midpoint rule |
 //! | `step_back`, `point` | a step back |
 //! | `stiffness_back` | the contact stiffness of a step back |
 //! | `weights` | the scheme as a linear map |
-//! | `trace` | the states of the steps |
+//! | `trace`, `origin` | the states of the steps, and simulations in them |
 
+mod breaks;
+mod charts;
 mod covector;
 mod differences;
+mod extrapolation;
 mod gradient;
 mod measured;
+mod origin;
 mod point;
 mod step_back;
 mod stiffness_back;
@@ -75,13 +81,14 @@ mod weights;
 pub use gradient::Gradient;
 
 use super::parameters::{IntegrationParameters, Scheme};
-use super::report::{SimulationError, SimulationState, StepReport};
+use super::report::StepReport;
 use super::sensitivity::{Replayed, SensitivityError, Taken};
 use super::simulation::Simulation;
-use crate::mechanics::SceneError;
 use crate::mechanics::contact::FrictionAt;
+use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::{ActuatedStrain, Scene};
 use gradient::Sums;
+use origin::Origin;
 use step_back::StepBack;
 use stiffness_back::StiffnessBack;
 use trace::Trace;
@@ -94,6 +101,7 @@ pub struct Recording {
     simulation: Simulation,
     /// A second simulation of the same scene, which repeats steps.
     centre: Simulation,
+    origin: Origin,
     trace: Trace,
     settled: bool,
 }
@@ -111,6 +119,10 @@ impl Recording {
         refuse(scene, &simulation, parameters)?;
         Ok(Self {
             centre: Simulation::new(scene, parameters)?,
+            origin: Origin {
+                scene: scene.clone(),
+                parameters: *parameters,
+            },
             trace: Trace::new(&simulation, LARGEST_TRACE),
             simulation,
             settled: false,
@@ -171,25 +183,32 @@ impl Recording {
         ends: &[f64],
         results: &dyn Fn(&Simulation) -> Vec<f64>,
     ) -> Result<Vec<Vec<Gradient>>, SensitivityError> {
-        let centre = &mut self.centre;
-        centre.take_up(self.trace.last())?;
+        let (centre, origin) = (&mut self.centre, &self.origin);
+        origin.take_up(centre, self.trace.last())?;
         let mut covectors = measured::derivatives(centre, results);
         let zero = vec![Sums::zero(centre); ends.len()];
         let mut sums = vec![zero; covectors.len()];
         self.trace
-            .visit_backwards(centre, &mut |centre, [start, end]| {
-                centre.take_up(start)?;
-                let contact = end.contact.as_ref();
+            .visit_backwards(centre, origin, &mut |centre, start, end| {
+                let hinged = breaks::hinged(centre);
+                origin.take_up(centre, start)?;
+                let contact = end.state.contact.as_ref();
                 let taken = Taken {
-                    time: end.time,
-                    unknowns: &end.unknowns,
+                    time: end.state.time,
+                    unknowns: end.solution(),
                     contact_stiffness: contact.map_or(0.0, |contact| contact.stiffness),
-                    pressing: Vec::new(),
+                    pressing: end.pressing.clone(),
                 };
                 let replayed = Replayed::transposed(&taken, centre)?;
-                let mut step = StepBack::new(centre, &replayed);
-                let part = ends.partition_point(|of_part| *of_part < end.time);
+                let mut step = StepBack::new(centre, &replayed, end.solution());
+                let part = ends.partition_point(|of_part| *of_part < end.state.time);
                 for (covector, sums) in covectors.iter_mut().zip(&mut sums) {
+                    let of_hinges = match start.breaks == end.state.breaks {
+                        true => Vec::new(),
+                        false => covector.before_breaks(centre, &hinged, end.solution()),
+                    };
+                    covector.before_reset(centre, &replayed.long, start, end);
+                    of_hinges.iter().for_each(|one| one.add_to(covector));
                     let along = step.pull_back(covector, centre)?;
                     if let Some(sums) = sums.get_mut(part) {
                         sums.add(&along, step.laws());
@@ -208,7 +227,7 @@ impl Recording {
                 }
                 Ok(())
             })?;
-        centre.take_up(self.trace.first())?;
+        origin.take_up(centre, self.trace.first())?;
         let firsts = sums.iter_mut().filter_map(|sums| sums.first_mut());
         if self.settled {
             let unknowns = centre.state.unknowns.clone();
@@ -225,7 +244,7 @@ impl Recording {
             }
         } else {
             for (covector, sums) in covectors.iter().zip(firsts) {
-                sums.start(covector);
+                sums.start(covector, &centre.system.assembly);
             }
         }
         let assembly = &centre.system.assembly;
@@ -245,16 +264,8 @@ fn refuse(
         (scene.actuations.iter()).any(|actuation| actuation.strain == ActuatedStrain::Length);
     let refusals = [
         (
-            !scene.joints.is_empty() || !scene.bodies.is_empty(),
-            "derivatives over fields support no [[joints]] and no [[bodies]]",
-        ),
-        (
-            parameters.scheme == Scheme::ImplicitMidpoint,
-            "derivatives over fields need time.scheme = \"implicit-euler\" or \"backward-differences\"",
-        ),
-        (
-            system.has_constraints(),
-            "derivatives over fields need contact.model = \"imc\" or \"ipc\"",
+            parameters.scheme == Scheme::ImplicitMidpoint && !system.slides().is_empty(),
+            "derivatives over fields of rods with [[joints]] of kind \"slide\" need time.scheme = \"implicit-euler\" or \"backward-differences\"",
         ),
         (
             (scene.contact.as_ref())
@@ -262,12 +273,8 @@ fn refuse(
             "derivatives over fields need contact.friction_at = \"centreline\"",
         ),
         (
-            scene.fluid.is_some(),
-            "derivatives over fields support no fluid; use [[loads]] of kind \"drag\"",
-        ),
-        (
-            system.terms.damping.relaxes(),
-            "derivatives over fields support no relaxation of the material",
+            matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. })),
+            "derivatives over fields need fluid.model = \"resistive\"",
         ),
         (
             lengthens,
@@ -280,31 +287,9 @@ fn refuse(
     }
 }
 
-impl Simulation {
-    /// Moves to the state at which a step began or ended.
-    ///
-    /// # Errors
-    /// [`SensitivityError::Simulation`] if the state belongs to another scene.
-    fn take_up(&mut self, at: &SimulationState) -> Result<(), SensitivityError> {
-        let foreign = |what: String| SimulationError::BadScene(SceneError::Checkpoint(what));
-        let restored = self.system.terms.restore(at.strains.clone());
-        restored.map_err(|what| foreign(what.to_owned()))?;
-        self.system.terms.contact.place_obstacles(at.time);
-        let restored = self.system.restore_contact(at.contact.as_ref());
-        restored.map_err(|what| foreign(what.to_string()))?;
-        self.state.time = at.time;
-        self.state.unknowns.clone_from(&at.unknowns);
-        self.state.velocity.clone_from(&at.velocity);
-        self.state.history.clone_from(&at.history);
-        self.system.resume(at.time, &at.unknowns, &at.reference);
-        self.system.drive(at.time, &mut self.state.unknowns);
-        self.system.update_geometry(&self.state.unknowns);
-        self.publish();
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod contact_tests;
+#[cfg(test)]
+mod joint_tests;
 #[cfg(test)]
 mod tests;

@@ -4,9 +4,9 @@
 use super::covector::{Covector, VirtualMotion};
 use super::weights::HistoryWeights;
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::Damper;
+use crate::mechanics::contact::FromStart;
 use crate::mechanics::dynamics::simulation::Simulation;
-use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::topology::{add_to_node, position};
 use crate::mechanics::rod::{Edge, STRIDE};
 use crate::mechanics::system::{Stage, StrainLaws};
 
@@ -19,21 +19,25 @@ pub(super) struct Point {
     moments: Vec<f64>,
     /// Lengths of the edges at the start of the step, m, one for each node.
     lengths: Vec<f64>,
+    /// Unknowns there.
+    unknowns: Vec<f64>,
+    /// Velocities in a fluid, m/s.
+    velocities: Vec<Vector3>,
     /// The stage of the point, for motions other than its own.
     stage: Stage,
     at_rest: Vec<f64>,
-    /// Contacts that rub.
-    dampers: Vec<Damper>,
+    /// Contacts that depend on the start of the step.
+    contacts: Vec<FromStart>,
 }
 
 impl Point {
     /// The last evaluation of a simulation in a step (s), at these unknowns and with contacts that
-    /// have friction.
+    /// depend on the start of the step.
     pub(super) fn new(
         simulation: &Simulation,
         (step, unknowns): (f64, &[f64]),
         stage: &Stage,
-        dampers: Vec<Damper>,
+        contacts: Vec<FromStart>,
     ) -> Self {
         let system = &simulation.system;
         let mut motion = vec![0.0; unknowns.len()];
@@ -51,9 +55,11 @@ impl Point {
                 .map(|node| system.residual[angle(node)] - motion[angle(node)])
                 .collect(),
             lengths,
-            stage: stage.clone(),
+            unknowns: unknowns.to_vec(),
+            velocities: (simulation.integrator.fluid).velocities_in(stage, unknowns),
+            stage: stage.without_drag(),
             at_rest: vec![0.0; unknowns.len()],
-            dampers,
+            contacts,
         }
     }
 
@@ -64,17 +70,18 @@ impl Point {
     pub(super) fn pull_back(
         &mut self,
         covector: &mut Covector,
-        simulation: &Simulation,
+        simulation: &mut Simulation,
         [motion, force]: [&[f64]; 2],
         spins: &[f64],
     ) -> VirtualMotion {
+        self.pull_back_drag(covector, simulation, motion);
         let system = &simulation.system;
-        let strains = system.strains_along(motion);
+        let strains = system.strains_along(&self.unknowns, motion);
         // Contribution of inertia, drag and friction, for which s is the start of the stage and
         // the velocity there.
         let mut over_start = self.motion_forces(simulation, motion, true);
-        for damper in &self.dampers {
-            damper.add_to_start(
+        for contact in &self.contacts {
+            contact.add_to_start(
                 |node| position(motion, node),
                 |node, force| add_to_node(&mut over_start, node, &force),
             );
@@ -114,8 +121,35 @@ impl Point {
                 own.add_products(weight, dashpot, &strains);
             }
         }
+        // The strains and relaxing parts from which these relax.
+        if let Some(laws) = &self.laws.relaxation {
+            let [of_change, of_start] = &laws.forces;
+            covector.strains[0].add_products(1.0, of_change, &strains);
+            covector.relaxing.add_products(-1.0, of_start, &strains);
+        }
         let motion = motion.to_vec();
         VirtualMotion { motion, strains }
+    }
+
+    /// Adds −(∂R/∂s)ᵀ λ of the local resistance of a fluid, which is that of the places at the
+    /// start or at the prediction.
+    fn pull_back_drag(&self, covector: &mut Covector, simulation: &mut Simulation, motion: &[f64]) {
+        let rules = simulation.rules();
+        let fluid = &mut simulation.integrator.fluid;
+        let Some(mut over) = fluid.over_places(&self.velocities, motion) else {
+            return;
+        };
+        if !rules.predicts_drag() {
+            let pairs = covector.unknowns[0].iter_mut().zip(&over);
+            pairs.for_each(|(sum, over)| *sum -= over);
+            return;
+        }
+        let prediction = &simulation.integrator.workspace.prediction;
+        let system = &simulation.system;
+        system.gather_places(prediction, &mut over);
+        let entries = over.iter_mut().zip(&system.assembly.held);
+        entries.for_each(|(entry, held)| *entry *= f64::from(!held));
+        covector.add_history(-1.0, [&self.weights.prediction], [&over]);
     }
 
     /// Forces of inertia and drag if λ is the start of the stage, or the velocity there: −(∂R/∂s)ᵀ
@@ -143,13 +177,6 @@ impl Point {
 /// Vector along an edge.
 pub(super) fn along(vector: &[f64], edge: &Edge) -> Vector3 {
     position(vector, edge.end) - position(vector, edge.start)
-}
-
-/// Adds a derivative with respect to the position of a node.
-fn add_to_node(vector: &mut [f64], node: usize, force: &Vector3) {
-    for axis in 0..3 {
-        vector[STRIDE * node + axis] += force[axis];
-    }
 }
 
 /// Adds a derivative with respect to the vector of an edge to those with respect to its nodes.

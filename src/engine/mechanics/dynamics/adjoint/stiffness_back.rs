@@ -76,7 +76,7 @@ impl StiffnessBack {
     pub(super) fn pull_back(
         &mut self,
         covector: &mut Covector,
-        simulation: &Simulation,
+        simulation: &mut Simulation,
     ) -> VirtualMotion {
         let system = &simulation.system;
         let zero = vec![0.0; system.residual.len()];
@@ -107,7 +107,9 @@ impl StiffnessBack {
             Adaption::Falls(part) => covector.stiffness += part * over_wanted,
             Adaption::Least => {}
         }
-        let force = self.course.jacobian.multiply(&motion);
+        system.spread_points(&mut motion);
+        let mut force = self.course.jacobian.multiply(&motion);
+        system.gather_product(&motion, &mut force);
         // The prediction moves only the unknowns that clamps do not hold.
         let entries = over_prediction.iter_mut().zip(&force);
         for ((entry, force), held) in entries.zip(&system.assembly.held) {

@@ -3,16 +3,17 @@
 
 use super::{Gradient, LARGEST_TRACE, Recording, SensitivityError, Trace};
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::ContactModel;
+use crate::mechanics::dynamics::sensitivity::joint_tests::sliding;
 use crate::mechanics::dynamics::state::State;
 use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation};
+use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{
     Clamp, Inertia, LoadKind, Motion, NaturalShape, Relaxation, Scene, Spring, TurningStiffness,
 };
 use crate::mechanics::test_support::{
-    advance_to, at, cantilever, clamp, contact, curved, drag, fixed_steps, gravity, moment_on,
-    point_force, section, spring, steady, straight_rod,
+    SCHEMES as EVERY_SCHEME, advance_to, at, cantilever, clamp, curved, drag, fixed_steps, gravity,
+    moment_on, point_force, section, spring, steady, straight_rod,
 };
 
 const STEPS: usize = 30;
@@ -66,18 +67,22 @@ impl Course {
     }
 }
 
-/// Position and velocity of two nodes, and a director.
+/// Position and velocity of two nodes, a director, and the kinetic energy of bodies with inertia.
 pub(super) fn results(simulation: &Simulation) -> Vec<f64> {
+    let last = simulation.positions().len() - 1;
     let vectors = [
-        simulation.positions()[10] * 10.0,
+        simulation.positions()[last.min(10)] * 10.0,
         simulation.positions()[6] * 10.0,
         simulation.velocities()[5],
         simulation.material_directors()[5],
     ];
-    vectors
+    let numbers = vectors
         .iter()
-        .flat_map(|vector| [vector.x, vector.y, vector.z])
-        .collect()
+        .flat_map(|vector| [vector.x, vector.y, vector.z]);
+    let frames = &simulation.system.assembly.joints.frames;
+    let rotates = frames.iter().any(|frame| frame.body.is_some());
+    let kinetic = rotates.then(|| 100.0 * simulation.energies().kinetic);
+    numbers.chain(kinetic).collect()
 }
 
 /// Adds an amount to a value of a node.
@@ -87,7 +92,10 @@ pub(super) type Change = fn(&mut Simulation, usize, f64);
 fn strain(simulation: &mut Simulation, node: usize, [first, second, twist]: [f64; 3]) {
     let assembly = &mut simulation.system.assembly;
     let edges = assembly.rods.edges.clone();
-    let length = |edge: usize| edges.get(edge).map_or(0.0, |edge| edge.natural_length);
+    let length = |start: usize| {
+        let edge = edges.iter().find(|edge| edge.start == start);
+        edge.map_or(0.0, |edge| edge.natural_length)
+    };
     let at: Vec<bool> = assembly
         .rods
         .vertices
@@ -142,6 +150,7 @@ fn throw(simulation: &mut Simulation, node: usize, velocity: Vector3) {
     for axis in 0..3 {
         own[STRIDE * node + axis] += velocity[axis];
     }
+    simulation.system.assembly.joints.spread_points(&mut own);
     simulation.state = State::new(&unknowns.clone(), &own);
 }
 
@@ -187,7 +196,12 @@ const FIELDS: [Field; 9] = [
     ),
     (
         "EA",
-        |s, k, by| s.system.assembly.rods.edges[k].stretching *= 1.0 + by,
+        |s, k, by| {
+            let mut edges = s.system.assembly.rods.edges.iter_mut();
+            let edge = edges.find(|edge| edge.start == k);
+            edge.into_iter()
+                .for_each(|edge| edge.stretching *= 1.0 + by);
+        },
         0.01,
         |g, k| g.stretching[k],
     ),
@@ -322,6 +336,46 @@ fn swings_with_drag() {
     scene.loads.push(drag(None, 0.05, 1e-5));
     for scheme in SCHEMES {
         check("swing", &course(scheme), &scene, 1.0);
+    }
+}
+
+#[test]
+fn swings_by_the_midpoint_rule() {
+    let midpoint = course(Scheme::ImplicitMidpoint);
+    let mut scene = cantilever();
+    scene.loads.push(drag(None, 0.05, 1e-5));
+    check("midpoint", &midpoint, &scene, 1.0);
+    let from_rest = Course {
+        settles: true,
+        ..midpoint
+    };
+    check("midpoint", &from_rest, &driven(), 0.3);
+}
+
+#[test]
+fn material_that_relaxes() {
+    let mut scene = cantilever();
+    scene.rods[0].retardation_time = 0.02;
+    scene.rods[0].relaxation = Some(Relaxation {
+        ratio: 0.5,
+        time: 0.03,
+    });
+    for scheme in SCHEMES {
+        check("relaxation", &course(scheme), &scene, 1.0);
+        let from_rest = Course {
+            settles: true,
+            ..course(scheme)
+        };
+        check("relaxation", &from_rest, &scene, 1.0);
+    }
+}
+
+#[test]
+fn local_drag_of_a_fluid() {
+    let mut scene = cantilever();
+    scene.fluid = Some(FluidModel::Resistive { viscosity: 0.05 });
+    for scheme in EVERY_SCHEME {
+        check("fluid", &course(scheme), &scene, 1.0);
     }
 }
 
@@ -489,23 +543,23 @@ fn parts_that_are_taken_once_more_give_the_same_bytes() {
 #[test]
 fn scenes_without_these_derivatives_are_refused() {
     type Spoil = fn(&mut Scene, &mut IntegrationParameters);
-    let spoils: [(Spoil, &str); 3] = [
+    let spoils: [(Spoil, &str); 2] = [
         (
-            |_, parameters| parameters.scheme = Scheme::ImplicitMidpoint,
+            |scene, parameters| {
+                *scene = sliding();
+                parameters.scheme = Scheme::ImplicitMidpoint;
+            },
             "time.scheme",
         ),
         (
-            |scene, _| scene.contact = Some(contact(ContactModel::Complementarity, 1e-3)),
-            "contact",
-        ),
-        (
             |scene, _| {
-                scene.rods[0].relaxation = Some(Relaxation {
-                    ratio: 0.5,
-                    time: 0.03,
+                scene.fluid = Some(FluidModel::RegularizedStokeslets {
+                    viscosity: 0.05,
+                    regularization: 1.02,
+                    far_field_error: 0.0,
                 });
             },
-            "relaxation",
+            "fluid.model",
         ),
     ];
     for (spoil, word) in spoils {

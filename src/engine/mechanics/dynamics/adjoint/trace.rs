@@ -2,7 +2,8 @@
 //! its earlier parts.
 
 use super::SensitivityError;
-use crate::mechanics::contact::ContactMemory;
+use super::origin::Origin;
+use crate::mechanics::contact::{ActiveLaw, ContactMemory};
 use crate::mechanics::dynamics::report::{SimulationState, StepReport};
 use crate::mechanics::dynamics::simulation::Simulation;
 
@@ -15,7 +16,33 @@ pub(super) struct Trace {
     /// The last part.
     last: Part,
     /// Ends of the steps of the last part.
-    ends: Vec<SimulationState>,
+    ends: Vec<End>,
+}
+
+/// The end of a step.
+pub(super) struct End {
+    pub state: SimulationState,
+    /// Unknowns before rotation vectors were reset, if they were.
+    solution: Option<Vec<f64>>,
+    /// Contacts that press by complementarity.
+    pub pressing: Vec<ActiveLaw>,
+}
+
+impl End {
+    /// The end of the last step of a simulation.
+    fn of(simulation: &Simulation) -> Self {
+        let solution = &simulation.integrator.workspace.trial.unknowns;
+        Self {
+            solution: (*solution != simulation.state.unknowns).then(|| solution.clone()),
+            state: simulation.state(),
+            pressing: simulation.system.pressing(),
+        }
+    }
+
+    /// Unknowns before rotation vectors were reset.
+    pub(super) fn solution(&self) -> &[f64] {
+        self.solution.as_ref().unwrap_or(&self.state.unknowns)
+    }
 }
 
 /// A part of a motion.
@@ -26,9 +53,9 @@ struct Part {
     untils: Vec<f64>,
 }
 
-/// Callback for a step, given by the states at its start and end.
+/// Callback for a step, given by the state at its start and by its end.
 pub(super) type Visit<'a> =
-    &'a mut dyn FnMut(&mut Simulation, [&SimulationState; 2]) -> Result<(), SensitivityError>;
+    &'a mut dyn FnMut(&mut Simulation, &SimulationState, &End) -> Result<(), SensitivityError>;
 
 impl Trace {
     /// Starts a motion at the state of a simulation; up to `largest` bytes are kept.
@@ -52,14 +79,14 @@ impl Trace {
     /// Adds the step that a simulation has just taken.
     pub(super) fn add(&mut self, simulation: &Simulation, report: &StepReport, until: f64) {
         self.last.untils.push(until);
-        let state = simulation.state();
-        let each = size(&state);
-        append(&mut self.ends, report, state);
+        let end = End::of(simulation);
+        let each = size(&end.state) + size_of::<ActiveLaw>() * end.pressing.len();
+        append(&mut self.ends, report, end);
         if each * self.ends.len() > self.largest
             && let Some(end) = self.ends.pop()
         {
             let next = Part {
-                start: end,
+                start: end.state,
                 untils: Vec::new(),
             };
             self.parts.push(std::mem::replace(&mut self.last, next));
@@ -74,18 +101,19 @@ impl Trace {
 
     /// Where it ends.
     pub(super) fn last(&self) -> &SimulationState {
-        self.ends.last().unwrap_or(&self.last.start)
+        self.ends.last().map_or(&self.last.start, |end| &end.state)
     }
 
     /// Visits all steps, the last first, with a simulation in any state.
     pub(super) fn visit_backwards(
         &self,
         simulation: &mut Simulation,
+        origin: &Origin,
         visit: Visit<'_>,
     ) -> Result<(), SensitivityError> {
         self.last.visit(&self.ends, simulation, visit)?;
         for part in self.parts.iter().rev() {
-            let ends = part.repeat(simulation)?;
+            let ends = part.repeat(simulation, origin)?;
             part.visit(&ends, simulation, visit)?;
         }
         Ok(())
@@ -97,39 +125,40 @@ impl Part {
     fn repeat(
         &self,
         simulation: &mut Simulation,
-    ) -> Result<Vec<SimulationState>, SensitivityError> {
+        origin: &Origin,
+    ) -> Result<Vec<End>, SensitivityError> {
         let mut ends = Vec::new();
-        simulation.restore(self.start.clone())?;
+        origin.restore(simulation, &self.start)?;
         for &until in &self.untils {
             let report = simulation.advance(until)?;
-            append(&mut ends, &report, simulation.state());
+            append(&mut ends, &report, End::of(simulation));
         }
         Ok(ends)
     }
 
     fn visit(
         &self,
-        ends: &[SimulationState],
+        ends: &[End],
         simulation: &mut Simulation,
         visit: Visit<'_>,
     ) -> Result<(), SensitivityError> {
         for index in (0..ends.len()).rev() {
             let start = match index {
                 0 => &self.start,
-                _ => &ends[index - 1],
+                _ => &ends[index - 1].state,
             };
-            visit(simulation, [start, &ends[index]])?;
+            visit(simulation, start, &ends[index])?;
         }
         Ok(())
     }
 }
 
 /// Adds the end of a step; if only the time was set, updates the time of the last end.
-fn append(ends: &mut Vec<SimulationState>, report: &StepReport, state: SimulationState) {
+fn append(ends: &mut Vec<End>, report: &StepReport, end: End) {
     if report.step > 0.0 {
-        ends.push(state);
+        ends.push(end);
     } else if let Some(last) = ends.last_mut() {
-        last.time = state.time;
+        last.state.time = end.state.time;
     }
 }
 

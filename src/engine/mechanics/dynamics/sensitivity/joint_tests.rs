@@ -22,12 +22,12 @@ fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
     }
 }
 
-fn sprung() -> JointKind {
+pub(in crate::mechanics::dynamics) fn sprung() -> JointKind {
     sprung_hinge(Vector3::z(), 5e-3, 0.3)
 }
 
 /// Two arms at an angle; the first is clamped, and a body is off the end of the second.
-fn arms(kind: JointKind) -> Scene {
+pub(in crate::mechanics::dynamics) fn arms(kind: JointKind) -> Scene {
     let elbow = Vector3::x() * 0.15;
     let mut hand = body("hand", at(1, 3), 2e-3, Some([2e-7, 3e-7, 4e-7]));
     hand.offset = Vector3::new(3e-3, -2e-3, 4e-3);
@@ -130,8 +130,7 @@ const FREE_AND_NEAR: Bounds = Bounds {
 };
 
 /// Two rods welded at right angles with a body at the corner, which turn by more than a radian.
-#[test]
-fn a_body_that_tumbles_and_resets_its_rotation() {
+pub(in crate::mechanics::dynamics) fn tumbling() -> Scene {
     let mut scene = arms(JointKind::Rigid);
     scene.clamps.clear();
     scene.loads.clear();
@@ -142,6 +141,12 @@ fn a_body_that_tumbles_and_resets_its_rotation() {
         let middle = (rod.centreline[0] + rod.centreline[rod.centreline.len() - 1]) * 0.5;
         rod.velocity = spin.cross(&middle);
     }
+    scene
+}
+
+#[test]
+fn a_body_that_tumbles_and_resets_its_rotation() {
+    let scene = tumbling();
     let spinning: Change = ("spin", |scene, factor| {
         for rod in &mut scene.rods {
             rod.angular_velocity *= factor;
@@ -156,14 +161,25 @@ fn a_body_that_tumbles_and_resets_its_rotation() {
     }
 }
 
+/// Joints that may break.
+pub(in crate::mechanics::dynamics) fn breakable() -> [JointKind; 3] {
+    [JointKind::Ball, JointKind::Rigid, hinge(Vector3::z())]
+}
+
+/// Arms that are pulled apart.
+pub(in crate::mechanics::dynamics) fn breaking(kind: JointKind) -> Scene {
+    let mut scene = arms(kind);
+    scene.joints[0].strength = Strength::of_force(0.07);
+    let mut pull = point_force(1, 1, Vector3::new(0.2, 1.0, 0.3));
+    pull.schedule = vec![(0.0, 0.0), (0.02, 0.0), (0.021, 1.0), (0.025, 0.0)];
+    scene.loads.push(pull);
+    scene
+}
+
 #[test]
 fn motions_in_which_a_joint_breaks() {
-    for kind in [JointKind::Ball, JointKind::Rigid, hinge(Vector3::z())] {
-        let mut scene = arms(kind);
-        scene.joints[0].strength = Strength::of_force(0.07);
-        let mut pull = point_force(1, 1, Vector3::new(0.2, 1.0, 0.3));
-        pull.schedule = vec![(0.0, 0.0), (0.02, 0.0), (0.021, 1.0), (0.025, 0.0)];
-        scene.loads.push(pull);
+    for kind in breakable() {
+        let scene = breaking(kind);
         for scheme in FOR_FRAMES {
             let course = Course::moves(scheme, 1e-3, 40);
             let broken = course.run(&scene).breaks();
@@ -176,20 +192,24 @@ fn motions_in_which_a_joint_breaks() {
 }
 
 /// A bead that slides along a rod with both ends clamped.
-#[test]
-fn a_bead_that_slides_along_a_rod() {
+pub(in crate::mechanics::dynamics) fn sliding() -> Scene {
     let mut wire = rod("wire", Vector3::zeros(), Vector3::new(0.3, 0.0, -0.1), 8);
     wire.natural_shape = NaturalShape::Straight;
     let start = wire.centreline[2];
     let bead = rod("bead", start, start + Vector3::y() * 0.02, 2);
     let slide = joint("slide", [at(1, 0), at(0, 2)], JointKind::Slide);
-    let scene = Scene {
+    Scene {
         rods: vec![wire, bead],
         clamps: vec![clamp(0, 0), clamp(0, 8)],
         joints: vec![slide],
         loads: vec![gravity(2.0)],
         ..Scene::default()
-    };
+    }
+}
+
+#[test]
+fn a_bead_that_slides_along_a_rod() {
+    let scene = sliding();
     // The velocity of a bead on a straight wire hardly depends on its stiffness.
     let bounds = Bounds {
         motion: 1e-6,

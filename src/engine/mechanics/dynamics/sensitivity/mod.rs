@@ -234,6 +234,6 @@ fn sharp(
 }
 
 #[cfg(test)]
-mod joint_tests;
+pub(super) mod joint_tests;
 #[cfg(test)]
 mod tests;

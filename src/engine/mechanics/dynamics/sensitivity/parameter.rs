@@ -278,10 +278,8 @@ impl Parameter {
     /// Derivative of inertia and drag with respect to the start of the stage and the velocity
     /// there, at the solution of the stage.
     fn motion_forces(stage: &Stage, solution: &[f64], centre: &mut Simulation) -> Vec<f64> {
-        let mut stage = stage.clone();
         // The drag of the fluid at the start of the step differs between the neighbours.
-        stage.drag.fill(Vector3::zeros());
-        stage.drag_velocity.fill(Vector3::zeros());
+        let stage = stage.without_drag();
         let at_rest = vec![0.0; stage.start.len()];
         let mut forces = at_rest.clone();
         let system = &mut centre.system;

@@ -91,7 +91,7 @@ impl TurningFrame {
 
     /// φ.
     pub(crate) fn rotation_vector(&self, unknowns: &[f64]) -> Vector3 {
-        position(unknowns, self.first_unknown / STRIDE) / self.length
+        self.vector_of(unknowns) / self.length
     }
 
     /// Angle of the hinge, rad.
@@ -120,17 +120,33 @@ impl TurningFrame {
         let now = self.rotation_vector(unknowns);
         let back = rotation::from_vector(now).inverse();
         for [unknowns, velocity] in motions {
-            let old = self.rotation_vector(unknowns);
-            let rate = position(velocity, self.first_unknown / STRIDE);
-            let spin = rotation::left_jacobian(&old) * rate;
-            let new = rotation::to_vector(&(rotation::from_vector(old) * back));
-            let inverse = rotation::left_jacobian(&new).try_inverse();
-            let rate = inverse.unwrap_or_else(Matrix3::identity) * spin;
+            let [place, rate] = [&*unknowns, &*velocity].map(|of| self.vector_of(of));
+            let [place, rate] = self.in_chart([place, rate], &back);
             for axis in 0..3 {
-                unknowns[self.first_unknown + axis] = self.length * new[axis];
+                unknowns[self.first_unknown + axis] = place[axis];
                 velocity[self.first_unknown + axis] = rate[axis];
             }
         }
         self.base = back.inverse() * self.base;
+    }
+
+    /// ℓφ in the unknowns, or its rate in their velocities.
+    pub(crate) fn vector_of(&self, unknowns: &[f64]) -> Vector3 {
+        position(unknowns, self.first_unknown / STRIDE)
+    }
+
+    /// ℓφ and its rate in the chart whose base is that of this frame, turned by the inverse of
+    /// `back`.
+    pub(crate) fn in_chart(
+        &self,
+        [place, rate]: [Vector3; 2],
+        back: &UnitQuaternion,
+    ) -> [Vector3; 2] {
+        let old = place / self.length;
+        let spin = rotation::left_jacobian(&old) * rate;
+        let new = rotation::to_vector(&(rotation::from_vector(old) * back));
+        let inverse = rotation::left_jacobian(&new).try_inverse();
+        let rate = inverse.unwrap_or_else(Matrix3::identity) * spin;
+        [new * self.length, rate]
     }
 }

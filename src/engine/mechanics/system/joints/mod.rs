@@ -26,6 +26,7 @@ mod span;
 mod spring_ends;
 mod track;
 mod turned;
+mod virtual_motion;
 
 use super::System;
 use super::demand::Demand;
@@ -35,7 +36,8 @@ use crate::mechanics::rod::{GhostEdge, STRIDE, TURNING_ROTATION};
 use crate::mechanics::{SceneError, UnitQuaternion, Vector3, rotation};
 pub(crate) use border::Border;
 use derivatives::{HINGE, OWN_HINGE, OWN_NODE};
-pub(super) use frame::{EccentricMass, TurningFrame};
+pub(super) use frame::EccentricMass;
+pub(crate) use frame::TurningFrame;
 pub use plan::joint_unknowns;
 pub(super) use plan::{JointPlan, PlannedFrame, PlannedSlide};
 pub(super) use slide::Slide;

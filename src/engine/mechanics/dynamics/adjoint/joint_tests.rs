@@ -1,0 +1,103 @@
+//! Derivatives with respect to fields in motions of joined rods and bodies, compared with
+//! differences of whole runs.
+
+use super::LARGEST_TRACE;
+use super::contact_tests::against_forward;
+use super::tests::{Course, SCHEMES, check_at, course};
+use crate::mechanics::dynamics::Scheme;
+use crate::mechanics::dynamics::sensitivity::joint_tests::{
+    arms, breakable, breaking, sliding, sprung, tumbling,
+};
+use crate::mechanics::fluid::FluidModel;
+use crate::mechanics::scene::{JointKind, Relaxation, Scene};
+use crate::mechanics::test_support::at;
+
+const EXACT: f64 = 1e-7;
+
+/// Compares in the first rod, at the joint, and in the second rod.
+#[track_caller]
+fn check(name: &str, course: &Course, scene: &Scene, share: f64) {
+    check_at([1, 4, 6], EXACT, name, course, scene, share);
+}
+
+#[test]
+fn equilibria_of_joined_rods() {
+    let rest = Course {
+        settles: true,
+        steps: 0,
+        ..course(Scheme::ImplicitEuler)
+    };
+    for kind in [JointKind::Rigid, sprung()] {
+        check("rest", &rest, &arms(kind), 0.3);
+    }
+}
+
+#[test]
+fn swings_of_joined_rods_with_a_body() {
+    for kind in [JointKind::Ball, JointKind::Rigid, sprung()] {
+        for scheme in SCHEMES {
+            check("arms", &course(scheme), &arms(kind), 1.0);
+            let error = against_forward(&course(scheme), &arms(kind), at(1, 2), 1e-6);
+            println!("arms {kind:?} {scheme:?} against the forward mode: {error:.1e}");
+            assert!(error < 1e-7, "{kind:?} {scheme:?}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn viscous_rods_in_a_fluid() {
+    let mut scene = arms(sprung());
+    for rod in &mut scene.rods {
+        rod.retardation_time = 0.02;
+        rod.relaxation = Some(Relaxation {
+            ratio: 0.5,
+            time: 0.03,
+        });
+    }
+    scene.fluid = Some(FluidModel::Resistive { viscosity: 0.05 });
+    for scheme in SCHEMES {
+        let from_rest = Course {
+            settles: true,
+            ..course(scheme)
+        };
+        check("viscous", &course(scheme), &scene, 0.3);
+        check("viscous", &from_rest, &scene, 0.3);
+    }
+}
+
+#[test]
+fn a_joint_of_the_midpoint_rule() {
+    let midpoint = course(Scheme::ImplicitMidpoint);
+    let mut scene = arms(JointKind::Ball);
+    scene.bodies.remove(0);
+    scene.fluid = Some(FluidModel::Resistive { viscosity: 0.05 });
+    check("midpoint", &midpoint, &scene, 0.3);
+}
+
+#[test]
+fn motions_in_which_a_joint_breaks() {
+    for kind in breakable() {
+        let scene = breaking(kind);
+        for scheme in SCHEMES {
+            check("breaking", &course(scheme), &scene, 0.2);
+        }
+        let course = course(Scheme::BackwardDifferences);
+        let whole = course.gradients(&scene, LARGEST_TRACE);
+        assert_eq!(whole, course.gradients(&scene, 20_000));
+    }
+}
+
+#[test]
+fn a_body_that_tumbles_and_resets_its_rotation() {
+    for scheme in SCHEMES {
+        check("tumbling", &course(scheme), &tumbling(), 3.0);
+    }
+}
+
+#[test]
+fn a_bead_that_slides_along_a_rod() {
+    for scheme in SCHEMES {
+        // The velocity of a bead on a straight wire hardly depends on its stiffness.
+        check_at([3, 6, 10], 1e-6, "bead", &course(scheme), &sliding(), 0.3);
+    }
+}
