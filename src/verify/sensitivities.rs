@@ -299,7 +299,11 @@ fn error_of_field(one: &OfField) -> Result<f64, GroupError> {
     let adjoint = field_derivatives(&source, &of, &[one.field], 1, &|| true)?;
     let forward = derivatives(&source, &of, &[one.key.to_owned()])?;
     let rows = adjoint.rows.iter().filter(|row| row.rod == one.rod);
-    let sum = |column: usize| rows.clone().map(|row| row.derivatives[0][column]).sum::<f64>();
+    let sum = |column: usize| {
+        rows.clone()
+            .map(|row| row.derivatives[0][column])
+            .sum::<f64>()
+    };
     let expected = &forward.rows.last().ok_or("no outputs")?.derivatives[0];
     let errors = expected.iter().enumerate();
     let errors = errors.map(|(column, expected)| Some(sum(column) - (*expected)?));

@@ -156,19 +156,6 @@ fn complementarity_by_its_active_set() {
 }
 
 #[test]
-fn friction_by_the_midpoint_rule() {
-    // Later steps end in impacts.
-    let course = Course {
-        steps: 2,
-        ..course(Scheme::ImplicitMidpoint)
-    };
-    let scene = pulled(ContactModel::ImplicitContact);
-    let error = against_forward(&course, &scene, at(0, 7), 1e-7);
-    println!("midpoint against the forward mode: {error:.1e}");
-    assert!(error < 4e-7, "{error:e}");
-}
-
-#[test]
 fn an_equilibrium_in_contact() {
     for model in SOFT_MODELS {
         let mut scene = falling(model);

@@ -60,7 +60,8 @@ fn viscous_rods_in_a_fluid() {
             settles: true,
             ..course(scheme)
         };
-        check("viscous", &course(scheme), &scene, 0.3);
+        // Rounding errors in the lengths of edges, times EA T/H, limit the differences.
+        check_at([1, 4, 6], 1e-6, "viscous", &course(scheme), &scene, 1.0);
         check("viscous", &from_rest, &scene, 0.3);
     }
 }
@@ -78,8 +79,11 @@ fn a_joint_of_the_midpoint_rule() {
 fn motions_in_which_a_joint_breaks() {
     for kind in breakable() {
         let scene = breaking(kind);
+        check("breaking", &course(Scheme::ImplicitEuler), &scene, 0.2);
         for scheme in SCHEMES {
-            check("breaking", &course(scheme), &scene, 0.2);
+            let error = against_forward(&course(scheme), &scene, at(1, 2), 1e-6);
+            println!("breaking {kind:?} {scheme:?} against the forward mode: {error:.1e}");
+            assert!(error < 1e-7, "{kind:?} {scheme:?}: {error:e}");
         }
         let course = course(Scheme::BackwardDifferences);
         let whole = course.gradients(&scene, LARGEST_TRACE);
@@ -90,7 +94,7 @@ fn motions_in_which_a_joint_breaks() {
 #[test]
 fn a_body_that_tumbles_and_resets_its_rotation() {
     for scheme in SCHEMES {
-        check("tumbling", &course(scheme), &tumbling(), 3.0);
+        check("tumbling", &course(scheme), &tumbling(), 2.0);
     }
 }
 

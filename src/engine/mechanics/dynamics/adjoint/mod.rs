@@ -35,22 +35,41 @@
 //!
 //! **Strains.** λ·R = Σ M dε\[λ\] for elastic forces and dashpots, with the derivatives of the
 //! strains along λ (`system/virtual_work`); dI/dp for stiffness and natural strains of every
-//! vertex follows from these.
+//! vertex follows from these. The relaxing parts q of the strains are part of s; with the
+//! derivative q̄ at the end of a step,
+//!
+//! ```text
+//! q = e^(−x) qₙ + r γ (ε − εₙ),     d = q̄ − K dε[λ],     q̄ₙ = e^(−x) d,     ε̄ₙ = −r γ d
+//! ```
+//!
+//! and r γ q̄ acts on the strains at the end like a moment (`system/damping`).
+//!
+//! **Dependent positions.** Joined and sliding nodes, and the tips of the axes of bodies, are
+//! functions of the free unknowns r. With P = ∂q/∂r, q̄ becomes Pᵀ q̄ before the solve, and λ becomes
+//! P λ after it (`system/joints/virtual_motion`); all else is the same as without joints.
+//!
+//! **Midpoint rule.** The solution m of the stage is the middle of the step, which ends at q₁ = 2 m −
+//! q₀: m̄ = 2 q̄₁ (`extrapolation`).
+//!
+//! **Resistive drag** D v also depends on s through D, which is that of the start or of the
+//! prediction.
 //!
 //! **Contact.** Friction acts on the slip since the start of the stage and is transposed with
 //! respect to that start like a damper. The contact stiffness k is part of s, and contact forces
 //! are proportional to it. If a step adapts k to the force on a node at the prediction, bounded by
 //! energies and at a prediction that a contact shortens, its derivative is pulled back through
-//! these (`stiffness_back`). The least stiffness is a constant of the scene.
+//! these (`stiffness_back`). The least stiffness is a constant of the scene. By complementarity the
+//! laws of an active set are linear in the positions at the end and at the start of the step; both
+//! matrices are transposed.
 //!
 //! **Cost.** The steps are stored as they are taken. When they fill [`LARGEST_TRACE`], only the
 //! states at the starts of parts of the motion are kept, and a part is repeated, bit for bit, when
 //! its derivatives are needed. A step back costs one linearisation and factorisation, whereas the
 //! step itself took two or three, and a solve for each result.
 //!
-//! **Not supported**, and rejected: everything that [`super::sensitivity`] rejects, contact by
-//! complementarity, joints and bodies, fluids, the midpoint rule, relaxation (the standard linear
-//! solid), and rods with actuated length.
+//! **Not supported**, and rejected: everything that [`super::sensitivity`] rejects, flows, friction
+//! at surfaces, rods with actuated length, and sliding nodes with the midpoint rule, which at the
+//! middle of a step move by other weights than those of their force.
 //!
 //! | file | what |
 //! |---|---|
