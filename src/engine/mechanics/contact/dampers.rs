@@ -88,14 +88,14 @@ impl Damper {
 impl ContactSystem {
     /// The contacts of the last evaluation, at `positions`, that depend on the start of the step:
     /// those with friction, or the laws of an active set.
-    pub(crate) fn from_start(
+    pub(crate) fn dependence_on_start(
         &self,
         positions: &[Vector3],
         previous: &[Vector3],
         time_step: f64,
     ) -> Vec<FromStart> {
         if !self.active_laws.is_empty() {
-            return self.active_from_start();
+            return self.active_dependence();
         }
         let motion = Motion {
             positions,
@@ -145,7 +145,7 @@ impl ContactSystem {
         of_pairs.chain(of_planes).map(FromStart::Damper).collect()
     }
 
-    fn active_from_start(&self) -> Vec<FromStart> {
+    fn active_dependence(&self) -> Vec<FromStart> {
         let of_law = |law: &ActiveLaw| {
             let is_alone = law.nodes[0] == law.nodes[3];
             let corner = |corner: usize| {

@@ -107,7 +107,7 @@ impl System {
         };
         let mut positions = stage.positions.clone();
         copy_positions(unknowns, &mut positions);
-        contact.from_start(&positions, &stage.positions, stage.step)
+        contact.dependence_on_start(&positions, &stage.positions, stage.step)
     }
 
     /// Derivative of −λ·R with respect to the contact stiffness k, for a virtual motion λ at the
