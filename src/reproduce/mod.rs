@@ -171,6 +171,7 @@ fn tests_are_full() -> bool {
 mod tests {
     use super::*;
     use rayon::prelude::*;
+    use std::collections::BTreeMap;
     use std::fs;
     use std::sync::Mutex;
 
@@ -224,38 +225,50 @@ mod tests {
     #[test]
     fn every_artefact_has_its_page_its_table_and_its_figures() {
         let directory = tempfile::tempdir().unwrap();
-        // Artefacts are tested separately, so that none waits for the longest case of another.
-        ARTIFACTS.par_iter().for_each(|artifact| {
-            let options = options(directory.path(), 1);
-            let written = artifact
-                .recipe
-                .make_shortened(artifact, runs_of_page(artifact.name()), &options, &|_| {})
-                .unwrap();
-            let page = directory.path().join(artifact.name());
-            assert!(written.iter().all(|file| file.starts_with(&page)));
-            let text = fs::read_to_string(page.join("README.md")).unwrap();
-            assert!(
-                text.starts_with(&format!("# {}", artifact.title())),
-                "{text}"
-            );
-            assert!(
-                ["0.0", "60 d", "1 d", "rods of"]
-                    .iter()
-                    .any(|what| text.contains(&format!("**Quick version: only {what}"))),
-                "{text}"
-            );
-            let figures: Vec<&str> = text.lines().filter(|line| line.starts_with("![")).collect();
-            assert!(!figures.is_empty());
-            for figure in figures {
-                let (_, name) = figure.split_once("](").unwrap();
-                let svg = fs::read_to_string(page.join(name.trim_end_matches(')'))).unwrap();
-                assert!(svg.starts_with("<svg"));
-            }
-            let table =
-                fs::read_to_string(page.join(format!("{}.csv", page::stem(artifact.name()))))
+        // Artefacts of a folder have runs in common, so one thread makes them one after the other.
+        // The others are tested separately, so that none waits for the longest case of another.
+        let mut folders: BTreeMap<&str, Vec<&Artifact>> = BTreeMap::new();
+        for artifact in ARTIFACTS.iter() {
+            let name = artifact.name();
+            let folder = name.split_once('/').map_or(name, |(folder, _)| folder);
+            folders.entry(folder).or_default().push(artifact);
+        }
+        let folders: Vec<Vec<&Artifact>> = folders.into_values().collect();
+        folders
+            .par_iter()
+            .flat_map_iter(|folder| folder)
+            .for_each(|artifact| {
+                let options = options(directory.path(), 1);
+                let written = artifact
+                    .recipe
+                    .make_shortened(artifact, runs_of_page(artifact.name()), &options, &|_| {})
                     .unwrap();
-            assert!(table.lines().count() > 1);
-        });
+                let page = directory.path().join(artifact.name());
+                assert!(written.iter().all(|file| file.starts_with(&page)));
+                let text = fs::read_to_string(page.join("README.md")).unwrap();
+                assert!(
+                    text.starts_with(&format!("# {}", artifact.title())),
+                    "{text}"
+                );
+                assert!(
+                    ["0.0", "60 d", "1 d", "rods of"]
+                        .iter()
+                        .any(|what| text.contains(&format!("**Quick version: only {what}"))),
+                    "{text}"
+                );
+                let figures: Vec<&str> =
+                    text.lines().filter(|line| line.starts_with("![")).collect();
+                assert!(!figures.is_empty());
+                for figure in figures {
+                    let (_, name) = figure.split_once("](").unwrap();
+                    let svg = fs::read_to_string(page.join(name.trim_end_matches(')'))).unwrap();
+                    assert!(svg.starts_with("<svg"));
+                }
+                let table =
+                    fs::read_to_string(page.join(format!("{}.csv", page::stem(artifact.name()))))
+                        .unwrap();
+                assert!(table.lines().count() > 1);
+            });
     }
 
     #[test]

@@ -1,4 +1,4 @@
-"""A strip on edge that buckles sideways under a force at its end, with geometrically exact beams of Exudyn."""
+"""A strip on edge that buckles sideways under a force at its end, by geometrically exact beams of Exudyn."""
 
 import exudyn_rod as rods
 import peer
