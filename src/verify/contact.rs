@@ -97,10 +97,8 @@ fn collide(
     for _ in 0..steps {
         let report = simulation.advance(f64::INFINITY)?;
         distance = distance.min(simulation.minimum_distance());
-        let loaded = simulation
-            .contacts()
-            .iter()
-            .filter(|c| c.normal_force > 0.0);
+        let contacts = simulation.contacts();
+        let loaded = contacts.iter().filter(|c| c.normal_force > 0.0);
         friction = loaded.map(friction_ratio).fold(friction, f64::max);
         let forces = simulation.contact_forces();
         let size: f64 = forces.iter().map(|force| force.norm()).sum();

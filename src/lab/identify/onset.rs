@@ -117,11 +117,11 @@ fn speed(simulation: &Simulation) -> Option<f64> {
             product += normal_force * (velocity - normal * normal.dot(&velocity)).norm();
         }
     };
-    for touch in simulation.plane_contacts() {
+    for touch in simulation.plane_contacts().iter() {
         let normal = simulation.planes()[touch.plane].normal;
         add(touch.normal_force, &normal, velocities[touch.node]);
     }
-    for pair in simulation.contacts() {
+    for pair in simulation.contacts().iter() {
         let mut sides = [Vector3::zeros(); 2];
         let corners = pair.force.chunks_exact(3).map(Vector3::from_column_slice);
         for (corner, on_corner) in corners.enumerate() {

@@ -42,6 +42,8 @@ impl ContactSystem {
     /// At `start` and `end` no surfaces may overlap by more than `maximum_penetration`.
     pub(crate) fn passage(&mut self, start: &[Vector3], end: &[Vector3]) -> Option<ContactPair> {
         let allowed = 1.0 - self.parameters.maximum_penetration;
+        let (start, end) = (self.placed(start), self.placed(end));
+        let (start, end) = (start.as_ref(), end.as_ref());
         let moved = start.iter().zip(end).map(|(a, b)| (b - a).norm_squared());
         let largest = moved.fold(0.0, f64::max);
         let largest = largest.max(self.obstacles.largest_move().powi(2));

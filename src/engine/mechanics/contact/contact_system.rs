@@ -7,6 +7,7 @@ use super::contacts::{
     ActiveContact, Bodies, CandidatePair, ContactConstraint, EdgeJacobian, ForceCorrections,
     PlaneContact, PlaneJacobian, Proximity,
 };
+use super::curve_points::CurvePoints;
 use super::iterate::Iterate;
 use super::multipliers::Multipliers;
 use super::parameters::ContactParameters;
@@ -17,6 +18,7 @@ use super::surface_turns::{SurfaceTurns, TurnedContact};
 use super::tractions::Tractions;
 use crate::mechanics::Vector3;
 use crate::mechanics::rotation::Pose;
+use std::sync::Arc;
 
 /// Implicit contact with Coulomb friction (thesis 2.2–2.3) of all rods and planes of a scene, by the
 /// potential of the implicit contact model or by the barrier of incremental potential contact.
@@ -36,7 +38,9 @@ use crate::mechanics::rotation::Pose;
 pub struct ContactSystem {
     pub(super) parameters: ContactParameters,
     pub(super) surface: ContactSurface,
-    /// Nodes of all rods.
+    /// Smooth curves of the rods; without them the contact points of rods are their nodes.
+    pub(super) curves: Option<Arc<CurvePoints>>,
+    /// Contact points of all rods.
     node_count: usize,
     pub(super) planes: Vec<ContactPlane>,
     pub(super) obstacles: PlacedObstacles,
@@ -93,6 +97,7 @@ impl ContactSystem {
     ) -> Self {
         let candidates = Candidates::new(&surface, parameters.reach());
         Self {
+            curves: None,
             node_count: surface.node_count(),
             obstacles: PlacedObstacles::new(&surface),
             surface_turns: SurfaceTurns::of(&surface, &parameters),
@@ -156,8 +161,9 @@ impl ContactSystem {
     /// Rebuilds the candidates if some node has moved more than a quarter of the margin since they
     /// were last built; returns whether the set changed. Call this at the start of a step.
     pub fn update_candidates(&mut self, positions: &[Vector3]) -> bool {
-        if self.obstacles.moved || self.candidates.are_worn(positions) {
-            self.renew_candidates(positions)
+        let positions = self.placed(positions);
+        if self.obstacles.moved || self.candidates.are_worn(&positions) {
+            self.renew_candidates(&positions)
         } else {
             false
         }
@@ -262,7 +268,7 @@ impl ContactSystem {
     /// than half the margin since they were built. Check this when a step has converged; if it is
     /// false, update the candidates and continue iterating if the set changed.
     pub(crate) fn candidates_are_complete(&self, positions: &[Vector3]) -> bool {
-        !self.obstacles.moved && self.candidates.are_complete(positions)
+        !self.obstacles.moved && self.candidates.are_complete(&self.placed(positions))
     }
 
     /// Starts the Newton iterations of a step. Until [`Self::commit_multipliers`] or
@@ -279,7 +285,10 @@ impl ContactSystem {
         if let Some(turns) = &mut self.surface_turns {
             turns.begin();
         }
-        self.iterate.begin(mobilities);
+        match &self.curves {
+            Some(curves) => self.iterate.begin(&curves.mobilities(mobilities)),
+            None => self.iterate.begin(mobilities),
+        }
         self.multipliers.begin(self.slots());
         self.carried_tractions.begin(self.slots());
     }

@@ -108,9 +108,11 @@ impl ContactSystem {
         with_jacobians: bool,
     ) {
         self.clear_results();
+        let (positions, previous) = (self.placed(positions), self.placed(previous));
+        let positions = positions.as_ref();
         let motion = Motion {
             positions,
-            previous,
+            previous: &previous,
             time_step,
         };
         if !self.active_laws.is_empty() {

@@ -20,6 +20,7 @@
 //! | `normal_law`, `normal_response`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
 //! | `continuous_collision`, `step_bound` | bound on a step that does not cross the barrier |
 //! | `certificate` | check that no bodies passed through each other in a step |
+//! | `curve_points`, `nodes_and_points` | contact points on smooth curves through the nodes |
 //! | `coupled_pairs` | pairs for which the Newton system has room |
 //! | `constraints` | contacts as constraints, whose forces are found by complementarity (thesis 3.3) |
 //! | `active_law`, `active_set` | the same near a solution, as laws for its derivatives |
@@ -51,6 +52,7 @@ mod contact_system;
 mod contacts;
 mod continuous_collision;
 mod coupled_pairs;
+mod curve_points;
 mod dampers;
 mod distance;
 mod edge_contact;
@@ -63,6 +65,7 @@ mod levers;
 mod memory;
 mod multipliers;
 mod nearest_points;
+mod nodes_and_points;
 mod normal_law;
 mod normal_response;
 #[cfg(test)]
@@ -103,10 +106,11 @@ pub use contacts::{
     ActiveContact, CandidatePair, ConstraintPlace, ContactConstraint, ContactPair, EdgeJacobian,
     ForceCorrections, PlaneContact, PlaneJacobian, Proximity,
 };
+pub(crate) use curve_points::{CurvePoints, RowOfNodes, WINDOW, Window};
 pub(crate) use dampers::FromStart;
 pub(crate) use levers::{Levers, NONE};
 pub(crate) use memory::{ContactMemory, MismatchedMemory};
-pub use parameters::{ContactModel, ContactParameters, FrictionAt};
+pub use parameters::{ContactModel, ContactParameters, FrictionAt, Geometry};
 pub(crate) use root::{Root, RootBody};
 pub(crate) use stiffness::Adaption;
 pub(crate) use stored_energy::Stored;

@@ -39,11 +39,23 @@ pub enum FrictionAt {
     Surface,
 }
 
+/// Geometry of the centrelines in contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Geometry {
+    /// Straight edges between the nodes.
+    #[default]
+    Polyline,
+    /// Smooth curves through the nodes: see `curve_points`.
+    Smooth,
+}
+
 /// Parameters of a contact model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactParameters {
     /// The model.
     pub model: ContactModel,
+    /// Geometry of the centrelines.
+    pub geometry: Geometry,
     /// Distance tolerance δ, m: contact forces act within δ of the surfaces (Eqs. 2.1, 2.2). A
     /// smaller value is more exact and stiffer; the thesis uses 1e-5 m for a radius of 1 mm.
     pub distance_tolerance: f64,
@@ -136,6 +148,7 @@ impl Default for ContactParameters {
     fn default() -> Self {
         Self {
             model: ContactModel::ImplicitContact,
+            geometry: Geometry::Polyline,
             distance_tolerance: 1e-5,
             friction: 0.0,
             friction_at: FrictionAt::Centreline,

@@ -15,6 +15,9 @@ impl ContactSystem {
     pub(crate) fn set_prescribed(&mut self, prescribed: impl Iterator<Item = bool>) {
         self.prescribed.clear();
         self.prescribed.extend(prescribed);
+        if let Some(curves) = &self.curves {
+            self.prescribed = curves.all(&self.prescribed);
+        }
     }
 
     /// Whether the position of a node is prescribed; always true for vertices of obstacles.

@@ -23,15 +23,17 @@ const DEEP: f64 = 0.2;
 impl ContactSystem {
     /// Smallest centreline distance over the candidates, m; infinite without candidates.
     pub(crate) fn minimum_distance(&self, positions: &[Vector3]) -> f64 {
+        let positions = self.placed(positions);
         let distances = self.candidates().iter();
         distances
-            .filter_map(|pair| self.separation(pair, positions))
+            .filter_map(|pair| self.separation(pair, &positions))
             .fold(f64::INFINITY, f64::min)
     }
 
     /// The bodies nearest to touching at `positions` (m): of all candidates, and all nodes at
     /// planes, those with the least ratio of the distance to that at which their surfaces touch.
     pub(crate) fn nearest(&self, positions: &[Vector3]) -> Option<Proximity> {
+        let positions = &*self.placed(positions);
         let edges = self.candidates().iter().filter_map(|pair| {
             Some(Proximity {
                 pair: ContactPair::Edges(pair.edges),
@@ -142,6 +144,8 @@ impl ContactSystem {
     /// candidates must be complete at `positions`.
     pub(crate) fn excessive_penetration_at(&mut self, positions: &[Vector3]) -> Option<Proximity> {
         let allowed = 1.0 - self.parameters.maximum_penetration;
+        let positions = self.placed(positions);
+        let positions = positions.as_ref();
         self.candidates.motion(positions, &mut self.motion);
         let pairs = self.candidates.pairs().iter().zip(self.candidates.gaps());
         let edges = pairs.filter_map(|(pair, earlier)| {
@@ -165,6 +169,7 @@ impl ContactSystem {
     /// All pairs whose surfaces overlap at `positions`, sorted. With incremental potential contact
     /// also pairs at which the barrier is infinite. A scene must not start with such pairs.
     pub(crate) fn initial_overlaps(&self, positions: &[Vector3]) -> Vec<Proximity> {
+        let positions = &*self.placed(positions);
         let is_barrier = self.parameters().is_barrier();
         let clearance = if is_barrier {
             self.parameters().reach()

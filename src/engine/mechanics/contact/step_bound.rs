@@ -44,6 +44,8 @@ impl ContactSystem {
         if !self.parameters().is_barrier() {
             return step;
         }
+        let (start, displacements) = (self.placed(start), self.placed(displacements));
+        let (start, displacements) = (start.as_ref(), displacements.as_ref());
         let free = self.safe_fraction_over_planes(start, displacements);
         let mut positions = std::mem::take(&mut self.scratch_positions);
         positions.clear();

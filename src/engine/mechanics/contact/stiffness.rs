@@ -57,7 +57,9 @@ impl ContactSystem {
     ///
     /// A soft rod presses on a stiff one with its own, small forces.
     pub(crate) fn set_least_stiffness_of_nodes(&mut self, least: Vec<f64>) {
-        self.least_of_nodes = least;
+        self.least_of_nodes = (0..self.surface.node_count())
+            .map(|point| least[self.node_of(point)])
+            .collect();
     }
 
     /// Contact stiffness between two nodes; contact with a plane passes its node twice.
@@ -151,6 +153,8 @@ impl ContactSystem {
         positions: &[Vector3],
         forces: &[Vector3],
     ) -> Option<(usize, f64)> {
+        let (positions, forces) = (self.placed(positions), self.placed(forces));
+        let (positions, forces) = (positions.as_ref(), forces.as_ref());
         let near = 0.25 * self.candidates.margin();
         // Obstacles have no forces of their own.
         let of_node = |node: usize| forces.get(node).map_or(0.0, Vector3::norm_squared);

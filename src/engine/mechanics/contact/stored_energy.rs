@@ -32,13 +32,14 @@ impl ContactSystem {
     /// Energy of all contacts at `positions` (m), J, with obstacles at their poses at the end of
     /// the step. The candidates must cover these positions. Rigid contacts store no energy.
     pub(crate) fn energy_at(&self, positions: &[Vector3]) -> f64 {
-        self.stored(&self.obstacles.points(positions)).energy
+        self.stored(&self.obstacles.points(&self.placed(positions)))
+            .energy
     }
 
     /// Contact energy with obstacles at their poses at the start of the step, and the contacts
     /// within δ there.
     pub(crate) fn stored_at_start(&self, positions: &[Vector3]) -> Stored {
-        self.stored(&self.obstacles.points_at_start(positions))
+        self.stored(&self.obstacles.points_at_start(&self.placed(positions)))
     }
 
     /// Adds, for every node, a factor times the gradient of the energy at the start of the step.
@@ -48,13 +49,18 @@ impl ContactSystem {
         factor: f64,
         add: &mut dyn FnMut(usize, Vector3),
     ) {
-        self.visit_felt(&self.obstacles.points_at_start(positions), &mut |felt| {
-            let force = felt.normal * (-factor * felt.response.force);
-            let corners = felt.nodes.into_iter().zip(felt.weights);
-            for (node, weight) in corners.filter(|(node, _)| self.is_of_rod(*node)) {
-                add(node, force * weight);
-            }
-        });
+        self.visit_felt(
+            &self.obstacles.points_at_start(&self.placed(positions)),
+            &mut |felt| {
+                let force = felt.normal * (-factor * felt.response.force);
+                let corners = felt.nodes.into_iter().zip(felt.weights);
+                for (node, weight) in corners.filter(|(node, _)| self.is_of_rod(*node)) {
+                    self.spread(node, (force * weight).into(), |node, part| {
+                        add(node, part.into());
+                    });
+                }
+            },
+        );
     }
 
     fn stored(&self, points: &Points) -> Stored {

@@ -58,7 +58,8 @@ fn a_ball_rests_on_a_plane_at_its_radius() {
         let (middle, simulation) = rest(&scene);
         let gap = middle.z - RADIUS;
         assert!(gap.abs() < 2.0 * TOLERANCE, "{model:?}: {gap:e}");
-        let touches = simulation.plane_contacts().iter();
+        let touches = simulation.plane_contacts();
+        let touches = touches.iter();
         let pressed: f64 = touches.map(|touch| touch.force[2]).sum();
         let weight = (MASS + 1e-3 * 0.01) * GRAVITY;
         assert_close_in(model, pressed, weight, 1e-3);

@@ -58,7 +58,7 @@ impl AcceptedStep<'_> {
         };
         let loss = |force: Vector3, normal: &Vector3, node: usize| {
             let across = force - normal * force.dot(normal);
-            -across.dot(&self.displacement(node))
+            -across.dot(&contact.motion_of_point(node, |node| self.displacement(node)))
         };
         let mut sum = 0.0;
         for pair in contact.contacts() {

@@ -6,6 +6,7 @@ use crate::mechanics::contact::{ContactPlane, PlaneContact};
 use crate::mechanics::rod::{RodRange, STRIDE};
 use crate::mechanics::system::Resultants;
 use crate::mechanics::{UnitQuaternion, Vector3};
+use std::borrow::Cow;
 
 /// Pose of a clamp, and what it holds.
 #[derive(Clone, Copy, Debug)]
@@ -97,9 +98,11 @@ impl Simulation {
     }
 
     /// Nodes on which planes press in the last step.
-    pub fn plane_contacts(&self) -> &[PlaneContact] {
+    pub fn plane_contacts(&self) -> Cow<'_, [PlaneContact]> {
         let contact = self.system.contact();
-        contact.map_or(&[], |contact| contact.plane_contacts())
+        contact.map_or(Cow::Borrowed(&[]), |contact| {
+            contact.plane_contacts_of_nodes()
+        })
     }
 
     /// The planes; empty without contact.

@@ -109,6 +109,8 @@ mod rolling_tests;
 #[cfg(test)]
 mod slide_tests;
 #[cfg(test)]
+mod smooth_contact_tests;
+#[cfg(test)]
 mod spring_tests;
 #[cfg(test)]
 mod test_log;

@@ -58,7 +58,8 @@ fn a_table_that_moves_takes_a_rod_along() {
         let mut expected = 0.0;
         while simulation.time() < 0.02 {
             simulation.advance(0.02).unwrap();
-            let pressure = simulation.contacts().iter().map(|pair| pair.normal_force);
+            let contacts = simulation.contacts();
+            let pressure = contacts.iter().map(|pair| pair.normal_force);
             expected += FRICTION * pressure.sum::<f64>() * STEP / mass;
         }
         let mean = simulation.velocities().iter().sum::<Vector3>().y / 9.0;

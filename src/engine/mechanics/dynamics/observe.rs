@@ -9,6 +9,7 @@ use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::Start;
 use crate::mechanics::system::Break;
 use crate::mechanics::{SceneError, Vector3};
+use std::borrow::Cow;
 
 impl Simulation {
     /// Time, s.
@@ -50,10 +51,9 @@ impl Simulation {
     }
 
     /// Pairs of edges that press on each other in the last step.
-    pub fn contacts(&self) -> &[ActiveContact] {
-        self.system
-            .contact()
-            .map_or(&[], |contact| contact.contacts())
+    pub fn contacts(&self) -> Cow<'_, [ActiveContact]> {
+        let contact = self.system.contact();
+        contact.map_or(Cow::Borrowed(&[]), |contact| contact.contacts_of_edges())
     }
 
     /// The obstacle of a contact.
@@ -72,11 +72,14 @@ impl Simulation {
         for pair in contact.contacts() {
             let corners = pair.nodes.iter().enumerate();
             for (corner, &node) in corners.filter(|(_, node)| contact.is_of_rod(**node)) {
-                forces[node] += Vector3::from_column_slice(&pair.force[3 * corner..3 * corner + 3]);
+                let own = std::array::from_fn(|axis| pair.force[3 * corner + axis]);
+                contact.spread(node, own, |node, part| forces[node] += Vector3::from(part));
             }
         }
         for touch in contact.plane_contacts() {
-            forces[touch.node] += Vector3::from(touch.force);
+            contact.spread(touch.node, touch.force, |node, part| {
+                forces[node] += Vector3::from(part);
+            });
         }
         forces
     }

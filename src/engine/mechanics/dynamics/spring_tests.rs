@@ -217,7 +217,8 @@ fn springs_carry_what_the_ground_does_not() {
             scene
         };
         let simulation = run(&scene, Scheme::ImplicitEuler, 1e-3, 0.5);
-        let touches = simulation.plane_contacts().iter();
+        let touches = simulation.plane_contacts();
+        let touches = touches.iter();
         let pressed: f64 = touches.map(|touch| touch.force[2]).sum();
         let positions = simulation.positions();
         let pulls = [0, 4].map(|node| 0.05 - positions[node].z - (0.05 - radius - length));

@@ -247,12 +247,16 @@ impl Validity {
         let of_rods =
             |pair: &&crate::mechanics::contact::CandidatePair| contact.is_of_rod(pair.nodes[3]);
         for pair in contact.candidates().iter().filter(of_rods) {
-            let [a, b] = [pair.nodes[0], pair.nodes[2]].map(|node| system.assembly.locate(node).0);
+            let of_point = |point: usize| system.assembly.locate(contact.node_of(point)).0;
+            let [a, b] = [pair.nodes[0], pair.nodes[2]].map(of_point);
             let radii = system.assembly.radii[a] + system.assembly.radii[b];
-            if edge_distance(&pair.nodes.map(|node| positions[node])) > NEAR * radii {
+            let place = |point: usize| contact.motion_of_point(point, |node| positions[node]);
+            if edge_distance(&pair.nodes.map(place)) > NEAR * radii {
                 continue;
             }
-            let mean = |k: usize| 0.5 * (velocities[pair.nodes[k]] + velocities[pair.nodes[k + 1]]);
+            let velocity =
+                |k: usize| contact.motion_of_point(pair.nodes[k], |node| velocities[node]);
+            let mean = |k: usize| 0.5 * (velocity(k) + velocity(k + 1));
             let speed = (mean(0) - mean(2)).norm();
             let wave = self.wave_speeds[a].min(self.wave_speeds[b]);
             if speed > wave && fastest.as_ref().is_none_or(|(found, _)| *found < speed) {

@@ -19,7 +19,7 @@
 //! forces and, in a time step, on inertia and friction, since the slip is the difference of two
 //! positions over the step.
 
-use super::contact::forces;
+use super::contact::visit_forces;
 use super::joints::Slide;
 use super::{Assembly, Stage, System};
 use crate::mechanics::contact::ContactSystem;
@@ -187,7 +187,7 @@ impl System {
             for (pair, force) in pressed.filter(|(_, force)| **force > 0.0) {
                 let nodes = [pair.nodes[0], pair.nodes[3]].into_iter();
                 for node in nodes.filter(|node| contact.is_of_rod(*node)) {
-                    let rod = self.assembly.locate(node).0;
+                    let rod = self.assembly.locate(contact.node_of(node)).0;
                     tolerances[rod].force = tolerances[rod].force.max(relative * force);
                 }
             }
@@ -330,8 +330,8 @@ impl System {
         }
         let mut in_contact = std::mem::take(&mut self.tolerances.in_contact);
         in_contact.fill(false);
-        for (node, _) in self.terms.contact.model.iter().flat_map(forces) {
-            in_contact[node] = true;
+        if let Some(contact) = &self.terms.contact.model {
+            visit_forces(contact, |node, _| in_contact[node] = true);
         }
         let rods = self.assembly.rods.rods.iter().enumerate();
         let balanced = rods

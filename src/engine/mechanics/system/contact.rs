@@ -11,7 +11,7 @@ use super::term::{Configuration, Kind, Term};
 use super::touching::contact_of;
 use super::turned_elements::moments;
 use crate::mechanics::contact::{
-    ContactMemory, ContactModel, ContactSystem, FrictionAt, MismatchedMemory,
+    ContactMemory, ContactModel, ContactSystem, FrictionAt, Geometry, MismatchedMemory,
 };
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
@@ -26,6 +26,14 @@ const ONLY_EULER: SceneError = SceneError::Unsuitable(
 
 const ON_CENTRELINES: SceneError = SceneError::Unsuitable(
     "contact by complementarity has friction on the centrelines: friction at the surfaces needs the model `imc` or `ipc`",
+);
+
+const ONLY_POLYLINES: SceneError = SceneError::Unsuitable(
+    "contact by complementarity and friction at the surfaces need contact.geometry = \"polyline\"",
+);
+
+const NO_OBSTACLES: SceneError = SceneError::Unsuitable(
+    "contact.geometry = \"smooth\" supports rods and planes: obstacles and balls need \"polyline\"",
 );
 
 const NO_ENERGY: SceneError =
@@ -89,15 +97,18 @@ impl Contact {
 }
 
 /// Forces of the last evaluation on the nodes of rods, N.
-pub(crate) fn forces(contact: &ContactSystem) -> impl Iterator<Item = (usize, [f64; 3])> {
-    let pairs = contact.contacts().iter().flat_map(|pair| {
+pub(crate) fn visit_forces(contact: &ContactSystem, mut visit: impl FnMut(usize, [f64; 3])) {
+    for pair in contact.contacts() {
         let (forces, _) = pair.force.as_chunks();
-        pair.nodes.into_iter().zip(forces.iter().copied())
-    });
-    let planes = contact.plane_contacts().iter();
-    pairs
-        .filter(|(node, _)| contact.is_of_rod(*node))
-        .chain(planes.map(|touch| (touch.node, touch.force)))
+        for (point, force) in pair.nodes.into_iter().zip(forces) {
+            if contact.is_of_rod(point) {
+                contact.spread(point, *force, &mut visit);
+            }
+        }
+    }
+    for touch in contact.plane_contacts() {
+        contact.spread(touch.node, touch.force, &mut visit);
+    }
 }
 
 /// Passes the changes of the angles of all edges since the start of a stage to contact, if
@@ -111,6 +122,14 @@ fn set_angles(contact: &mut ContactSystem, at: &Configuration) {
 
 impl Term for Contact {
     fn new(scene: &Scene, assembly: &mut Assembly) -> Result<Self, SceneError> {
+        if let Some(parameters) = scene.contact.filter(|own| own.geometry == Geometry::Smooth) {
+            if parameters.is_complementarity() || parameters.friction_at == FrictionAt::Surface {
+                return Err(ONLY_POLYLINES);
+            }
+            if !scene.obstacles.is_empty() || scene.bodies.iter().any(|body| body.ball.is_some()) {
+                return Err(NO_OBSTACLES);
+            }
+        }
         let (model, roots) = match contact_of(scene, assembly)? {
             Some(of_scene) => (Some(of_scene.contact), of_scene.roots),
             None => (None, Vec::new()),
@@ -161,10 +180,12 @@ impl Term for Contact {
     }
 
     fn add_forces(&self, _: &Configuration, residual: &mut [f64]) {
-        for (node, force) in self.model.iter().flat_map(forces) {
-            for axis in 0..3 {
-                residual[STRIDE * node + axis] -= force[axis];
-            }
+        if let Some(contact) = &self.model {
+            visit_forces(contact, |node, force| {
+                for axis in 0..3 {
+                    residual[STRIDE * node + axis] -= force[axis];
+                }
+            });
         }
         for (unknown, moment) in self.model.iter().flat_map(moments) {
             residual[unknown] -= moment;
@@ -199,10 +220,12 @@ impl Term for Contact {
     }
 
     fn add_sizes(&self, _: &Configuration, sizes: &mut [f64]) {
-        for (node, force) in self.model.iter().flat_map(forces) {
-            for axis in 0..3 {
-                sizes[STRIDE * node + axis] += force[axis].abs();
-            }
+        if let Some(contact) = &self.model {
+            visit_forces(contact, |node, force| {
+                for axis in 0..3 {
+                    sizes[STRIDE * node + axis] += force[axis].abs();
+                }
+            });
         }
         for (unknown, moment) in self.model.iter().flat_map(moments) {
             sizes[unknown] += moment.abs();

@@ -69,7 +69,10 @@ impl System {
         radius: f64,
     ) -> bool {
         // The system is solved for each rod separately.
-        if !self.assembly.joints.is_empty() || self.terms.couple_nodes() {
+        let is_smooth = self
+            .contact()
+            .is_some_and(|contact| contact.curves().is_some());
+        if !self.assembly.joints.is_empty() || self.terms.couple_nodes() || is_smooth {
             return false;
         }
         let rods = self.assembly.rods.rods.len();

@@ -140,15 +140,20 @@ impl System {
                 if !contact.is_of_rod(node) {
                     continue;
                 }
-                for axis in 0..3 {
-                    self.corrected_residual[STRIDE * node + axis] -= correction[3 * corner + axis];
-                }
+                let own = std::array::from_fn(|axis| correction[3 * corner + axis]);
+                contact.spread(node, own, |node, part| {
+                    for axis in 0..3 {
+                        self.corrected_residual[STRIDE * node + axis] -= part[axis];
+                    }
+                });
             }
         }
         for (touch, correction) in contact.plane_contacts().iter().zip(corrections.planes) {
-            for axis in 0..3 {
-                self.corrected_residual[STRIDE * touch.node + axis] -= correction[axis];
-            }
+            contact.spread(touch.node, *correction, |node, part| {
+                for axis in 0..3 {
+                    self.corrected_residual[STRIDE * node + axis] -= part[axis];
+                }
+            });
         }
         for one in contact.turned() {
             for (unknown, correction) in over_unknowns(one, &one.correction) {

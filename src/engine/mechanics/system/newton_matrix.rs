@@ -1,6 +1,8 @@
 //! The Jacobian of the residual: a band for the rods, small dense elements for couplings between
 //! distant nodes, and their factorisation.
 
+use super::curve_elements::CurveElements;
+use super::node_element::element_of;
 use super::turned_elements::{TurnedElements, matrices_of};
 use super::{Assembly, Stage};
 use crate::linalg::{
@@ -51,6 +53,8 @@ pub(crate) struct NewtonMatrix {
     first_node_element: usize,
     /// Elements of the contacts that turn edges, among those of contacts.
     turned_elements: TurnedElements,
+    /// Elements of contact of smooth curves.
+    curve_elements: CurveElements,
     /// Whether the coupled candidates differ from those for which elements were listed.
     candidates_changed: bool,
     /// Whether contact of nodes with planes and obstacles has its own elements.
@@ -141,6 +145,7 @@ impl NewtonMatrix {
             candidate_elements: Vec::new(),
             first_node_element: 0,
             turned_elements: TurnedElements::default(),
+            curve_elements: CurveElements::default(),
             candidates_changed: true,
             lists_nodes,
             uses_band: true,
@@ -210,6 +215,13 @@ impl NewtonMatrix {
 
     pub(crate) fn add_contact(&mut self, contact: &ContactSystem) {
         self.update_elements(contact);
+        if contact.curves().is_some() {
+            let (first, active) = (self.permanent.len(), &mut self.active);
+            self.curve_elements.add(contact, |element, matrix| {
+                active.push((first + element, matrix))
+            });
+            return self.expect_contacts(contact);
+        }
         let mut turned = contact.turned().iter().map(|one| one.bodies).peekable();
         for (pair, jacobian) in contact.contacts().iter().zip(contact.jacobians()) {
             if (turned.next_if_eq(&TurnedBodies::Pair(pair.candidate))).is_some() {
@@ -303,6 +315,12 @@ impl NewtonMatrix {
         }
         self.candidates_changed = false;
         let earlier = std::mem::take(&mut self.contact_elements);
+        if contact.curves().is_some() {
+            let nodes = self.held.len() / STRIDE;
+            self.curve_elements = CurveElements::of(contact);
+            self.contact_elements = self.curve_elements.elements(nodes);
+            return self.forget_other_pattern(&earlier);
+        }
         let with_obstacle = |pair: &CandidatePair| !contact.is_of_rod(pair.nodes[3]);
         let candidates = contact.candidates();
         let coupled = contact.coupled_pairs().iter();
@@ -347,6 +365,11 @@ impl NewtonMatrix {
             let elements = &mut self.contact_elements;
             self.turned_elements = TurnedElements::list(elements, contact, &turning, nodes);
         }
+        self.forget_other_pattern(&earlier);
+    }
+
+    /// Drops the pattern if the elements of contacts differ from those before.
+    fn forget_other_pattern(&mut self, earlier: &[Element]) {
         if self.contact_elements != earlier {
             self.coupled = None;
             self.lost_symmetry = false;
@@ -563,15 +586,4 @@ impl NewtonMatrix {
         }
         dense
     }
-}
-
-/// The element of the positions of up to four nodes.
-fn element_of(nodes: &[usize]) -> Element {
-    let mut element = [UNUSED; 12];
-    for (corner, node) in nodes.iter().enumerate() {
-        for axis in 0..3 {
-            element[3 * corner + axis] = STRIDE * node + axis;
-        }
-    }
-    element
 }

@@ -4,7 +4,8 @@ use super::centreline::{arc_length, directions};
 use super::roots::pass_over_roots;
 use super::{Assembly, System, copy_positions};
 use crate::mechanics::contact::{
-    ContactPair, ContactPlane, ContactSurface, ContactSystem, Proximity,
+    ContactPair, ContactPlane, ContactSurface, ContactSystem, CurvePoints, Geometry, Proximity,
+    RowOfNodes,
 };
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{JointKind, Scene};
@@ -29,15 +30,29 @@ pub(super) fn contact_of(
     let Some(parameters) = scene.contact else {
         return Ok(None);
     };
-    let mut surface = ContactSurface::new();
+    let mut positions = vec![Vector3::zeros(); assembly.rods.nodes];
     for (range, rod) in assembly.rods.rods.iter().zip(&scene.rods) {
-        surface.add_rod(
-            range.first_node,
-            &rod.centreline,
-            rod.closed,
-            rod.radius,
-            rod.held,
-        );
+        positions[range.node_indices()].copy_from_slice(&rod.centreline);
+    }
+    let curves = (parameters.geometry == Geometry::Smooth).then(|| {
+        let rods = assembly.rods.rods.iter().zip(&scene.rods);
+        CurvePoints::of(rods.map(|(range, rod)| RowOfNodes {
+            first_node: range.first_node,
+            nodes: rod.centreline.len(),
+            closed: rod.closed,
+        }))
+    });
+    let placed = curves.as_ref().map(|curves| curves.place(&positions));
+    let mut surface = ContactSurface::new();
+    for (index, (range, rod)) in assembly.rods.rods.iter().zip(&scene.rods).enumerate() {
+        let (first, centreline) = match (&curves, &placed) {
+            (Some(curves), Some(placed)) => {
+                let own = curves.of_rod(index);
+                (own.start, &placed[own])
+            }
+            _ => (range.first_node, rod.centreline.as_slice()),
+        };
+        surface.add_rod(first, centreline, rod.closed, rod.radius, rod.held);
     }
     join(&mut surface, scene, assembly);
     add_balls(&mut surface, scene, assembly);
@@ -69,18 +84,21 @@ pub(super) fn contact_of(
     } else {
         stiffness_per_force * assembly.force_scale
     };
-    let mut contact = ContactSystem::new(parameters, surface, planes.collect(), least);
+    let contact = ContactSystem::new(parameters, surface, planes.collect(), least);
+    let mut contact = contact.with_curves(curves);
     let ranges = assembly.rods.rods.iter().zip(least_of_rods());
     contact.set_least_stiffness_of_nodes(
         ranges
             .flat_map(|(range, least)| std::iter::repeat_n(least, range.nodes))
             .collect(),
     );
-    let mut positions = vec![Vector3::zeros(); assembly.rods.nodes];
     copy_positions(&assembly.unknowns, &mut positions);
     let prescribed = assembly.held.iter().step_by(STRIDE).copied();
     contact.set_prescribed(prescribed.take(assembly.rods.nodes));
-    let roots = pass_over_roots(&mut contact, scene, assembly, &positions);
+    let roots = match contact.curves() {
+        Some(_) => Vec::new(),
+        None => pass_over_roots(&mut contact, scene, assembly, &positions),
+    };
     if let Some(overlap) = contact.initial_overlaps(&positions).first() {
         return Err(name_overlap(overlap, &contact, assembly));
     }
@@ -222,7 +240,7 @@ fn names(pair: ContactPair, contact: &ContactSystem, assembly: &Assembly) -> [St
             return format!("obstacle `{}`", assembly.obstacles[obstacle]);
         }
         let node = contact.surface().edges()[edge].nodes[0];
-        let (rod, node) = assembly.locate(node);
+        let (rod, node) = assembly.locate(contact.node_of(node));
         let what = if contact.surface().is_ball(edge) {
             "the ball at node"
         } else {
@@ -233,7 +251,7 @@ fn names(pair: ContactPair, contact: &ContactSystem, assembly: &Assembly) -> [St
     match pair {
         ContactPair::Edges([a, b]) => [edge_name(a), edge_name(b)],
         ContactPair::NodeAndPlane { node, plane } => {
-            let (rod, along) = assembly.locate(node);
+            let (rod, along) = assembly.locate(contact.node_of(node));
             [
                 format!("node {along} of rod `{}`", assembly.names[rod]),
                 format!("plane {plane}"),

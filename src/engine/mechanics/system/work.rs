@@ -66,7 +66,7 @@ impl System {
             forces += pair.normal_force.abs();
             for (node, force) in pair.nodes.iter().zip(pair.force.chunks_exact(3)) {
                 let moved = if contact.is_of_rod(*node) {
-                    moved(*node)
+                    contact.motion_of_point(*node, moved)
                 } else {
                     contact.vertex_motion(*node)
                 };
@@ -75,7 +75,7 @@ impl System {
         }
         for touched in contact.plane_contacts() {
             forces += touched.normal_force.abs();
-            work += Vector3::from(touched.force).dot(&moved(touched.node));
+            work += Vector3::from(touched.force).dot(&contact.motion_of_point(touched.node, moved));
         }
         for (unknown, moment) in moments(contact) {
             work += moment * (unknowns[unknown] - stage.start[unknown]);
@@ -113,7 +113,7 @@ impl System {
         for pair in contact.contacts() {
             for (node, force) in pair.nodes.iter().zip(pair.force.chunks_exact(3)) {
                 let moved = if contact.is_of_rod(*node) {
-                    moved(*node)
+                    contact.motion_of_point(*node, moved)
                 } else {
                     contact.vertex_motion(*node)
                 };
@@ -124,7 +124,7 @@ impl System {
         for touched in contact.plane_contacts() {
             let normal = &contact.planes()[touched.plane].normal;
             let along = Vector3::from(touched.force).dot(normal);
-            work += along * normal.dot(&moved(touched.node));
+            work += along * normal.dot(&contact.motion_of_point(touched.node, moved));
         }
         work
     }

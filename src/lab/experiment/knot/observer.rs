@@ -82,7 +82,7 @@ impl KnotObserver {
         let traction = tractions.iter().flatten().sum::<f64>() / (2 * self.rods) as f64;
         let end_to_end = self.end_to_end(&rods, &outward);
         let contacts = simulation.contacts();
-        let touching = self.touching(contacts);
+        let touching = self.touching(&contacts);
         let silhouette = self.silhouette(rods[0], &touching);
         let loop_radius = self
             .free_loop(&touching)
@@ -111,7 +111,7 @@ impl KnotObserver {
     /// Observes the knot between output times.
     pub fn sample(&self, simulation: &Simulation) -> KnotSample {
         let rods = self.knotted(simulation.positions());
-        let touching = self.touching(simulation.contacts());
+        let touching = self.touching(&simulation.contacts());
         KnotSample {
             end_to_end: self.end_to_end(&rods, &outward(&rods)),
             loop_height: self

@@ -1,6 +1,6 @@
 //! Settings of the engine for contact, fluid and time.
 
-use crate::scenario::{Contact, Fluid, FrictionAt, Scenario, Scheme, Step, Time};
+use crate::scenario::{Contact, Fluid, FrictionAt, Geometry, Scenario, Scheme, Step, Time};
 use rodlab_engine::mechanics::contact::{self, ContactModel, ContactParameters};
 use rodlab_engine::mechanics::dynamics::{self, IntegrationParameters, StepSize};
 use rodlab_engine::mechanics::fluid::FluidModel;
@@ -11,6 +11,7 @@ pub(super) fn contact_parameters(contact: &Contact) -> Option<ContactParameters>
         Contact::Imc {
             friction,
             friction_at,
+            geometry,
             distance_tolerance,
             slip_tolerance,
             stiffness_factor,
@@ -20,6 +21,7 @@ pub(super) fn contact_parameters(contact: &Contact) -> Option<ContactParameters>
             distance_tolerance,
             friction,
             friction_at: place_of(friction_at),
+            geometry: geometry_of(geometry),
             slip_tolerance,
             stiffness_factor,
             maximum_penetration,
@@ -27,6 +29,7 @@ pub(super) fn contact_parameters(contact: &Contact) -> Option<ContactParameters>
         Contact::Ipc {
             friction,
             friction_at,
+            geometry,
             distance_tolerance,
             slip_tolerance,
             stiffness_factor,
@@ -35,6 +38,7 @@ pub(super) fn contact_parameters(contact: &Contact) -> Option<ContactParameters>
             distance_tolerance,
             friction,
             friction_at: place_of(friction_at),
+            geometry: geometry_of(geometry),
             slip_tolerance,
             stiffness_factor,
             maximum_penetration: 0.0,
@@ -50,6 +54,13 @@ pub(super) fn contact_parameters(contact: &Contact) -> Option<ContactParameters>
             maximum_penetration,
             ..ContactParameters::default()
         }),
+    }
+}
+
+fn geometry_of(geometry: Geometry) -> contact::Geometry {
+    match geometry {
+        Geometry::Polyline => contact::Geometry::Polyline,
+        Geometry::Smooth => contact::Geometry::Smooth,
     }
 }
 

@@ -364,7 +364,7 @@ fn contact_force(simulation: &Simulation, rod: usize, from: ContactPartner) -> V
     let ranges = simulation.rod_ranges();
     let is_on = |rod: usize, node: usize| ranges[rod].node_indices().contains(&node);
     let (mut sum, mut normal, mut tangential) = (Vector3::zeros(), 0.0, 0.0);
-    for pair in simulation.contacts() {
+    for pair in simulation.contacts().iter() {
         // The bodies of a pair, as the rod and the other body, with the sign of the force on the
         // rod.
         let ends = [(0, 3, 1.0), (3, 0, -1.0)];
@@ -392,7 +392,7 @@ fn contact_force(simulation: &Simulation, rod: usize, from: ContactPartner) -> V
             }
         }
     }
-    for touch in simulation.plane_contacts() {
+    for touch in simulation.plane_contacts().iter() {
         let counts = match from {
             ContactPartner::Plane(plane) => touch.plane == plane,
             ContactPartner::Anything => true,

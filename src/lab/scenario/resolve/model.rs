@@ -2,8 +2,8 @@
 
 use super::movement::refuse_motion;
 use crate::scenario::resolved::{
-    Begin, Body, Clamp, Contact, Fluid, FrictionAt, Joint, Load, Obstacle, Output, Rod, Scheme,
-    Solver, Step, Time,
+    Begin, Body, Clamp, Contact, Fluid, FrictionAt, Geometry, Joint, Load, Obstacle, Output, Rod,
+    Scheme, Solver, Step, Time,
 };
 use crate::scenario::section::Section;
 use crate::scenario::tables::{OutputKeys, SolverKeys};
@@ -34,6 +34,13 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
     }
     let friction = typed.friction(&section);
     let friction_at = typed.friction_at(&section);
+    let geometry = typed.geometry(&section);
+    if geometry == Geometry::Smooth && friction_at == FrictionAt::Surface {
+        section.fault(
+            "geometry",
+            "\"smooth\" needs friction on the centrelines; leave out friction_at",
+        );
+    }
     let distance_tolerance = typed.distance_tolerance(&section, 0.01 * smallest_radius);
     if distance_tolerance > smallest_radius {
         section.out_of_range(
@@ -53,6 +60,7 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
         return Contact::Ipc {
             friction,
             friction_at,
+            geometry,
             distance_tolerance,
             slip_tolerance,
             stiffness_factor: typed.stiffness_factor(&section, 1.0),
@@ -73,6 +81,12 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
                 "the model \"complementarity\" allows \"centreline\" only; \"surface\" needs the model \"imc\" or \"ipc\"",
             );
         }
+        if geometry == Geometry::Smooth {
+            section.fault(
+                "geometry",
+                "the model \"complementarity\" allows \"polyline\" only; \"smooth\" needs the model \"imc\" or \"ipc\"",
+            );
+        }
         return Contact::Complementarity {
             friction,
             distance_tolerance,
@@ -82,6 +96,7 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
     Contact::Imc {
         friction,
         friction_at,
+        geometry,
         distance_tolerance,
         slip_tolerance,
         stiffness_factor: typed.stiffness_factor(&section, STIFFNESS_PER_RADIUS * smallest_radius),

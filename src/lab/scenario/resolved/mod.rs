@@ -22,7 +22,7 @@ pub use super::tables::{
 };
 pub use experiment::{BuilderRod, Experiment};
 pub use load::{Clamp, Hold};
-pub use model::{Contact, Fluid, FrictionAt};
+pub use model::{Contact, Fluid, FrictionAt, Geometry};
 pub use movement::{Movement, Pose};
 pub use network::{HeldEnds, NetworkJoint};
 pub use obstacle::{Obstacle, ObstacleShape};

@@ -22,6 +22,24 @@ impl FrictionAt {
     }
 }
 
+/// Geometry of the centrelines in contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum Geometry {
+    /// Straight edges between the nodes.
+    #[default]
+    Polyline,
+    /// Smooth curves through the nodes.
+    Smooth,
+}
+
+impl Geometry {
+    fn is_polyline(&self) -> bool {
+        *self == Self::Polyline
+    }
+}
+
 /// Contact between rods and with planes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "model", rename_all = "kebab-case")]
@@ -35,6 +53,9 @@ pub enum Contact {
         /// Where friction acts.
         #[serde(skip_serializing_if = "FrictionAt::is_centreline")]
         friction_at: FrictionAt,
+        /// Geometry of the centrelines.
+        #[serde(skip_serializing_if = "Geometry::is_polyline")]
+        geometry: Geometry,
         /// Distance tolerance δ, m.
         distance_tolerance: f64,
         /// Slip tolerance ν, m/s.
@@ -51,6 +72,9 @@ pub enum Contact {
         /// Where friction acts.
         #[serde(skip_serializing_if = "FrictionAt::is_centreline")]
         friction_at: FrictionAt,
+        /// Geometry of the centrelines.
+        #[serde(skip_serializing_if = "Geometry::is_polyline")]
+        geometry: Geometry,
         /// Distance tolerance δ, m.
         distance_tolerance: f64,
         /// Slip tolerance ν, m/s.

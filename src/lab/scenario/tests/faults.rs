@@ -157,6 +157,11 @@ beam.toml:28:18: `contact.slip_tolerance`: the model "complementarity" is rigid 
 beam.toml:27:9: `contact.model`: "complementarity" needs a dynamic run with the scheme "implicit-euler"
 beam.toml:28:15: `contact.friction_at`: the model "complementarity" allows "centreline" only; "surface" needs the model "imc" or "ipc"
 "#);
+    insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"complementarity\"\ngeometry = \"smooth\"\n[output]"), @r#"
+beam.toml:27:9: `contact.model`: "complementarity" needs a dynamic run with the scheme "implicit-euler"
+beam.toml:28:12: `contact.geometry`: the model "complementarity" allows "polyline" only; "smooth" needs the model "imc" or "ipc"
+"#);
+    insta::assert_snapshot!(faults("[output]", "[contact]\ngeometry = \"smooth\"\nfriction_at = \"surface\"\n[output]"), @r#"beam.toml:27:12: `contact.geometry`: "smooth" needs friction on the centrelines; leave out friction_at"#);
     insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"ipc\"\nmaximum_penetration = 0.1\n[output]"), @r#"beam.toml:28:23: `contact.maximum_penetration`: the model "ipc" allows no penetration; leave the key out"#);
     insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"ipc\"\ndistance_tolerance = \"6 mm\"\nfriction = -0.1\nslip_tolerance = 0\n[output]"), @r#"
 beam.toml:28:22: `contact.distance_tolerance`: 0.006 m is out of range; allowed: at most the smallest radius, 0.005 m

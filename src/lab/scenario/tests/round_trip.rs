@@ -261,6 +261,17 @@ fn every_kind_reads_back_to_itself() {
 }
 
 #[test]
+fn smooth_contact_reads_back_to_itself() {
+    for model in ["imc", "ipc"] {
+        let table = format!("[contact]\nmodel = \"{model}\"\ngeometry = \"smooth\"");
+        let scenario = read(&format!("{BEAM}\n{table}")).unwrap_or_else(|error| panic!("{error}"));
+        let text = scenario.to_toml();
+        assert!(text.contains("geometry = \"smooth\""), "{text}");
+        assert_eq!(read(&text).unwrap(), scenario);
+    }
+}
+
+#[test]
 fn inertia_is_consistent_by_default_where_that_gains() {
     let inertia = |text: &str| read(text).unwrap().rods[0].inertia;
     let with = |key: &str| BEAM.replace("edges = 50", &format!("edges = 50\n{key}"));

@@ -1,7 +1,7 @@
 //! Models, time and builders as typed.
 
 use crate::scenario::declaration::keys;
-use crate::scenario::resolved::FrictionAt;
+use crate::scenario::resolved::{FrictionAt, Geometry};
 use crate::scenario::section::{
     DISPLACEMENT_TOLERANCE, FAR_FIELD_ERROR, FRACTION, NON_NEGATIVE, POSITIVE,
 };
@@ -33,6 +33,10 @@ keys! {
         /// the surfaces, and turns the rods: they roll, and drive each other like gears; with
         /// "imc" and "ipc").
         friction_at: word(FrictionAt) default(FrictionAt::Centreline),
+        /// "polyline" (the default: rods touch as straight edges between their nodes), or "smooth"
+        /// (rods touch as smooth curves through their nodes; with "imc" and "ipc", and friction on
+        /// the centrelines).
+        geometry: word(Geometry) default(Geometry::Polyline),
         /// Distance δ beyond the surfaces at which force begins, at most the smallest radius.
         /// Smaller is more exact and stiffer. With "complementarity" it is only the distance
         /// within which contacts are searched. Default: a hundredth of the smallest radius.

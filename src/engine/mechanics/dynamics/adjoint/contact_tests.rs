@@ -3,7 +3,7 @@
 
 use super::tests::{Course, SCHEMES, check_at, course, results};
 use super::{LARGEST_TRACE, Recording};
-use crate::mechanics::contact::{ContactModel, FrictionAt};
+use crate::mechanics::contact::{ContactModel, FrictionAt, Geometry};
 use crate::mechanics::dynamics::sensitivity::{Sensitivity, Variation};
 use crate::mechanics::dynamics::{IntegrationParameters, Scheme};
 use crate::mechanics::rigid_body::RigidBody;
@@ -169,6 +169,15 @@ fn an_equilibrium_in_contact() {
         println!("equilibrium {model:?} against the forward mode: {error:.1e}");
         assert!(error < 4e-7, "{error:e}");
     }
+}
+
+#[test]
+fn smooth_curves_are_refused() {
+    let mut scene = pulled(ContactModel::ImplicitContact);
+    scene.contact.as_mut().unwrap().geometry = Geometry::Smooth;
+    let refused = Recording::new(&scene, &IntegrationParameters::default()).err();
+    let refused = refused.unwrap().to_string();
+    assert!(refused.contains("geometry"), "{refused}");
 }
 
 #[test]

@@ -103,7 +103,7 @@ use super::parameters::{IntegrationParameters, Scheme};
 use super::report::StepReport;
 use super::sensitivity::{Replayed, SensitivityError, Taken};
 use super::simulation::Simulation;
-use crate::mechanics::contact::FrictionAt;
+use crate::mechanics::contact::{FrictionAt, Geometry};
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::{ActuatedStrain, Scene};
 use gradient::Sums;
@@ -290,6 +290,10 @@ fn refuse(
             (scene.contact.as_ref())
                 .is_some_and(|contact| contact.friction_at == FrictionAt::Surface),
             "derivatives over fields need contact.friction_at = \"centreline\"",
+        ),
+        (
+            (scene.contact.as_ref()).is_some_and(|contact| contact.geometry == Geometry::Smooth),
+            "derivatives over fields need contact.geometry = \"polyline\"",
         ),
         (
             matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. })),
