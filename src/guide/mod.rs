@@ -42,6 +42,7 @@ pages! {
     parameters
     actuation
     contact
+    smooth_contact
     joints
     springs
     networks
