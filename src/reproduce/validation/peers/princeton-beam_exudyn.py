@@ -18,8 +18,8 @@ LENGTH, HEIGHT, THICKNESS = 0.508, 0.0123777, 0.0032024
 YOUNG, SHEAR = 71.7e9, 71.7e9 / 2.62
 ANGLES = [30, 45, 60]
 NAMES = [
-    "deflection in the stiff direction, mm",
-    "deflection in the soft direction, mm",
+    "stiff deflection, mm",
+    "soft deflection, mm",
     "twist, degrees",
 ]
 QUANTITIES = [f"{angle}°: {name}" for angle in ANGLES for name in NAMES]
