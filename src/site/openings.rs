@@ -33,6 +33,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab run pile",
     ],
     [
+        "smooth_contact",
+        "inversion_n3.svg",
+        "The loop of an overhand knot snaps across its braid",
+        "rodlab run trefoil --set contact.geometry=smooth",
+    ],
+    [
         "joints",
         "gridshell.svg",
         "A gridshell of joined rods",

@@ -35,6 +35,7 @@ mod scenario;
 mod sensitivities;
 mod sleeve;
 mod slides;
+mod smooth_contact;
 mod spatial_rods;
 mod springs;
 mod statics;
@@ -59,7 +60,7 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 24] = [
+const GROUPS: [(&str, CheckGroup); 25] = [
     ("derivatives", derivatives::checks),
     ("sensitivities", sensitivities::checks),
     ("statics", statics::checks),
@@ -74,6 +75,7 @@ const GROUPS: [(&str, CheckGroup); 24] = [
     ("localised buckling", localized_buckling::checks),
     ("friction", friction::checks),
     ("contact", contact::checks),
+    ("smooth contact", smooth_contact::checks),
     ("obstacles", obstacles::checks),
     ("joints", joints::checks),
     ("springs", springs::checks),

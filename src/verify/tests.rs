@@ -48,6 +48,7 @@ groups_pass! {
     determinism_pass: "determinism",
     friction_pass: "friction",
     contact_passes: "contact",
+    smooth_contact_passes: "smooth contact",
     obstacles_pass: "obstacles",
     joints_pass: "joints",
     continuation_passes: "continuation",

@@ -6,7 +6,6 @@ use crate::reproduce::prelude::*;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_files::results::{BranchKind, read_branches, read_nodes};
 use rodlab_lab::run::PreparedRun;
-use std::collections::BTreeMap;
 use std::iter::repeat;
 
 /// A published case.
@@ -172,27 +171,14 @@ pub(super) fn digits(value: f64) -> String {
 
 /// Plots errors over the number of edges, one curve for each quantity.
 pub(super) fn figures(rows: &[Row]) -> Vec<PageFigure> {
-    errors_over_edges(rows, |row| &row.quantity)
-}
-
-/// Plots the largest error of each case at each number of edges.
-pub(super) fn figures_of_cases(rows: &[Row]) -> Vec<PageFigure> {
-    errors_over_edges(rows, |row| &row.case)
-}
-
-/// Plots the largest error of rows of the same name at each number of edges, a curve for each name.
-fn errors_over_edges(rows: &[Row], name: fn(&Row) -> &String) -> Vec<PageFigure> {
-    let mut names: Vec<&String> = rows.iter().map(name).collect();
+    let mut names: Vec<&String> = rows.iter().map(|row| &row.quantity).collect();
     names.sort();
     names.dedup();
     let curves = names.into_iter().map(|wanted| {
-        let mut errors = BTreeMap::new();
-        for row in rows.iter().filter(|row| name(row) == wanted) {
-            let largest = errors.entry(row.edges).or_insert(0.0);
-            *largest = row.error.abs().max(*largest);
-        }
-        let errors = errors.into_iter().filter(|(_, error)| *error > 0.0);
-        curve(wanted, errors, |(edges, error)| (edges as f64, error)).looking(Look::Marked)
+        let own = rows.iter().filter(|row| row.quantity == *wanted);
+        let own = own.filter(|row| row.error != 0.0);
+        let point = |row: &Row| (row.edges as f64, row.error.abs());
+        curve(wanted, own, point).looking(Look::Marked)
     });
     let style = PlotStyle {
         horizontal: AxisScale::Logarithmic,

@@ -1,15 +1,16 @@
 //! The table of all published cases.
 
 use super::BENCHMARKS;
-use super::benchmark::{BenchmarkRun, Row, digits, figures_of_cases};
+use super::benchmark::{BenchmarkRun, Row, digits};
 use super::peers::{PeerRow, Section, best_of_peers, verdict};
 use crate::reproduce::page::stem;
 use crate::reproduce::prelude::*;
+use std::collections::BTreeSet;
 
 pub(super) const ARTIFACT: Artifact = Artifact {
     name: "validation",
     title: "Published cases",
-    recipe: &Tabled::new(runs, Rows::All(rows), write, figures_of_cases),
+    recipe: &Tabled::new(runs, Rows::All(rows), write, figures),
 };
 
 /// The runs of all cases.
@@ -66,6 +67,34 @@ fn write(page: &mut Page, cases: &[Case<BenchmarkRun>], rows: &[Row]) -> Result<
     });
     page.text("[PAPER.md](PAPER.md) describes method and proof.");
     compare(page, &finest, &peers)
+}
+
+/// Plots the largest error of each case at each of its meshes.
+fn figures(rows: &[Row]) -> Vec<PageFigure> {
+    let mut cases: Vec<&String> = rows.iter().map(|row| &row.case).collect();
+    cases.dedup();
+    let error = |case: &str, mesh: usize| {
+        let own = || rows.iter().filter(|row| row.case == case);
+        let meshes: BTreeSet<usize> = own().map(|row| row.edges).collect();
+        let edges = *meshes.iter().nth(mesh)?;
+        let own = own().filter(|row| row.edges == edges);
+        Some(largest(own.map(|row| row.error.abs())))
+    };
+    let meshes = ["coarse mesh", "middle mesh", "fine mesh"];
+    let curves = meshes.into_iter().enumerate().map(|(mesh, name)| {
+        let places = cases.iter().enumerate();
+        let point = |(place, case): (usize, &&String)| ((place + 1) as f64, error(case, mesh));
+        curve(name, places, point).looking(Look::Marks)
+    });
+    let plot = plot("largest error", curves);
+    let style = PlotStyle {
+        vertical: vec![AxisScale::Logarithmic],
+        names: cases.iter().map(|case| (*case).clone()).collect(),
+        ..PlotStyle::default()
+    };
+    let figure = styled_line_plots([plot], "", style);
+    let caption = "Largest error of each case at its three meshes";
+    vec![PageFigure::new("errors", caption, figure)]
 }
 
 /// Lists the cases in which another program is better.
