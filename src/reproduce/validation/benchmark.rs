@@ -42,6 +42,29 @@ pub(super) struct Quantity {
     pub scale: Option<f64>,
 }
 
+impl Quantity {
+    /// A quantity without a published value. Its errors are relative to the exact value.
+    pub const fn new(name: &'static str) -> Self {
+        Self {
+            name,
+            published: None,
+            scale: None,
+        }
+    }
+
+    /// Sets the published value with its accuracy.
+    pub const fn published(mut self, value: f64, accuracy: f64) -> Self {
+        self.published = Some((value, accuracy));
+        self
+    }
+
+    /// Sets the scale of relative errors.
+    pub const fn over(mut self, scale: f64) -> Self {
+        self.scale = Some(scale);
+        self
+    }
+}
+
 /// Method that measures values.
 pub(super) enum Measure {
     /// From the last node of the last output.

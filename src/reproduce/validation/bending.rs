@@ -18,16 +18,8 @@ pub(super) static ROLL_UP: Benchmark = Benchmark {
     scene: include_str!("scenes/roll-up.toml"),
     edges: [20, 40, 80],
     quantities: &[
-        Quantity {
-            name: "tip along the beam, x/L",
-            published: None,
-            scale: Some(1.0),
-        },
-        Quantity {
-            name: "tip across it, y/L",
-            published: None,
-            scale: Some(1.0),
-        },
+        Quantity::new("tip along the beam, x/L").over(1.0),
+        Quantity::new("tip across it, y/L").over(1.0),
     ],
     exact: || vec![0.0, 0.0],
     measure: Measure::Tip(|tip| vec![tip.x, tip.y]),
@@ -43,16 +35,8 @@ pub(super) static TIP_FORCE: Benchmark = Benchmark {
     scene: include_str!("scenes/tip-force.toml"),
     edges: [20, 40, 80],
     quantities: &[
-        Quantity {
-            name: "deflection w/L",
-            published: Some((0.81061, 5e-6)),
-            scale: None,
-        },
-        Quantity {
-            name: "shortening u/L",
-            published: Some((0.55500, 5e-6)),
-            scale: None,
-        },
+        Quantity::new("deflection w/L").published(0.81061, 5e-6),
+        Quantity::new("shortening u/L").published(0.55500, 5e-6),
     ],
     exact: || tip_under_force(1e5),
     measure: Measure::Tip(|tip| vec![-tip.z, 1.0 - tip.x]),
@@ -71,21 +55,9 @@ pub(super) static BEND_OF_45_DEGREES: Benchmark = Benchmark {
     scene: include_str!("scenes/bend-of-45-degrees.toml"),
     edges: [20, 40, 80],
     quantities: &[
-        Quantity {
-            name: "tip, x",
-            published: Some((15.79, 5e-3)),
-            scale: None,
-        },
-        Quantity {
-            name: "tip, y",
-            published: Some((47.23, 5e-3)),
-            scale: None,
-        },
-        Quantity {
-            name: "tip, z",
-            published: Some((53.37, 5e-3)),
-            scale: None,
-        },
+        Quantity::new("tip, x").published(15.79, 5e-3),
+        Quantity::new("tip, y").published(47.23, 5e-3),
+        Quantity::new("tip, z").published(53.37, 5e-3),
     ],
     exact: || tip_of_bend(1e7),
     measure: Measure::Tip(|tip| vec![tip.x, tip.y, tip.z]),

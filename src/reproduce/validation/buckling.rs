@@ -18,11 +18,7 @@ pub(super) static HEAVY_COLUMN: Benchmark = Benchmark {
     means: "root of θ'(0) = 0, θ'' = −w s θ, θ(L) = 0 over the length s from the top",
     scene: include_str!("scenes/heavy-column.toml"),
     edges: [20, 40, 80],
-    quantities: &[Quantity {
-        name: "critical weight w L³/EI",
-        published: Some((7.837, 5e-4)),
-        scale: None,
-    }],
+    quantities: &[Quantity::new("critical weight w L³/EI").published(7.837, 5e-4)],
     exact: || vec![bisect(7.0, 9.0, |weight| free_end_to_clamp(|s| weight * s))],
     measure: Measure::Critical(BranchKind::Bifurcation),
 };
@@ -37,11 +33,7 @@ pub(super) static STRIP_ON_EDGE: Benchmark = Benchmark {
             is rigid in its plane",
     scene: include_str!("scenes/strip-on-edge.toml"),
     edges: [10, 20, 40],
-    quantities: &[Quantity {
-        name: "critical weight w L³/√(EI GJ)",
-        published: Some((12.85, 5e-3)),
-        scale: None,
-    }],
+    quantities: &[Quantity::new("critical weight w L³/√(EI GJ)").published(12.85, 5e-3)],
     exact: || {
         let rate = |weight: f64| free_end_to_clamp(|s| 0.25 * weight * weight * s.powi(4));
         vec![bisect(11.0, 15.0, rate)]
@@ -58,11 +50,7 @@ pub(super) static STRIP_WITH_TIP_LOAD: Benchmark = Benchmark {
     means: "root of φ'(0) = 0, φ'' = −P² s²/(EI GJ) φ, φ(L) = 0 over the length s from the free end, for a strip that is rigid in its plane",
     scene: include_str!("scenes/strip-with-tip-load.toml"),
     edges: [10, 20, 40],
-    quantities: &[Quantity {
-        name: "critical force P L²/√(EI GJ)",
-        published: Some((4.013, 5e-4)),
-        scale: None,
-    }],
+    quantities: &[Quantity::new("critical force P L²/√(EI GJ)").published(4.013, 5e-4)],
     exact: || {
         let rate = |force: f64| free_end_to_clamp(|s| force * force * s * s);
         vec![bisect(3.0, 5.0, rate)]
@@ -79,11 +67,7 @@ pub(super) static BENT_STRIP: Benchmark = Benchmark {
     means: "closed form, for a strip that is rigid in its plane",
     scene: include_str!("scenes/bent-strip.toml"),
     edges: [20, 40, 80],
-    quantities: &[Quantity {
-        name: "critical moment M L/√(EI GJ)",
-        published: None,
-        scale: None,
-    }],
+    quantities: &[Quantity::new("critical moment M L/√(EI GJ)")],
     exact: || vec![PI],
     measure: Measure::Critical(BranchKind::Bifurcation),
 };
@@ -97,11 +81,7 @@ pub(super) static TWISTED_ROD: Benchmark = Benchmark {
     means: "closed form: M L/2EI is the first positive root of tan x = x",
     scene: include_str!("scenes/twisted-rod.toml"),
     edges: [20, 40, 80],
-    quantities: &[Quantity {
-        name: "critical twist Θ, rad",
-        published: None,
-        scale: None,
-    }],
+    quantities: &[Quantity::new("critical twist Θ, rad")],
     exact: || vec![3.0 * bisect(4.0, 4.6, |x| libm::sin(x) - x * libm::cos(x))],
     measure: Measure::Critical(BranchKind::Bifurcation),
 };
@@ -115,11 +95,7 @@ pub(super) static TWISTED_RING: Benchmark = Benchmark {
     means: "closed form",
     scene: include_str!("scenes/twisted-ring.toml"),
     edges: [40, 80, 160],
-    quantities: &[Quantity {
-        name: "critical twist Θ, rad",
-        published: None,
-        scale: None,
-    }],
+    quantities: &[Quantity::new("critical twist Θ, rad")],
     exact: || vec![TAU * 3.0f64.sqrt() * 1.5],
     measure: Measure::Critical(BranchKind::Bifurcation),
 };

@@ -22,11 +22,7 @@ pub(super) static SWINGING_CHAIN: Benchmark = Benchmark {
     means: "closed form j/2, with the first zero j of J₀",
     scene: include_str!("scenes/swinging-chain.toml"),
     edges: [25, 50, 100],
-    quantities: &[Quantity {
-        name: "frequency, √(g/L)",
-        published: None,
-        scale: None,
-    }],
+    quantities: &[Quantity::new("frequency, √(g/L)")],
     exact: || vec![0.5 * ZERO],
     measure: Measure::Run(|case| {
         let edges = case.run.edges;

@@ -15,11 +15,7 @@ pub(super) static CAPSTAN: Benchmark = Benchmark {
     means: "closed form exp(μ π)",
     scene: include_str!("scenes/capstan.toml"),
     edges: [20, 40, 80],
-    quantities: &[Quantity {
-        name: "ratio of tensions",
-        published: None,
-        scale: None,
-    }],
+    quantities: &[Quantity::new("ratio of tensions")],
     exact: || vec![libm::exp(0.3 * std::f64::consts::PI)],
     measure: Measure::Run(|case| {
         let pulled = mean_after(case, "pulled_n", 0.1)?;

@@ -19,16 +19,8 @@ pub(super) static SUSPENDED_CURL: Benchmark = Benchmark {
     scene: include_str!("scenes/suspended-curl.toml"),
     edges: [40, 80, 160],
     quantities: &[
-        Quantity {
-            name: "w L³/EI at which it leaves its plane",
-            published: None,
-            scale: None,
-        },
-        Quantity {
-            name: "w L³/EI from which the plane is stable again",
-            published: None,
-            scale: None,
-        },
+        Quantity::new("w L³/EI at which it leaves its plane"),
+        Quantity::new("w L³/EI from which the plane is stable again"),
     ],
     exact: || {
         let rod = HangingRod {
@@ -52,11 +44,7 @@ pub(super) static CURVED_STRIP: Benchmark = Benchmark {
     means: "shooting of the planar equilibrium, and of the linearised equations of rotations out of its plane",
     scene: include_str!("scenes/curved-strip.toml"),
     edges: [20, 40, 80],
-    quantities: &[Quantity {
-        name: "critical weight w L³/EI",
-        published: None,
-        scale: None,
-    }],
+    quantities: &[Quantity::new("critical weight w L³/EI")],
     exact: || {
         let rod = HangingRod {
             stiffness: [100.0, 1.0, 1.0],
@@ -82,16 +70,8 @@ pub(super) static FOLDED_RING: Benchmark = Benchmark {
     scene: include_str!("scenes/folded-ring.toml"),
     edges: [60, 120, 240],
     quantities: &[
-        Quantity {
-            name: "radius of gyration over R",
-            published: None,
-            scale: None,
-        },
-        Quantity {
-            name: "elastic energy over 4π EI/R",
-            published: None,
-            scale: Some(1.0),
-        },
+        Quantity::new("radius of gyration over R"),
+        Quantity::new("elastic energy over 4π EI/R").over(1.0),
     ],
     exact: || vec![1.0 / 3.0, 0.0],
     measure: Measure::Run(|case: &Case<BenchmarkRun>| {
@@ -127,16 +107,8 @@ pub(super) static HELICAL_SPRING: Benchmark = Benchmark {
     scene: include_str!("scenes/helical-spring.toml"),
     edges: [60, 120, 240],
     quantities: &[
-        Quantity {
-            name: "length of the spring over L",
-            published: None,
-            scale: None,
-        },
-        Quantity {
-            name: "lean of its axis, degrees",
-            published: None,
-            scale: None,
-        },
+        Quantity::new("length of the spring over L"),
+        Quantity::new("lean of its axis, degrees"),
     ],
     exact: || vec![0.5f64.sqrt(), 30.0],
     measure: Measure::Tip(|tip| {

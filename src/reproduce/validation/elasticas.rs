@@ -21,21 +21,9 @@ pub(super) static HEAVY_CANTILEVERS: Benchmark = Benchmark {
     scene: include_str!("scenes/heavy-cantilevers.toml"),
     edges: [20, 40, 80],
     quantities: &[
-        Quantity {
-            name: "height over width, Γ = 1",
-            published: None,
-            scale: None,
-        },
-        Quantity {
-            name: "height over width, Γ = 10",
-            published: None,
-            scale: None,
-        },
-        Quantity {
-            name: "height over width, Γ = 100",
-            published: None,
-            scale: None,
-        },
+        Quantity::new("height over width, Γ = 1"),
+        Quantity::new("height over width, Γ = 10"),
+        Quantity::new("height over width, Γ = 100"),
     ],
     exact: || {
         let slope = |weight| {
@@ -82,11 +70,7 @@ pub(super) static BUCKLED_COLUMNS: Benchmark = Benchmark {
 
 /// A quantity of the published table, which has three digits.
 const fn in_table(name: &'static str, published: f64) -> Quantity {
-    Quantity {
-        name,
-        published: Some((published, 5e-4)),
-        scale: None,
-    }
+    Quantity::new(name).published(published, 5e-4)
 }
 
 /// Complete elliptic integrals of the first and the second kind.

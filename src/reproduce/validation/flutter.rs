@@ -20,11 +20,7 @@ pub(super) static BECKS_COLUMN: Benchmark = Benchmark {
             L²/EI, a² and b² = √(p²/4 + ω²) ∓ p/2",
     scene: include_str!("scenes/becks-column.toml"),
     edges: [20, 40, 80],
-    quantities: &[Quantity {
-        name: "critical force P L²/EI",
-        published: Some((20.05, 5e-3)),
-        scale: None,
-    }],
+    quantities: &[Quantity::new("critical force P L²/EI").published(20.05, 5e-3)],
     exact: || vec![bisect(15.0, 25.0, least_determinant)],
     measure: Measure::Critical(BranchKind::Flutter),
 };

@@ -17,11 +17,7 @@ pub(super) static DEEP_ARCH: Benchmark = Benchmark {
     means: "shooting of the planar rod along its path of equilibria up to the fold",
     scene: include_str!("scenes/deep-arch.toml"),
     edges: [40, 80, 160],
-    quantities: &[Quantity {
-        name: "limit load P R²/EI",
-        published: Some((8.97, 5e-3)),
-        scale: None,
-    }],
+    quantities: &[Quantity::new("limit load P R²/EI").published(8.97, 5e-3)],
     exact: || {
         static HALVES: [Segment; 2] = [half(false), half(true)];
         let frame = PlanarFrame {
@@ -57,11 +53,7 @@ pub(super) static LEES_FRAME: Benchmark = Benchmark {
     means: "shooting of the planar frame along its path of equilibria up to the fold",
     scene: include_str!("scenes/lees-frame.toml"),
     edges: [20, 40, 80],
-    quantities: &[Quantity {
-        name: "limit load P L²/EI",
-        published: None,
-        scale: None,
-    }],
+    quantities: &[Quantity::new("limit load P L²/EI")],
     exact: || {
         static PIECES: [Segment; 3] = [
             piece(1.0, 0.0, false),

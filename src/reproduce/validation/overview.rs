@@ -2,7 +2,7 @@
 
 use super::BENCHMARKS;
 use super::benchmark::{BenchmarkRun, Row, digits};
-use super::peers::{PeerRow, Section, best_of_peers, verdict};
+use super::peers::{MODULES, PeerRow, Section, best_of_peers, verdict};
 use crate::reproduce::page::stem;
 use crate::reproduce::prelude::*;
 use std::collections::BTreeSet;
@@ -120,7 +120,7 @@ fn list_better(page: &mut Page, rows: &[Row], peers: &[PeerRow]) {
 fn compare(page: &mut Page, finest: &[&Row], peers: &[PeerRow]) -> Result<()> {
     page.text(
         "The same by other programs that `pip` installs, each at its finest mesh. Their scripts are beside the pages of the \
-         cases, and run with the Python that `RODLAB_PYTHON` names, or with `python3`. A program that is not installed is \
+         cases, the modules that they import beside this table. They run with the Python that `RODLAB_PYTHON` names, or with `python3`. A program that is not installed is \
          left out. Times are processor times of a run, without imports and compilation of Python.",
     );
     let mut lines = Vec::new();
@@ -155,6 +155,9 @@ fn compare(page: &mut Page, finest: &[&Row], peers: &[PeerRow]) -> Result<()> {
             "processor time, s",
         ];
         page.lines(&header, &lines);
+    }
+    for (name, text) in MODULES {
+        page.file(name, text.as_bytes())?;
     }
     if !peers.is_empty() {
         page.csv_as("peers.csv", peers)?;

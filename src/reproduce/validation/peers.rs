@@ -7,7 +7,7 @@
 mod catalogue;
 mod verdict;
 
-pub(super) use catalogue::{LEFT_OUT, PEERS};
+pub(super) use catalogue::{LEFT_OUT, MODULES, PEERS};
 pub(super) use verdict::{best_of_peers, verdict};
 
 use super::benchmark::{Benchmark, BenchmarkRun, digits};
@@ -188,8 +188,8 @@ impl Peer {
         Ok(Ok(text))
     }
 
-    /// Names and texts of the script and of the files that it imports.
-    pub fn files(&self) -> [(&'static str, &'static str); 3] {
+    /// Names and texts of the script and of the modules that it imports.
+    fn files(&self) -> [(&'static str, &'static str); 3] {
         [self.script, self.program.common, catalogue::COMMON]
     }
 
@@ -199,12 +199,12 @@ impl Peer {
         let script = self.script.0;
         match outcome {
             Outcome::Rows(_) => format!(
-                "{name} (`pip install {package}`): {}; `python3 {script} --edges 40`.",
+                "{name} (`pip install {package}`): {}; `PYTHONPATH=.. python3 {script} --edges 40`.",
                 self.method
             ),
             Outcome::Absent => format!(
-                "{name} was not installed where this page was made: `pip install {package}` installs it; `python3 \
-                 {script} --edges 40` makes its run."
+                "{name} was not installed where this page was made: `pip install {package}` installs it; `PYTHONPATH=.. \
+                 python3 {script} --edges 40` makes its run."
             ),
             Outcome::Failed(words) => format!("{name}: `{script}` failed: {words}."),
         }
@@ -268,9 +268,10 @@ impl Section {
         Ok(section)
     }
 
-    /// Writes the notes, the scripts and the rows beside the page.
+    /// Writes the notes, the scripts and the rows beside the page. The modules that the scripts
+    /// import are beside the table of all cases.
     pub fn write(&self, page: &mut Page, case: &str) -> Result<()> {
-        for (name, text) in peers_of(case).flat_map(Peer::files) {
+        for (name, text) in peers_of(case).map(|peer| peer.script) {
             page.file(name, text.as_bytes())?;
         }
         if !self.rows.is_empty() {

@@ -23,11 +23,7 @@ pub(super) static PLECTONEME: Benchmark = Benchmark {
     means: "closed form",
     scene: include_str!("scenes/plectoneme.toml"),
     edges: [80, 160, 320],
-    quantities: &[Quantity {
-        name: "moment over M(F)",
-        published: None,
-        scale: None,
-    }],
+    quantities: &[Quantity::new("moment over M(F)")],
     exact: || vec![1.0],
     measure: Measure::Run(moment),
 };

@@ -45,15 +45,15 @@ pub(super) static PRINCETON_BEAM: Benchmark = Benchmark {
     scene: include_str!("scenes/princeton-beam.toml"),
     edges: [20, 40, 80],
     quantities: &[
-        quantity("30°: stiff deflection, mm", Some((16.6587, 0.255))),
-        quantity("30°: soft deflection, mm", Some((117.736, 3.99))),
-        quantity("30°: twist, degrees", None),
-        quantity("45°: stiff deflection, mm", Some((15.1862, 0.336))),
-        quantity("45°: soft deflection, mm", Some((156.467, 2.92))),
-        quantity("45°: twist, degrees", None),
-        quantity("60°: stiff deflection, mm", Some((11.5784, 0.307))),
-        quantity("60°: soft deflection, mm", Some((181.862, 1.89))),
-        quantity("60°: twist, degrees", None),
+        Quantity::new("30°: stiff deflection, mm").published(16.6587, 0.255),
+        Quantity::new("30°: soft deflection, mm").published(117.736, 3.99),
+        Quantity::new("30°: twist, degrees"),
+        Quantity::new("45°: stiff deflection, mm").published(15.1862, 0.336),
+        Quantity::new("45°: soft deflection, mm").published(156.467, 2.92),
+        Quantity::new("45°: twist, degrees"),
+        Quantity::new("60°: stiff deflection, mm").published(11.5784, 0.307),
+        Quantity::new("60°: soft deflection, mm").published(181.862, 1.89),
+        Quantity::new("60°: twist, degrees"),
     ],
     exact: || {
         let ends = ANGLES.map(|angle| {
@@ -66,15 +66,6 @@ pub(super) static PRINCETON_BEAM: Benchmark = Benchmark {
     },
     measure: Measure::Run(measured),
 };
-
-/// A quantity with relative errors.
-const fn quantity(name: &'static str, published: Option<(f64, f64)>) -> Quantity {
-    Quantity {
-        name,
-        published,
-        scale: None,
-    }
-}
 
 /// Deflections in the stiff and the soft direction, mm, and twist, degrees, of an end with its first director.
 fn compared(tip: &Vector3, director: &Vector3) -> [f64; 3] {

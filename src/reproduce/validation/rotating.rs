@@ -17,11 +17,7 @@ pub(super) static ROTATING_BEAM: Benchmark = Benchmark {
     means: "closed form tan(k L)/k − L, k = ω √(ρA/EA)",
     scene: include_str!("scenes/rotating-beam.toml"),
     edges: [10, 20, 40],
-    quantities: &[Quantity {
-        name: "extension, 10⁻⁴",
-        published: Some((5.14, 5e-3)),
-        scale: None,
-    }],
+    quantities: &[Quantity::new("extension, 10⁻⁴").published(5.14, 5e-3)],
     exact: || {
         let wave = 6.0 * (1.2f64 / 2.8e7).sqrt();
         vec![1e4 * (libm::tan(10.0 * wave) / wave - 10.0)]
@@ -45,11 +41,7 @@ pub(super) static ROTATING_BEAM_FLAP: Benchmark = Benchmark {
     means: "shooting of w'''' − (T w')' = λ² w, T = ω² (1 − x²)/2, clamped and free",
     scene: include_str!("scenes/rotating-beam-flap.toml"),
     edges: [20, 40, 80],
-    quantities: &[Quantity {
-        name: "frequency λ",
-        published: Some((7.3604, 5e-5)),
-        scale: None,
-    }],
+    quantities: &[Quantity::new("frequency λ").published(7.3604, 5e-5)],
     exact: || vec![frequency()],
     measure: Measure::Run(flap),
 };

@@ -22,16 +22,8 @@ pub(super) static TOGGLE: Benchmark = Benchmark {
     scene: include_str!("scenes/toggle.toml"),
     edges: [20, 40, 80],
     quantities: &[
-        Quantity {
-            name: "maximum of P L²/EI",
-            published: None,
-            scale: None,
-        },
-        Quantity {
-            name: "minimum of P L²/EI",
-            published: None,
-            scale: None,
-        },
+        Quantity::new("maximum of P L²/EI"),
+        Quantity::new("minimum of P L²/EI"),
     ],
     exact: || {
         let angle = libm::atan(RISE);

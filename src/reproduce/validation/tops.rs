@@ -19,9 +19,9 @@ pub(super) static HEAVY_TOP: Benchmark = Benchmark {
     scene: include_str!("scenes/heavy-top.toml"),
     edges: [4, 8, 16],
     quantities: &[
-        direction("axis after 2 s, x"),
-        direction("axis after 2 s, y"),
-        direction("axis after 2 s, z"),
+        Quantity::new("axis after 2 s, x").over(1.0),
+        Quantity::new("axis after 2 s, y").over(1.0),
+        Quantity::new("axis after 2 s, z").over(1.0),
     ],
     exact: || {
         // About the pivot, and about the axis.
@@ -48,15 +48,6 @@ pub(super) static HEAVY_TOP: Benchmark = Benchmark {
     }),
 };
 
-/// A component of a unit vector.
-const fn direction(name: &'static str) -> Quantity {
-    Quantity {
-        name,
-        published: None,
-        scale: Some(1.0),
-    }
-}
-
 /// Principal moments of inertia, kg m².
 const MOMENTS: [f64; 3] = [1.0, 2.0, 3.0];
 /// Initial angular velocities about the second and the third axis, rad/s.
@@ -74,7 +65,10 @@ pub(super) static INTERMEDIATE_AXIS: Benchmark = Benchmark {
             (I₃ − I₁) ω₃², k'² = I₃ (I₃ − I₁) ω₃²/c, with K by the arithmetic-geometric mean",
     scene: include_str!("scenes/intermediate-axis.toml"),
     edges: [4, 8, 16],
-    quantities: &[time("first turn, s"), time("second turn, s")],
+    quantities: &[
+        Quantity::new("first turn, s"),
+        Quantity::new("second turn, s"),
+    ],
     exact: || {
         let ([first, second, third], [fast, slow]) = (MOMENTS, SPIN);
         let b = second * (third - second);
@@ -100,12 +94,3 @@ pub(super) static INTERMEDIATE_AXIS: Benchmark = Benchmark {
         Ok(times)
     }),
 };
-
-/// A time without a published value.
-const fn time(name: &'static str) -> Quantity {
-    Quantity {
-        name,
-        published: None,
-        scale: None,
-    }
-}

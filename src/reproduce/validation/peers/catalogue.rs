@@ -46,6 +46,10 @@ const RIGID: &str =
 const LIMIT: &str = "planar ANCF cables of cubic shape; the loaded point falls in static steps, and the largest force is \
      found by search";
 
+/// Names and texts of the modules that scripts import.
+pub(in super::super) static MODULES: [(&str, &str); 4] =
+    [COMMON, EXUDYN.common, MUJOCO.common, PYELASTICA.common];
+
 /// All scripts.
 pub(in super::super) static PEERS: &[Peer] = &[
     Peer {
