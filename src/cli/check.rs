@@ -46,14 +46,24 @@ pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure>
     last.map_or(Ok(()), Err)
 }
 
-/// Whether a file describes a robot cell. Scenarios have no arms and no axes.
+/// Tables that only cell files have. A file that extends a cell has none of its arms itself.
+const OF_CELLS: [&str; 7] = [
+    "[[arms]]",
+    "[[axes]]",
+    "[table]",
+    "[camera]",
+    "[chuck]",
+    "[safety]",
+    "[streaming]",
+];
+
+/// Whether a file describes a robot cell.
 fn is_cell(path: &Path) -> bool {
     // Files that cannot be read are reported by the reader of scenarios.
     let bytes = rodlab_lab::scenario::read_text_file(path).unwrap_or_default();
-    String::from_utf8_lossy(&bytes).lines().any(|line| {
-        let line = line.trim_start();
-        line.starts_with("[[arms]]") || line.starts_with("[[axes]]")
-    })
+    let text = String::from_utf8_lossy(&bytes);
+    let mut lines = text.lines().map(str::trim_start);
+    lines.any(|line| OF_CELLS.iter().any(|table| line.starts_with(table)))
 }
 
 fn check_cell(path: &Path, json: bool) -> Result<(), Failure> {
@@ -150,4 +160,29 @@ fn check_one(path: &Path, overrides: &[String]) -> Result<Checked, Failure> {
         forecast: forecast(&prepared),
         notes,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_extends_a_cell_is_a_cell() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lab.toml");
+        for (text, expected) in [
+            (
+                "extends = \"gantry.toml\"\n[safety]\nhand_speed = 0.2\n",
+                true,
+            ),
+            ("[[arms]]\nname = \"a\"\n", true),
+            (
+                "experiment = \"scene\"\n[contact]\nmodel = \"imc\"\n",
+                false,
+            ),
+        ] {
+            std::fs::write(&path, text).unwrap();
+            assert_eq!(is_cell(&path), expected, "{text}");
+        }
+    }
 }
