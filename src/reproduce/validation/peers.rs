@@ -99,12 +99,12 @@ pub(super) fn python() -> OsString {
 
 impl Peer {
     /// Runs the script for each mesh of a case, or reads what earlier calls left in the folder of
-    /// runs. `python` is `None` where only earlier runs are shown.
+    /// runs.
     pub fn rows(
         &self,
         benchmark: &Benchmark,
         cases: &[Case<BenchmarkRun>],
-        python: Option<&OsStr>,
+        python: &OsStr,
     ) -> Result<Outcome> {
         let exact = self.exact.unwrap_or(benchmark.exact)();
         let mut rows = Vec::new();
@@ -147,7 +147,7 @@ impl Peer {
         &self,
         folder: &Path,
         edges: usize,
-        python: Option<&OsStr>,
+        python: &OsStr,
     ) -> Result<Result<String, Outcome>> {
         let mut hasher = blake3::Hasher::new();
         for (_, text) in self.files() {
@@ -164,9 +164,9 @@ impl Peer {
         if let Ok(text) = std::fs::read_to_string(&kept) {
             return Ok(Ok(text));
         }
-        let Some(python) = python.filter(|python| has_module(python, program)) else {
+        if !has_module(python, program) {
             return Ok(Err(Outcome::Absent));
-        };
+        }
         let scripts = tempfile::tempdir().map_err(|source| ResultsError::Io {
             action: "create",
             path: std::env::temp_dir(),
@@ -256,9 +256,8 @@ impl Section {
             return Ok(section);
         }
         let python = python();
-        let python = Some(python.as_os_str());
         for peer in peers_of(name) {
-            let outcome = peer.rows(benchmark, cases, python)?;
+            let outcome = peer.rows(benchmark, cases, &python)?;
             section.notes.push(peer.note(&outcome));
             if let Outcome::Rows(rows) = outcome {
                 section.rows.extend(rows);

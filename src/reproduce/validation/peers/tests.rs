@@ -52,7 +52,7 @@ fn a_program_that_is_installed_is_run_once() {
     let line = r#"{"version": "1.2", "quantity": "deflection w/L", "value": 0.81, "time": 0.5}"#;
     let python = fake_python(folder.path(), peer.program.module, line);
     for _ in 0..2 {
-        let Outcome::Rows(rows) = peer.rows(tip_force(), &cases, Some(&python)).unwrap() else {
+        let Outcome::Rows(rows) = peer.rows(tip_force(), &cases, &python).unwrap() else {
             panic!("the run has rows");
         };
         assert_eq!(rows.len(), 1);
@@ -62,7 +62,8 @@ fn a_program_that_is_installed_is_run_once() {
     let runs = fs::read_to_string(folder.path().join("runs")).unwrap();
     assert_eq!(runs, "run\n");
     // What an earlier call left is shown without the program.
-    let outcome = peer.rows(tip_force(), &cases, None).unwrap();
+    let absent = OsStr::new("no-such-python");
+    let outcome = peer.rows(tip_force(), &cases, absent).unwrap();
     assert!(matches!(outcome, Outcome::Rows(_)), "{outcome:?}");
 }
 
@@ -74,11 +75,7 @@ fn a_program_that_is_absent_or_fails_is_named() {
     for peer in peers_of("tip-force") {
         let package = peer.program.package;
         let python = fake_python(folder.path(), "another", "");
-        for python in [
-            Some(python.as_os_str()),
-            Some(OsStr::new("no-such-python")),
-            None,
-        ] {
+        for python in [python.as_os_str(), OsStr::new("no-such-python")] {
             let outcome = peer.rows(tip_force(), &cases, python).unwrap();
             assert_eq!(outcome, Outcome::Absent);
             let note = peer.note(&outcome);
@@ -87,7 +84,7 @@ fn a_program_that_is_absent_or_fails_is_named() {
     }
     let peer = peers_of("tip-force").next().unwrap();
     let python = fake_python(folder.path(), peer.program.module, "not JSON");
-    let outcome = peer.rows(tip_force(), &cases, Some(&python)).unwrap();
+    let outcome = peer.rows(tip_force(), &cases, &python).unwrap();
     assert_eq!(outcome, Outcome::Failed("not JSON".into()));
 }
 
