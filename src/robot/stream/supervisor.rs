@@ -26,7 +26,7 @@ pub trait Supervisor {
     fn is_interrupted(&self) -> bool;
 
     /// The reason why the joint positions of a part must end the motion. `time` is that of the
-    /// report on the clock of the motion, s. It is called for every report.
+    /// report on the clock of the motion, s. It is called in every cycle with the last report.
     fn refuses(&self, _part: &str, _time: f64, _positions: &[f64]) -> Option<String> {
         None
     }
