@@ -3,7 +3,7 @@
 
 use super::LARGEST_TRACE;
 use super::contact_tests::against_forward;
-use super::tests::{Course, SCHEMES, check_at, course};
+use super::tests::{Course, SCHEMES, check_at, check_shares, course};
 use crate::mechanics::dynamics::Scheme;
 use crate::mechanics::dynamics::sensitivity::joint_tests::{
     arms, breakable, breaking, sliding, sprung, tumbling,
@@ -79,8 +79,20 @@ fn a_joint_of_the_midpoint_rule() {
 fn motions_in_which_a_joint_breaks() {
     for kind in breakable() {
         let scene = breaking(kind);
-        check("breaking", &course(Scheme::ImplicitEuler), &scene, 0.2);
         for scheme in SCHEMES {
+            // By backward differences the results hardly depend on GJ and EA: only large changes stand
+            // out from rounding errors, 2e-10 in the derivatives of results of the size 1. Large changes
+            // of the others make the joint break in another step.
+            let (exact, stiffer) = match scheme {
+                Scheme::BackwardDifferences => (2e-7, 3.0),
+                _ => (EXACT, 0.2),
+            };
+            let share = |field: &str| match field {
+                "GJ" | "EA" => stiffer,
+                "velocity" => 0.05,
+                _ => 0.2,
+            };
+            check_shares([1, 4, 6], exact, "breaking", &course(scheme), &scene, share);
             let error = against_forward(&course(scheme), &scene, at(1, 2), 1e-6);
             println!("breaking {kind:?} {scheme:?} against the forward mode: {error:.1e}");
             assert!(error < 1e-7, "{kind:?} {scheme:?}: {error:e}");
@@ -101,7 +113,12 @@ fn a_body_that_tumbles_and_resets_its_rotation() {
 #[test]
 fn a_bead_that_slides_along_a_rod() {
     for scheme in SCHEMES {
-        // The velocity of a bead on a straight wire hardly depends on its stiffness.
-        check_at([3, 6, 10], 1e-6, "bead", &course(scheme), &sliding(), 0.3);
+        // The velocity of a bead on a straight wire hardly depends on its stiffness: only large changes
+        // stand out from rounding errors.
+        let share = |field: &str| match field {
+            "EI1" | "EI2" | "GJ" | "EA" => 1.0,
+            _ => 0.3,
+        };
+        check_shares([3, 6, 10], EXACT, "bead", &course(scheme), &sliding(), share);
     }
 }

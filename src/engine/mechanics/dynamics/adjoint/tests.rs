@@ -266,6 +266,19 @@ pub(super) fn check_at<const N: usize>(
     scene: &Scene,
     share: f64,
 ) {
+    check_shares(nodes, exactness, name, course, scene, |_| share);
+}
+
+/// Compares with changes by a share of each field.
+#[track_caller]
+pub(super) fn check_shares<const N: usize>(
+    nodes: [usize; N],
+    exactness: f64,
+    name: &str,
+    course: &Course,
+    scene: &Scene,
+    share: impl Fn(&str) -> f64,
+) {
     let gradients = course.gradients(scene, LARGEST_TRACE);
     let fields = FIELDS
         .iter()
@@ -273,7 +286,7 @@ pub(super) fn check_at<const N: usize>(
     for (field, change, amount, of) in fields {
         let (mut worst, mut largest) = (0.0_f64, UNIMPORTANT);
         for node in nodes {
-            let expected = differences(course, scene, *change, node, share * amount);
+            let expected = differences(course, scene, *change, node, share(field) * amount);
             for (gradient, expected) in gradients.iter().zip(expected) {
                 if *field == "velocity" && scene.clamps.iter().any(|clamp| clamp.node == node) {
                     assert_eq!(of(gradient, node), 0.0);
