@@ -229,7 +229,9 @@ impl<Link: ActionLink> Driver for ActionDriver<Link> {
         match &goal.outcome {
             Some(Ok(())) => Ok(Progress::Done),
             Some(Err(error)) => Err(error.clone()),
-            None if !goal.acknowledged && goal.sent.elapsed() > PATIENCE => {
+            // A server that is silent altogether is late with its answer, too: its silence is an error
+            // of its own.
+            None if !goal.acknowledged && self.news.reports.is_past(goal.sent + PATIENCE) => {
                 let complaint = goal.complaint.as_ref();
                 let quoted = complaint.map(|words| format!(" (the server reported: {words})"));
                 Err(self.link.lost(&format_args!(

@@ -46,6 +46,12 @@ impl ClockedReports {
         (!waits).then_some(state)
     }
 
+    /// Whether a time has passed and a report has arrived after it, or none ever has.
+    pub(super) fn is_past(&self, time: Instant) -> bool {
+        let has_passed = Instant::now() > time;
+        has_passed && self.state.as_ref().is_none_or(|state| state.received > time)
+    }
+
     /// The last time of the robot's clock, s, and when it was received.
     pub(super) fn clock(&self) -> Option<(f64, Instant)> {
         self.clock
@@ -66,6 +72,20 @@ mod tests {
 
     fn report() -> Option<JointState> {
         JointState::heard(&["a".into()], &["a".to_owned()], |_| Some(0.5))
+    }
+
+    #[test]
+    fn a_time_is_past_once_a_report_has_arrived_after_it() {
+        let mut reports = ClockedReports::default();
+        let before = Instant::now();
+        std::thread::sleep(Duration::from_millis(1));
+        assert!(reports.is_past(before));
+        reports.add(report(), None);
+        assert!(reports.is_past(before));
+        let later = Instant::now();
+        std::thread::sleep(Duration::from_millis(1));
+        assert!(!reports.is_past(later));
+        assert!(!reports.is_past(later + Duration::from_secs(3600)));
     }
 
     #[test]

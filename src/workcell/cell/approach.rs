@@ -95,7 +95,8 @@ impl Cell {
         }
         driver.connect(joints).map_err(in_words)?;
         let begin = Instant::now();
-        while begin.elapsed() < PATIENCE {
+        let patience = self.streaming.watchdog.max(PATIENCE);
+        while begin.elapsed() < patience {
             if let Some(state) = driver.state().map_err(in_words)? {
                 return Ok((driver, state.positions));
             }
@@ -104,7 +105,7 @@ impl Cell {
         Err(format!(
             "{name}: no report of all of its joints ({}) in {} s; compare the names in the cell file with the robot's",
             joints.join(", "),
-            PATIENCE.as_secs()
+            patience.as_secs()
         ))
     }
 

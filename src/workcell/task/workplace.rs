@@ -96,7 +96,9 @@ impl Workplace<'_> {
             ))
         })?;
         let mut camera = opened.map_err(WorkError::failed)?;
-        match camera.picture(PATIENCE).map_err(WorkError::failed)? {
+        // A camera may be silent for as long as a driver.
+        let patience = self.cell.streaming.watchdog.max(PATIENCE);
+        match camera.picture(patience).map_err(WorkError::failed)? {
             CameraPicture::Pixels(picture) => Ok(picture),
             CameraPicture::File(bytes) => Ok(decode_picture(&bytes)?),
         }

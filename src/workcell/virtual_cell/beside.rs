@@ -7,9 +7,9 @@ use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Longest silence of a driver. A difficult step of the simulation may take longer than the limit
-/// for a robot.
-const PATIENCE: Duration = Duration::from_secs(10);
+/// Longest silence of a driver, the camera or a client. On a busy machine a difficult step of the
+/// simulation or a picture may take longer than the limit for a robot.
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Serves a cell while `work` runs, with drivers and camera connected to it. Returns the result of
 /// the work, and the final state of the cell.
@@ -22,6 +22,7 @@ pub fn with_cell<T>(
     work: impl FnOnce(&Cell) -> T,
 ) -> Result<(T, VirtualCell), ServeError> {
     let mut served = VirtualCell::new(cell, settings)?;
+    served.wait_for_clients(PATIENCE);
     let address = served.address().map_err(|error| ServeError::Address {
         address: SocketAddr::from(ANY_PORT),
         error,

@@ -220,9 +220,9 @@ impl Connection {
     }
 
     /// The last time of the cell's clock, s, that the client has seen, if the clock waits for the
-    /// client.
-    pub fn seen(&self) -> Option<f64> {
-        self.pace.as_ref()?.seen()
+    /// client, at most for `patience`.
+    pub fn seen(&self, patience: Duration) -> Option<f64> {
+        self.pace.as_ref()?.seen(patience)
     }
 
     /// Sends the waiting bytes.

@@ -6,10 +6,6 @@
 
 use std::time::{Duration, Instant};
 
-/// Longest wait for an answer. After it the clock no longer waits for the client, until the client
-/// answers again.
-const PATIENCE: Duration = Duration::from_secs(1);
-
 /// Times of the cell's clock, s, that were sent to a client and returned by it.
 pub struct Pace {
     sent: f64,
@@ -52,9 +48,9 @@ impl Pace {
         }
     }
 
-    /// The last time that the client has seen, s, if the clock waits for the client.
-    pub fn seen(&self) -> Option<f64> {
-        let is_late = self.answered < self.sent && self.since.elapsed() > PATIENCE;
+    /// The last time that the client has seen, s, unless an answer is late by more than `patience`.
+    pub fn seen(&self, patience: Duration) -> Option<f64> {
+        let is_late = self.answered < self.sent && self.since.elapsed() > patience;
         (!is_late).then_some(self.answered)
     }
 }
@@ -63,19 +59,21 @@ impl Pace {
 mod tests {
     use super::*;
 
+    const PATIENCE: Duration = Duration::from_secs(1);
+
     #[test]
     fn the_last_answer_counts_and_unknown_times_are_ignored() {
         let mut pace = Pace::new(1.0);
         assert_eq!(pace.ping(1.0), None);
         let [first, second] = [2.0, 3.0].map(|now| pace.ping(now).unwrap());
-        assert_eq!(pace.seen(), Some(1.0));
+        assert_eq!(pace.seen(PATIENCE), Some(1.0));
         pace.pong(&second);
         pace.pong(&first);
-        assert_eq!(pace.seen(), Some(3.0));
+        assert_eq!(pace.seen(PATIENCE), Some(3.0));
         let [later, none] = [4.0, f64::NAN].map(f64::to_le_bytes);
         for payload in [&later[..], &none, b"", b"pong"] {
             pace.pong(payload);
-            assert_eq!(pace.seen(), Some(3.0));
+            assert_eq!(pace.seen(PATIENCE), Some(3.0));
         }
     }
 
@@ -84,10 +82,10 @@ mod tests {
         let mut pace = Pace::new(0.0);
         let ping = pace.ping(1.0).unwrap();
         pace.since -= 2 * PATIENCE;
-        assert_eq!(pace.seen(), None);
+        assert_eq!(pace.seen(PATIENCE), None);
         pace.ping(2.0);
-        assert_eq!(pace.seen(), None);
+        assert_eq!(pace.seen(PATIENCE), None);
         pace.pong(&ping);
-        assert_eq!(pace.seen(), Some(1.0));
+        assert_eq!(pace.seen(PATIENCE), Some(1.0));
     }
 }

@@ -36,6 +36,9 @@ const REPORT: (f64, Duration, Duration) =
     (0.01, Duration::from_millis(2), Duration::from_millis(40));
 /// Time between lists of goals.
 const STATUS: Duration = Duration::from_millis(200);
+/// Longest wait for the answer of a client. After it the clock no longer waits for the client,
+/// until the client answers again.
+const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between pictures, s of the cell's clock.
 const PICTURE: f64 = 0.1;
 
@@ -86,6 +89,8 @@ pub struct VirtualCell {
     actions: Vec<[Action; 2]>,
     pictures: Option<PictureTaker>,
     last_picture: f64,
+    /// Longest wait for the answer of a client.
+    patience: Duration,
     /// Subscribers at the start of the picture in progress.
     watchers: Vec<u64>,
     last_report: (f64, Instant),
@@ -120,11 +125,18 @@ impl VirtualCell {
             actions: (0..parts).map(|_| Default::default()).collect(),
             pictures,
             last_picture: f64::NEG_INFINITY,
+            patience: PATIENCE,
             watchers: Vec::new(),
             last_report: (f64::NEG_INFINITY, Instant::now()),
             last_status: Instant::now(),
             cell: SimulatedCell::new(cell, settings),
         })
+    }
+
+    /// Waits longer for clients than for those of other processes: for a client that shares the
+    /// processors with the simulation.
+    pub(super) fn wait_for_clients(&mut self, patience: Duration) {
+        self.patience = patience;
     }
 
     /// Address on which the server listens.
@@ -150,8 +162,10 @@ impl VirtualCell {
         while !is_interrupted() {
             self.listen();
             let clock = began + self.rate * since.elapsed().as_secs_f64();
-            let seen = self.clients.iter().filter_map(Connection::seen);
+            let patience = self.patience;
+            let seen = self.clients.iter().filter_map(|client| client.seen(patience));
             let target = seen.fold(clock, |target, seen| target.min(seen + LEAD));
+            let target = target.min(self.end_of_picture());
             let work = Instant::now();
             let mut is_idle = true;
             while self.cell.time() + STEP <= target && work.elapsed() < WORK {
@@ -435,6 +449,18 @@ impl VirtualCell {
                     client.publish(&topic, &text);
                 }
             }
+        }
+    }
+
+    /// Time of the cell's clock, s, that a picture in progress allows. A camera sends a picture
+    /// before the next one is due; a clock faster than real time waits for it, so that the picture
+    /// shows the present, and the simulation leaves the processor to it.
+    fn end_of_picture(&self) -> f64 {
+        let is_busy = self.pictures.as_ref().is_some_and(PictureTaker::is_busy);
+        if is_busy && self.rate > 1.0 {
+            self.last_picture + PICTURE
+        } else {
+            f64::INFINITY
         }
     }
 
