@@ -43,6 +43,7 @@ mod symmetry;
 #[cfg(test)]
 mod tests;
 pub mod theory;
+mod ties;
 mod tube_buckling;
 mod turning_springs;
 mod vibration;

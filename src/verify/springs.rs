@@ -3,7 +3,7 @@
 
 use super::frequencies::frequencies_of;
 use super::scenario::{at_rest, moved, simulation};
-use super::{Check, Expectation, GroupError, turning_springs};
+use super::{Check, Expectation, GroupError, ties, turning_springs};
 use nalgebra::DMatrix;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::Simulation;
@@ -26,13 +26,14 @@ const GRAVITY: f64 = 9.81;
 const MASS: f64 = 0.02 + 10.0 * PI * 1e-6 * 0.02;
 
 /// Checks weights in a row, a circling weight, a weight that breaks its spring, a sprung hinge,
-/// and torsional springs.
+/// torsional springs, and springs that act only in tension.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = weights_in_a_row()?;
     checks.push(orbit()?);
     checks.extend(broken_spring()?);
     checks.push(hinge()?);
     checks.extend(turning_springs::checks()?);
+    checks.extend(ties::checks()?);
     Ok(checks)
 }
 

@@ -236,7 +236,14 @@ pub fn joined(seed: u64) -> Case {
         let ties = flow.force * l / (0.1 * l);
         match kind {
             "hinge" => format!("kind = \"hinge\"\naxis = [0, 0, 1]\n{rods}"),
-            "spring" => format!("kind = \"spring\"\nstiffness = {ties:e}\n{rods}"),
+            // The choice leaves all other random numbers of the scene unchanged.
+            "spring" => {
+                let only = match seed % 3 {
+                    0 => format!("only = \"tension\"\nrest_length = {:e}\n", 0.02 * l),
+                    _ => String::new(),
+                };
+                format!("kind = \"spring\"\nstiffness = {ties:e}\n{only}{rods}")
+            }
             _ => format!("kind = \"{kind}\"\n{rods}"),
         }
     };

@@ -115,6 +115,11 @@ pub enum JointError {
         "its nodes turn as one, because other joints unite them or neither can turn: a spring between them cannot act"
     )]
     OneFrame,
+    /// A spring that acts only in compression, of rest length 0.
+    #[error(
+        "a spring of rest length 0 is never compressed, so `only = \"compression\"` leaves it without force"
+    )]
+    NeverPushes,
     /// A spring that has no direction in which to push.
     #[error(
         "its nodes are at one point, where a spring of rest length {rest_length:e} m has no direction: set the rest length to 0, or place the nodes apart"

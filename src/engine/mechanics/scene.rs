@@ -9,7 +9,9 @@ mod node_force;
 
 pub use actuation::{ActuatedStrain, Actuation, Course, Wave};
 
-pub use joint::{Body, HingeSpring, Joint, JointKind, RodNode, Spring, Strength, TurningStiffness};
+pub use joint::{
+    Body, HingeSpring, Joint, JointKind, RodNode, Spring, SpringForce, Strength, TurningStiffness,
+};
 
 pub use node_force::{NodeForce, NodeHessian};
 

@@ -201,6 +201,7 @@ pub(crate) fn spring(name: &str, nodes: [RodNode; 2], stiffness: f64) -> Spring 
         stiffness,
         turning: None,
         rest_length: None,
+        only: None,
         strength: Strength::default(),
     }
 }

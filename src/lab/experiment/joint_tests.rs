@@ -1,7 +1,7 @@
 //! Joints, bodies and networks from scenario files: rejected input with its messages, and the
 //! resolved elements.
 
-use crate::scenario::{JointKind, Place, Scenario, Shape};
+use crate::scenario::{JointKind, Place, Scenario, Shape, SpringOnly};
 use crate::test_support::{assert_reads_back, cases, loaded, simulation};
 
 const RODS: &str = "experiment = \"scene\"\n[material]\nyoungs_modulus = 1e6\npoissons_ratio = 0.5\ndensity = 1000.0\n\
@@ -56,6 +56,9 @@ fn faults_name_the_joint_and_what_is_allowed() {
         spring ["end", 4]; turning_stiffness = "1 N/m" => but this key takes a turning stiffness
         spring ["end", 4]; stiffness = 1; rest_rotation = [1, 0, 0] => missing key `turning_stiffness`
         spring ["end", 4]; turning_stiffness = 1; rest_rotation = ["200 deg", 0, 0] => allowed: up to π
+        spring ["end", 4]; turning_stiffness = 1; only = "tension" => missing key `stiffness`
+        spring ["end", 4]; stiffness = 1; only = "shear" => tension
+        spring ["end", 4]; stiffness = 1; only = "compression"; rest_length = 0 => is never compressed
         spring ["end", 4]; stiffness = 1; axis = [0, 1, 0] => unknown key
         spring ["end", 4]; stiffness = 1; break_at = 0 => allowed: greater than 0
         rigid ["end", "start"]; break_at_moment = "1 N" => but this key takes a moment
@@ -146,6 +149,7 @@ fn springs_read_back_to_themselves() {
     let spring = |stiffness, rest_length| JointKind::Spring {
         stiffness: Some(stiffness),
         rest_length,
+        only: None,
         turning_stiffness: None,
         rest_rotation: None,
     };
@@ -162,6 +166,7 @@ fn springs_read_back_to_themselves() {
             JointKind::Spring {
                 stiffness: None,
                 rest_length: None,
+                only: None,
                 turning_stiffness: Some(2e-3),
                 rest_rotation: Some([0.0, 0.0, std::f64::consts::FRAC_PI_2]),
             },
@@ -170,6 +175,23 @@ fn springs_read_back_to_themselves() {
     let strengths = scenario.joints.iter().map(|joint| joint.break_at);
     assert!(strengths.eq([Some(3e-3), None, None, None]));
     assert_reads_back("rods", &scenario);
+}
+
+#[test]
+fn one_sided_springs_read_back_to_themselves() {
+    for (word, only) in [
+        ("tension", SpringOnly::Tension),
+        ("compression", SpringOnly::Compression),
+    ] {
+        let keys = format!("stiffness = 1\nrest_length = 0.1\nonly = \"{word}\"\n");
+        let scenario = scenario(&(joint("spring", "[\"end\", 4]") + &keys)).unwrap();
+        let found = match scenario.joints[0].kind {
+            JointKind::Spring { only, .. } => only,
+            _ => None,
+        };
+        assert_eq!(found, Some(only));
+        assert_reads_back("rods", &scenario);
+    }
 }
 
 #[test]

@@ -77,8 +77,8 @@ pub use resolved::{
     Begin, Body, BodyShape, BuilderRod, Clamp, Contact, Continuation, CrossSection, Experiment,
     Fluid, FrictionAt, Geometry, Handedness, Hold, Inertia, Joint, JointKind, Load, LoadFrame,
     LoadKind, Material, Movement, NaturalShape, Obstacle, ObstacleShape, Output, Parts, PathMethod,
-    Place, Plane, Pose, Rod, Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Strains,
-    Time,
+    Place, Plane, Pose, Rod, Scenario, Scheme, Shape, Solver, SpringOnly, Start, Step,
+    Stiffness, Strains, Time,
 };
 pub use resolved::{Probe, ProbeKind, StopWhen, Summary};
 pub use sweep::{

@@ -113,6 +113,8 @@ mod smooth_contact_tests;
 #[cfg(test)]
 mod spring_tests;
 #[cfg(test)]
+mod tie_tests;
+#[cfg(test)]
 mod test_log;
 #[cfg(test)]
 mod tests;

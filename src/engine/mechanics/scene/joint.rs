@@ -85,8 +85,19 @@ pub struct Spring {
     pub turning: Option<TurningStiffness>,
     /// Rest length, m; `None` is the distance of the nodes as placed.
     pub rest_length: Option<f64>,
+    /// The only sign of its force; `None` if it pulls and pushes.
+    pub only: Option<SpringForce>,
     /// Strength.
     pub strength: Strength,
+}
+
+/// Sign of the force of a spring between nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpringForce {
+    /// It pulls where it is longer than its rest length: a tie, a bungee.
+    Tension,
+    /// It pushes where it is shorter than its rest length: a bumper.
+    Compression,
 }
 
 /// Resistance of a spring to the relative rotation of the material frames of two rods, about any axis.

@@ -4,8 +4,8 @@ use crate::experiment::places::find_place;
 use crate::experiment::places::find_rod;
 use crate::scenario::{self, Issue, KeyPath};
 use rodlab_engine::mechanics::scene::{
-    Body, HingeSpring, Joint, JointKind, RodDescription, RodNode, Scene, Spring, Strength,
-    TurningStiffness,
+    Body, HingeSpring, Joint, JointKind, RodDescription, RodNode, Scene, Spring, SpringForce,
+    Strength, TurningStiffness,
 };
 use rodlab_engine::mechanics::system::check_joints;
 use rodlab_engine::mechanics::{JointError, SceneError, Vector3};
@@ -50,6 +50,7 @@ pub(super) fn place_joint(
         scenario::JointKind::Spring {
             stiffness,
             rest_length,
+            only,
             turning_stiffness,
             rest_rotation,
         } => {
@@ -62,6 +63,10 @@ pub(super) fn place_joint(
                     rest_rotation: rest_rotation.map_or_else(Vector3::zeros, Vector3::from),
                 }),
                 rest_length,
+                only: only.map(|only| match only {
+                    scenario::SpringOnly::Tension => SpringForce::Tension,
+                    scenario::SpringOnly::Compression => SpringForce::Compression,
+                }),
                 strength,
             });
             return Ok(());
@@ -119,7 +124,7 @@ pub(super) fn judge_joints(scene: &Scene, scenario: &scenario::Scenario) -> Resu
         | JointError::SameNode
         | JointError::OnePoint
         | JointError::NoSuchNode { .. } => path.key("at"),
-        JointError::NoDirection { .. } => path.key("rest_length"),
+        JointError::NoDirection { .. } | JointError::NeverPushes => path.key("rest_length"),
         JointError::Unbreakable => {
             let joint = of_joint.map(|index| &scenario.joints[index]);
             let by_force = joint.is_none_or(|joint| joint.break_at.is_some());

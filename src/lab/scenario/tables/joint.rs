@@ -3,6 +3,8 @@
 use crate::scenario::declaration::keys;
 use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
 use crate::scenario::units::{Angle, Force, ForcePerLength, Length, Moment, TurningStiffness};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 keys! {
@@ -55,6 +57,11 @@ keys! {
             stiffness: number(ForcePerLength, POSITIVE) optional,
             /// Natural length of the spring. Default: the distance of the nodes as placed.
             rest_length: number(Length, NON_NEGATIVE) optional,
+            /// Limits the force to one sign: "tension" for ties, cables and bungees, which are
+            /// slack when shorter than `rest_length`; "compression" for bumpers, which are out of
+            /// touch when longer. Default: the spring pulls and pushes.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            only: word(SpringOnly) optional,
             /// Moment per angle of rotation of the second rod's material frame relative to the
             /// first rod's, about any axis, up to half a turn. Default: none.
             turning_stiffness: number(TurningStiffness, POSITIVE) optional,
@@ -65,6 +72,18 @@ keys! {
         },
     }
     after {}
+}
+
+/// Sign of the force of a spring.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum SpringOnly {
+    /// The spring pulls.
+    #[default]
+    Tension,
+    /// The spring pushes.
+    Compression,
 }
 
 impl Joint {
@@ -109,6 +128,7 @@ fn refuse_half_a_spring(section: &Section<'_>, typed: &JointKeys) {
         JointKeys::Spring {
             stiffness,
             rest_length,
+            only,
             turning_stiffness,
             rest_rotation,
             break_at,
@@ -118,6 +138,8 @@ fn refuse_half_a_spring(section: &Section<'_>, typed: &JointKeys) {
             if stiffness.is_none() {
                 let help = if rest_length.is_some() {
                     Some("needed by `rest_length`: the force per lengthening")
+                } else if only.is_some() {
+                    Some("needed by `only`: the force per lengthening")
                 } else if turning_stiffness.is_none() {
                     Some("the force per lengthening, or `turning_stiffness`, or both")
                 } else if break_at.is_some() {

@@ -11,7 +11,7 @@ mod stiffness;
 
 pub use body::{Body, BodyKeys, BodyShape, bodies};
 pub use continuation::{Continuation, ContinuationKeys, PathMethod, continuation};
-pub use joint::{Joint, JointKeys, JointKind, joints};
+pub use joint::{Joint, JointKeys, JointKind, SpringOnly, joints};
 pub use load::{Load, LoadFrame, LoadKeys, LoadKind, loads};
 pub use plane::{Plane, PlaneKeys, planes};
 pub use probe::{Probe, ProbeKeys, ProbeKind, StopKeys, StopWhen, Summary, probes, stop_when};

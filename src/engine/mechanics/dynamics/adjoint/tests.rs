@@ -9,7 +9,8 @@ use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation};
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{
-    Clamp, Inertia, LoadKind, Motion, NaturalShape, Relaxation, Scene, Spring, TurningStiffness,
+    Clamp, Inertia, LoadKind, Motion, NaturalShape, Relaxation, Scene, Spring, SpringForce,
+    TurningStiffness,
 };
 use crate::mechanics::test_support::{
     SCHEMES as EVERY_SCHEME, advance_to, at, cantilever, clamp, curved, drag, fixed_steps, gravity,
@@ -452,6 +453,24 @@ fn springs() {
         ..course(Scheme::ImplicitEuler)
     };
     check("springs", &rest, &scene, 0.3);
+}
+
+/// A taut tie, and a bumper that is out of touch.
+#[test]
+fn springs_that_act_in_one_direction() {
+    let mut scene = pair();
+    let tie = |nodes, rest_length, only| Spring {
+        rest_length: Some(rest_length),
+        only: Some(only),
+        ..spring("tie", nodes, 20.0)
+    };
+    scene.springs = vec![
+        tie([at(0, 9), at(1, 6)], 0.06, SpringForce::Tension),
+        tie([at(0, 3), at(0, 9)], 0.15, SpringForce::Compression),
+    ];
+    for scheme in SCHEMES {
+        check("one-sided springs", &course(scheme), &scene, 1.0);
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::plan::JointPlan;
 use super::span::span;
 use super::turned::{TurnedEnd, wall_at, wrong};
-use crate::mechanics::scene::{Scene, Spring};
+use crate::mechanics::scene::{Scene, Spring, SpringForce};
 use crate::mechanics::{JointError, SceneError};
 
 /// Whether the joints, springs and bodies of a scene are valid, as far as that does not depend on
@@ -26,7 +26,8 @@ impl JointPlan {
     /// Length of a spring without force, m.
     ///
     /// # Errors
-    /// [`SceneError::Joint`] if its nodes are missing or coincide, or if it has no direction.
+    /// [`SceneError::Joint`] if its nodes are missing or coincide, or if it has no direction or
+    /// never exerts a force.
     pub(crate) fn rest_length(&self, scene: &Scene, spring: &Spring) -> Result<f64, SceneError> {
         let found = span(scene, &spring.nodes).and_then(|span| {
             if spring.stiffness == 0.0 {
@@ -36,14 +37,22 @@ impl JointPlan {
             if points.any(|point| spring.nodes.iter().all(|node| point.contains(node))) {
                 return Err(JointError::OnePoint);
             }
-            match spring.rest_length {
-                Some(rest_length) if span.is_a_point() && rest_length > 0.0 => {
+            let rest_length = match spring.rest_length {
+                Some(rest_length) => rest_length,
+                // Rounding errors of coincident points would otherwise define the direction.
+                None if span.is_a_point() => 0.0,
+                None => span.distance,
+            };
+            match spring.only {
+                // It is slack at one point, and needs no direction.
+                Some(SpringForce::Tension) => Ok(rest_length),
+                Some(SpringForce::Compression) if rest_length == 0.0 => {
+                    Err(JointError::NeverPushes)
+                }
+                _ if span.is_a_point() && rest_length > 0.0 => {
                     Err(JointError::NoDirection { rest_length })
                 }
-                Some(rest_length) => Ok(rest_length),
-                // Rounding errors of coincident points would otherwise define the direction.
-                None if span.is_a_point() => Ok(0.0),
-                None => Ok(span.distance),
+                _ => Ok(rest_length),
             }
         });
         found.map_err(|reason| wrong(spring, reason))

@@ -1,5 +1,5 @@
 //! Springs: between two nodes ([`between_nodes`]), between the material frames of two rods ([`between_frames`]), and about
-//! hinges.
+//! hinges. Springs between nodes may act in one direction only, as ties do.
 //!
 //! A spring about a hinge has E = ½ c (α − α₀)² with the angle α, which is an unknown: ∂E/∂α = c (α − α₀), ∂²E/∂α² = c.
 
@@ -9,6 +9,7 @@ mod between_nodes;
 use super::System;
 use super::build::Assembly;
 use super::clamps::Drive;
+use super::demand::Demand;
 use super::joints::{JointPlan, Joints, TurnedEnd};
 use super::newton_matrix::Entries;
 use super::term::{Configuration, Kind, Term};
@@ -19,6 +20,11 @@ use crate::mechanics::scene::{RodNode, Scene};
 use crate::mechanics::{SceneError, Vector3, rotation};
 use between_frames::{FrameSpring, SpringEnd};
 use between_nodes::NodeSpring;
+
+const NO_PATH: SceneError = SceneError::Unsuitable(
+    "a path of equilibria does not support springs that act only in tension or compression: their stiffness jumps where \
+     they become slack",
+);
 
 /// The springs of a scene, at the configuration of the last [`Self::stretch`] and [`Self::turn`].
 #[derive(Clone, Debug, Default)]
@@ -171,6 +177,7 @@ impl Term for Springs {
                 nodes: spring.nodes.map(number),
                 stiffness: spring.stiffness,
                 rest_length,
+                only: spring.only,
                 span: Vector3::zeros(),
             });
         }
@@ -222,6 +229,13 @@ impl Term for Springs {
 
     fn couples_nodes(&self) -> bool {
         !self.between_nodes.is_empty()
+    }
+
+    /// The stiffness of one-sided springs jumps where they become slack.
+    fn refuses(&self, demand: Demand) -> Option<SceneError> {
+        let mut springs = self.between_nodes.iter();
+        let jumps = demand == Demand::Path && springs.any(|spring| spring.only.is_some());
+        jumps.then_some(NO_PATH)
     }
 
     fn update(&mut self, at: &Configuration) {
