@@ -60,6 +60,7 @@ pages! {
     folding
     training
     fluid
+    currents
     results
     probes
     identification

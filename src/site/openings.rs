@@ -45,6 +45,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab run gridshell",
     ],
     [
+        "currents",
+        "tumbling_filament.svg",
+        "A filament buckles and tumbles in a shear flow",
+        "rodlab run tumbling_filament",
+    ],
+    [
         "springs",
         "ring_on_rope.svg",
         "A ring slides along a rope",

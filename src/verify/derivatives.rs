@@ -89,6 +89,7 @@ impl Sample {
             drag: Vec::new(),
             drag_velocity: Vec::new(),
             resistance: Vec::new(),
+            flow_torque: Vec::new(),
             positions: (0..start.len() / 4).map(position).collect(),
             angles: start.iter().skip(3).step_by(4).copied().collect(),
             start,

@@ -5,6 +5,7 @@
 //! keeps its order.
 
 mod actuation;
+mod background_flow;
 mod bodies;
 mod buckling;
 mod check;
@@ -61,7 +62,7 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 25] = [
+const GROUPS: [(&str, CheckGroup); 26] = [
     ("derivatives", derivatives::checks),
     ("sensitivities", sensitivities::checks),
     ("statics", statics::checks),
@@ -83,6 +84,7 @@ const GROUPS: [(&str, CheckGroup); 25] = [
     ("drag", drag::checks),
     ("drag of bodies", drag_of_bodies::checks),
     ("overdamped", overdamped::checks),
+    ("background flow", background_flow::checks),
     ("conservation", conservation::checks),
     ("symmetry", symmetry::checks),
     ("scale invariance", scale_invariance::checks),

@@ -55,4 +55,5 @@ groups_pass! {
     springs_pass: "springs",
     overdamped_passes: "overdamped",
     drag_of_bodies_passes: "drag of bodies",
+    background_flow_passes: "background flow",
 }

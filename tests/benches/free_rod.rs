@@ -19,6 +19,7 @@ pub fn free_rod() -> (System, Vec<f64>, Stage) {
         drag: Vec::new(),
         drag_velocity: Vec::new(),
         resistance: Vec::new(),
+        flow_torque: Vec::new(),
         positions: vec![Vector3::zeros(); start.len() / 4],
         angles: vec![0.0; start.len() / 4],
         start,

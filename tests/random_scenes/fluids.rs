@@ -69,9 +69,10 @@ impl Flow {
             ..
         } = self;
         let end = self.step * STEPS as f64;
+        let flow = self.flow(random.0);
         let text = format!(
             "experiment = \"scene\"\n[material]\nyoungs_modulus = {modulus:e}\npoissons_ratio = 0.5\ndensity = {density:e}\n\
-             [fluid]\nmodel = \"{model}\"\nviscosity = {viscosity:e}\n[time]\nscheme = \"{scheme}\"\nstep = {step}\nend = {end:e}\n"
+             [fluid]\nmodel = \"{model}\"\nviscosity = {viscosity:e}\n{flow}[time]\nscheme = \"{scheme}\"\nstep = {step}\nend = {end:e}\n"
         );
         let second = if scheme == "implicit-euler" {
             "backward-differences"
@@ -79,6 +80,23 @@ impl Flow {
             "implicit-euler"
         };
         (text, vec![format!("time.scheme = \"{second}\"")])
+    }
+
+    /// A flow of the fluid in two of five scenes, chosen by `state` so that the other random
+    /// numbers of the scenes are the same with and without it.
+    fn flow(&self, state: u64) -> String {
+        let time = self.step * STEPS as f64;
+        match state % 5 {
+            0 => format!(
+                "[fluid.flow]\nkind = \"uniform\"\nvelocity = [0, {:e}, 0]\n",
+                self.way / time
+            ),
+            1 => format!(
+                "[fluid.flow]\nkind = \"shear\"\ndirection = [0, 0.6, 0.8]\ngradient = [1, 0, 0]\nrate = {:e}\n",
+                self.way / (self.length * time)
+            ),
+            _ => String::new(),
+        }
     }
 
     fn rod(&self, text: &mut String, name: &str, shape: &str, more: &str) {

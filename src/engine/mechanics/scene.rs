@@ -16,7 +16,7 @@ pub use joint::{
 pub use node_force::{NodeForce, NodeHessian};
 
 use super::contact::ContactParameters;
-use super::fluid::FluidModel;
+use super::fluid::{BackgroundFlow, FluidModel};
 use super::rigid_body::RigidBody;
 use super::{UnitQuaternion, Vector3, rotation};
 use serde::{Deserialize, Serialize};
@@ -49,6 +49,8 @@ pub struct Scene {
     pub contact: Option<ContactParameters>,
     /// Surrounding fluid; `None` is a vacuum.
     pub fluid: Option<FluidModel>,
+    /// Flow of the fluid without rods; `None` for a fluid at rest.
+    pub flow: Option<BackgroundFlow>,
     /// Whether the fluid resists the spin of rods about their own axes.
     pub spin_drag: bool,
     /// Index of the plane at which the fluid is at rest, its no-slip wall, for regularized

@@ -6,6 +6,7 @@
 use super::Vector3;
 use super::contact::{ContactModel, ContactParameters};
 use super::dynamics::{IntegrationParameters, Scheme, Simulation, StepSize};
+use super::fluid::{BackgroundFlow, FlowKind};
 use super::rigid_body::RigidBody;
 use super::scene::{
     Body, Clamp, HingeSpring, Joint, JointKind, Load, LoadKind, Motion, NaturalShape, Obstacle,
@@ -132,6 +133,19 @@ pub(crate) fn crossed(model: ContactModel) -> Scene {
         vec![(0.0, Vector3::zeros()), (1.0, Vector3::new(0.3, 0.2, -0.1))];
     scene.contact = Some(rubbing(model));
     scene
+}
+
+/// A growing shear of a rate, 1/s, oblique to the cantilever.
+pub(crate) fn sheared(rate: f64) -> BackgroundFlow {
+    BackgroundFlow {
+        kind: FlowKind::Shear {
+            point: Vector3::new(0.0, 0.02, 0.01),
+            direction: Vector3::new(0.0, 0.6, 0.8),
+            gradient: Vector3::new(0.8, 0.48, -0.36),
+            rate,
+        },
+        schedule: vec![(0.0, 0.5), (1.0, 3.0)],
+    }
 }
 
 /// Rods without supports or loads.

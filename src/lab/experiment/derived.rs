@@ -307,6 +307,7 @@ fn reynolds_number(scene: &Scene, speed: f64) -> Option<f64> {
     let viscosity = match scene.fluid? {
         FluidModel::RegularizedStokeslets { viscosity, .. }
         | FluidModel::Resistive { viscosity } => viscosity,
+        FluidModel::Quadratic { .. } => return None,
     };
     let numbers = scene.rods.iter().filter(|rod| !rod.held).map(|rod| {
         let density = rod.mass_per_length / (std::f64::consts::PI * rod.radius * rod.radius);
@@ -325,8 +326,10 @@ fn advised_step(scene: &Scene, rods: &[DerivedRod], speed: f64) -> Option<f64> {
         .fold(f64::INFINITY, f64::min);
     // Viscous fluid damps vibration; then only the drive sets the step.
     let period = match scene.fluid {
-        Some(_) => f64::INFINITY,
-        None => free()
+        Some(FluidModel::RegularizedStokeslets { .. } | FluidModel::Resistive { .. }) => {
+            f64::INFINITY
+        }
+        None | Some(FluidModel::Quadratic { .. }) => free()
             .map(|(_, rod)| rod.bending_period)
             .fold(f64::INFINITY, f64::min),
     };

@@ -153,3 +153,81 @@ fn a_rod_that_stands_on_the_wall_moves_as_if_set_into_it() {
     let (on, into) = (standing("0 mm"), standing("-0.02 mm"));
     assert!(on > 1e-7 && (into / on - 1.0).abs() < 0.02, "{on} {into}");
 }
+
+/// Tables of flows, and of quadratic drag.
+const FLOWS: [&str; 4] = [
+    "kind = \"uniform\"\nvelocity = [\"1 cm/s\", 0, 0]\nschedule = [[0, 0], [1, 2]]\n",
+    "kind = \"shear\"\ndirection = [1, 0, 0]\ngradient = [0, 0, 2]\nrate = \"3 1/s\"\n",
+    "kind = \"rotation\"\naxis = [0, 0, 1]\nangular_velocity = \"10 rpm\"\npoint = [1, 0, 0]\n",
+    "kind = \"profile\"\ndirection = [1, 0, 0]\nalong = [0, 0, 1]\nvelocities = [[0, 0], [\"1 m\", \"2 m/s\"]]\n",
+];
+const QUADRATIC: &str = "[fluid]\nmodel = \"quadratic\"\ndensity = 1000\nnormal_drag = 1\n";
+
+#[test]
+fn flows_of_every_kind_read_back_and_move_rods() {
+    for fluid in [FLUID, QUADRATIC] {
+        for flow in FLOWS {
+            let text = format!("{GLIDING}{fluid}[fluid.flow]\n{flow}");
+            let loaded = test_support::loaded("flow", &text).unwrap();
+            test_support::assert_reads_back("flow", &loaded.scenario);
+            let prepared = test_support::prepared("flow", &text).unwrap();
+            assert!(prepared.scene.flow.is_some());
+        }
+        // The pull is balanced by drag relative to the flow.
+        let flow = "[fluid.flow]\nkind = \"uniform\"\nvelocity = [0.1, 0, 0]\n";
+        assert!(speed(&format!("{fluid}{flow}")) > speed(fluid));
+    }
+}
+
+#[test]
+fn faults_of_flows_name_their_keys() {
+    let flow = |flow: &str| format!("{FLUID}[fluid.flow]\n{flow}");
+    for (rest, expected) in [
+        (flow("kind = \"uniform\"\n"), "missing key `velocity`"),
+        (flow("kind = \"vortex\"\n"), "rotation"),
+        (
+            flow("kind = \"shear\"\ndirection = [0, 0, 0]\ngradient = [0, 0, 1]\nrate = 1\n"),
+            "fluid.flow.direction",
+        ),
+        (
+            flow(FLOWS[3]).replace("[[0, 0],", "[[2, 0],"),
+            "positions must grow",
+        ),
+        (
+            flow(FLOWS[3]).replace("[[0, 0], [\"1 m\", \"2 m/s\"]]", "[]"),
+            "at least one row",
+        ),
+        (
+            FLUID.to_owned() + "density = 1\n",
+            "only the model \"quadratic\"",
+        ),
+        (QUADRATIC.to_owned() + "viscosity = 1\n", "has a density"),
+        (
+            QUADRATIC.to_owned() + "spin = false\n",
+            "does not resist spin",
+        ),
+        (
+            "[fluid]\nmodel = \"quadratic\"\n".to_owned(),
+            "missing key `density`",
+        ),
+        (
+            flow("kind = \"uniform\"\nvelocity = [1, 0, 0]\n") + "[[planes]]\n",
+            "at rest on the wall",
+        ),
+    ] {
+        let message = simulation(&rest).err().unwrap_or_default();
+        assert!(message.contains(expected), "{rest}: {message}");
+    }
+    let text = format!("{GLIDING}{QUADRATIC}[fluid.flow]\n{}", FLOWS[0]);
+    let dynamic = "time = { scheme = \"implicit-euler\", step = \"10 us\", end = \"1 ms\" }";
+    let text = text.replace(dynamic, "time = { mode = \"static\" }");
+    let message = test_support::loaded("flow", &text).err().unwrap();
+    assert!(message.contains("a static run has no time"), "{message}");
+}
+
+#[test]
+fn bodies_without_quadratic_drag_are_reported() {
+    let body = "[[bodies]]\nrod = \"f\"\nat = \"end\"\nmass = \"1 mg\"\nshape = { kind = \"sphere\", radius = \"1 mm\" }\n";
+    let numbers = derived_numbers(&prepared(&format!("{QUADRATIC}{body}")).unwrap());
+    assert!(numbers.to_string().contains("has no drag"), "{numbers}");
+}

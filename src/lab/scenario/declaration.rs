@@ -277,6 +277,7 @@ macro_rules! keys {
     (@typed vector($D:ty $(, $range:expr)?)) => { $crate::scenario::quantity::Vector<$D> };
     (@typed direction()) => { $crate::scenario::quantity::Vector<$crate::scenario::units::Dimensionless> };
     (@typed corners($D:ty)) => { Vec<($crate::scenario::quantity::Quantity<$crate::scenario::units::Time>, $crate::scenario::quantity::Quantity<$D>)> };
+    (@typed rows($X:ty, $Y:ty)) => { Vec<($crate::scenario::quantity::Quantity<$X>, $crate::scenario::quantity::Quantity<$Y>)> };
     (@typed count($range:expr)) => { i64 };
     (@typed index()) => { i64 };
     (@typed place()) => { $crate::scenario::place::TypedPlace };
@@ -293,6 +294,7 @@ macro_rules! keys {
     (@value vector $args:tt) => { [f64; 3] };
     (@value direction $args:tt) => { [f64; 3] };
     (@value corners $args:tt) => { Vec<(f64, f64)> };
+    (@value rows $args:tt) => { Vec<(f64, f64)> };
     (@value count $args:tt) => { usize };
     (@value index $args:tt) => { usize };
     (@value place $args:tt) => { $crate::scenario::place::Place };
@@ -309,6 +311,7 @@ macro_rules! keys {
     (@form vector($D:ty, $range:expr)) => { $crate::scenario::form::Numbers::<$D, 3>::new($range) };
     (@form direction()) => { $crate::scenario::form::Direction };
     (@form corners($D:ty)) => { $crate::scenario::form::Corners::<$D>::any() };
+    (@form rows($X:ty, $Y:ty)) => { $crate::scenario::rows::Rows::<$X, $Y>::any() };
     (@form count($range:expr)) => { $crate::scenario::form::Count($range) };
     (@form index()) => { $crate::scenario::form::Index };
     (@form place()) => { $crate::scenario::form::Along };
@@ -326,6 +329,7 @@ macro_rules! keys {
     (@quantity numbers($D:ty, $n:literal, $range:expr)) => { concat!("\n\nQuantity: `", stringify!($D), "`, in SI units.") };
     (@quantity vector($D:ty $(, $range:expr)?)) => { concat!("\n\nQuantity: `", stringify!($D), "`, in SI units.") };
     (@quantity corners($D:ty)) => { concat!("\n\nQuantity over time: `", stringify!($D), "`, in SI units.") };
+    (@quantity rows($X:ty, $Y:ty)) => { concat!("\n\nQuantities: `", stringify!($X), "`, `", stringify!($Y), "`, in SI units.") };
     (@quantity direction()) => { "\n\nA unit vector." };
     (@quantity $form:ident $args:tt) => { "" };
 }

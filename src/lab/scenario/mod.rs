@@ -51,6 +51,7 @@ pub(crate) mod quantity;
 mod rescale;
 mod resolve;
 mod resolved;
+mod rows;
 mod schema;
 mod schema_tree;
 pub(crate) mod section;
@@ -75,9 +76,9 @@ pub use rescale::{Scales, rescaled};
 pub use resolve::{END_STATE, read_polyline};
 pub use resolved::{
     Begin, Body, BodyShape, BuilderRod, Clamp, Contact, Continuation, CrossSection, Experiment,
-    Fluid, FrictionAt, Geometry, Handedness, Hold, Inertia, Joint, JointKind, Load, LoadFrame,
-    LoadKind, Material, Movement, NaturalShape, Obstacle, ObstacleShape, Output, Parts, PathMethod,
-    Place, Plane, Pose, Rod, Scenario, Scheme, Shape, Solver, SpringOnly, Start, Step,
+    Flow, FlowKind, Fluid, FrictionAt, Geometry, Handedness, Hold, Inertia, Joint, JointKind, Load,
+    LoadFrame, LoadKind, Material, Movement, NaturalShape, Obstacle, ObstacleShape, Output, Parts,
+    PathMethod, Place, Plane, Pose, Rod, Scenario, Scheme, Shape, Solver, SpringOnly, Start, Step,
     Stiffness, Strains, Time,
 };
 pub use resolved::{Probe, ProbeKind, StopWhen, Summary};

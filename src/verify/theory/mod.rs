@@ -1,6 +1,7 @@
 //! Independent reference values for the checks, each computed here from its continuum theory.
 
 pub mod beam;
+pub mod cable;
 pub mod friction;
 pub mod localized_buckling;
 pub mod shell;

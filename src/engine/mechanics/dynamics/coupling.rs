@@ -118,13 +118,13 @@ impl DragCoupling {
         self.mobilities.extend(mobilities);
     }
 
-    /// Adds a solution of the step: its velocities and their drag. Returns whether its remainder
-    /// is below the tolerance on each run of nodes of `rods`, or has stalled at the error of the
-    /// flow solver. If so, `stage` has the drag of the solution itself.
+    /// Adds a solution of the step: its velocities, those relative to the flow, and their drag.
+    /// Returns whether its remainder is below the tolerance on each run of nodes of `rods`, or has
+    /// stalled at the error of the flow solver. If so, `stage` has the drag of the solution itself.
     pub(crate) fn record(
         &mut self,
         stage: &mut Stage,
-        velocity: &[Vector3],
+        [velocity, relative]: [&[Vector3]; 2],
         drag: &[Vector3],
         rods: impl Iterator<Item = std::ops::Range<usize>>,
         flow: &Coupling,
@@ -157,7 +157,7 @@ impl DragCoupling {
         // `ratio` times the local one.
         let unsolved = if self.has_stalled() {
             let local = stage.resistance.iter().map(|local| local.trace() / 3.0);
-            let speed = velocity.iter().map(Vector3::norm_squared).sum::<f64>();
+            let speed = relative.iter().map(Vector3::norm_squared).sum::<f64>();
             // With spheres the ratio is not available.
             let ratio = if flow.largest_ratio.is_finite() {
                 flow.largest_ratio
@@ -250,6 +250,7 @@ mod tests {
             drag: vec![Vector3::zeros(); nodes],
             drag_velocity: vec![Vector3::zeros(); nodes],
             resistance: vec![Matrix3::identity(); nodes],
+            flow_torque: Vec::new(),
             positions: Vec::new(),
             angles: Vec::new(),
         };
@@ -294,7 +295,7 @@ mod tests {
                 largest_ratio: ratios.iter().copied().fold(0.0, f64::max),
                 tolerance: 1e-9,
             };
-            if coupling.record(&mut stage, &velocity, &drag, rods, &flow) {
+            if coupling.record(&mut stage, [&velocity; 2], &drag, rods, &flow) {
                 return (coupling.solutions, (solved - &exact).norm() / exact.norm());
             }
             assert!(!coupling.is_exhausted(), "{ratios:?}");
@@ -358,7 +359,7 @@ mod tests {
                 .map(|force| tolerance * speed.sqrt() * (numbers() - 0.5) * Vector3::x() - force)
                 .collect();
             let rods = [0..4, 4..8].into_iter();
-            if coupling.record(&mut stage, &velocity, &drag, rods, &flow) {
+            if coupling.record(&mut stage, [&velocity; 2], &drag, rods, &flow) {
                 // The velocity of an unloaded node: the load on four nodes, divided by one minus
                 // the sum over all eight.
                 let exact = 1.0 / (1.0 - 0.08 * 8.0) * 0.08 * 4.0;

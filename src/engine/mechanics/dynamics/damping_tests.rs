@@ -68,6 +68,7 @@ fn stage(system: &System, start: &[f64], step: f64) -> Stage {
         drag: Vec::new(),
         drag_velocity: Vec::new(),
         resistance: Vec::new(),
+        flow_torque: Vec::new(),
         positions,
         angles: crate::mechanics::system::angles_of(start),
     }

@@ -1,6 +1,7 @@
 //! The drag of a fluid in a step: evaluated at the start or for the predicted motion, and implicit
 //! in its local part, or, if this is not enough, in the whole of it ([`super::coupling`]).
 
+use super::background::Background;
 use super::coupling::DragCoupling;
 use super::flow_scene::{NodeNames, fluid_of, spins_flow};
 use super::scheme::TimeScheme;
@@ -25,6 +26,8 @@ const ROUNDING: f64 = 1e-4;
 /// The fluid of a scene, if it has one, and its forces.
 pub(super) struct FluidDrag {
     fluid: Option<Fluid>,
+    /// The flow without rods, if the fluid is not at rest.
+    background: Option<Background>,
     names: NodeNames,
     /// Force on each node in the last accepted step, N; empty without fluid.
     forces: Vec<Vector3>,
@@ -77,6 +80,7 @@ impl FluidDrag {
             );
         }
         Ok(Self {
+            background: Background::new(scene, assembly, wet).filter(|_| fluid.is_some()),
             fluid,
             rods,
             nodes: assembly.rods.nodes,
@@ -105,8 +109,9 @@ impl FluidDrag {
         &self.forces[..self.nodes.min(self.forces.len())]
     }
 
-    /// Writes drag and local resistance at the start of a step to `stage`; returns the Krylov
-    /// iterations. A repeated step solves for them again, which takes no iterations.
+    /// Writes drag and local resistance at the start of a step to `stage`, in the background flow
+    /// of a time, s; returns the Krylov iterations. A repeated step solves for them again, which
+    /// takes no iterations.
     ///
     /// # Errors
     /// [`FluidError`] if the drag could not be computed.
@@ -114,17 +119,18 @@ impl FluidDrag {
         &mut self,
         stage: &mut Stage,
         state: &State,
+        time: f64,
     ) -> Result<usize, FluidError> {
         copy_positions(&state.unknowns, &mut self.positions);
         copy_positions(&state.velocity, &mut self.velocities);
         for (node, spin) in self.spins.iter_mut().enumerate() {
             *spin = state.velocity[STRIDE * node + 3];
         }
-        self.evaluate(stage)
+        self.evaluate(stage, time)
     }
 
     /// Writes drag and local resistance for the motion from the start of `stage` to the predicted
-    /// unknowns; returns the Krylov iterations.
+    /// unknowns, in the background flow of a time, s; returns the Krylov iterations.
     ///
     /// # Errors
     /// [`FluidError`] if the drag could not be computed.
@@ -132,6 +138,7 @@ impl FluidDrag {
         &mut self,
         stage: &mut Stage,
         predicted: &[f64],
+        time: f64,
     ) -> Result<usize, FluidError> {
         let per_step = 1.0 / stage.step;
         for node in 0..self.positions.len() {
@@ -140,23 +147,28 @@ impl FluidDrag {
             self.positions[node] = end;
         }
         self.take_spins(stage, predicted);
-        self.evaluate(stage)
+        self.evaluate(stage, time)
     }
 
-    /// Velocities in the motion from the start of a stage to `unknowns`, m/s, of the entries on
-    /// which the fluid acts.
+    /// Velocities relative to the background flow in the motion from the start of a stage to
+    /// `unknowns`, m/s, of the entries on which the fluid acts.
     pub(crate) fn velocities_in(&self, stage: &Stage, unknowns: &[f64]) -> Vec<Vector3> {
         let velocity =
             |node: usize| (position(unknowns, node) - position(&stage.start, node)) / stage.step;
-        (0..self.places()).map(velocity).collect()
+        let mut velocities: Vec<Vector3> = (0..self.places()).map(velocity).collect();
+        if let Some(background) = &self.background {
+            background.subtract(&mut velocities);
+        }
+        velocities
     }
 
-    /// Derivatives of λ·R, for the drag of entries with these velocities in a virtual motion λ, with
-    /// respect to the unknowns for which the local resistance D was last computed; `None` without a
-    /// fluid. The drag is that of the local resistance alone, D v: resistive force theory.
+    /// Derivatives of λ·R, for the drag of entries with these relative velocities in a virtual motion
+    /// λ, with respect to the unknowns for which the local `resistance` D was last computed; `None`
+    /// without a fluid. The drag is that of D alone, D v: resistive force theory.
     pub(crate) fn over_places(
         &mut self,
         velocities: &[Vector3],
+        resistance: &[Matrix3],
         motion: &[f64],
     ) -> Option<Vec<f64>> {
         let fluid = self.fluid.as_mut()?;
@@ -166,6 +178,11 @@ impl FluidDrag {
         fluid
             .add_power_gradient(&self.positions, [velocities, &motions], &mut gradient)
             .expect("the fluid has a drag at these positions");
+        if let Some(background) = &self.background {
+            let turns = |node: usize| motion[STRIDE * node + 3];
+            let motion = (&motions[..], turns);
+            background.add_power_gradient(&self.positions, resistance, motion, &mut gradient);
+        }
         let mut over = vec![0.0; motion.len()];
         for (node, gradient) in gradient.iter().enumerate() {
             add_to_node(&mut over, node, gradient);
@@ -181,20 +198,23 @@ impl FluidDrag {
         }
     }
 
-    fn evaluate(&mut self, stage: &mut Stage) -> Result<usize, FluidError> {
+    fn evaluate(&mut self, stage: &mut Stage, time: f64) -> Result<usize, FluidError> {
         let Some(fluid) = &mut self.fluid else {
             return Ok(0);
         };
         stage.drag_velocity.copy_from_slice(&self.velocities);
+        let relative = match &mut self.background {
+            None => &self.velocities[..],
+            Some(background) => {
+                background.sample(&self.positions, time);
+                background.subtract_spins(&mut self.spins);
+                background.write_torques(&mut stage.flow_torque);
+                background.relative(&self.velocities)
+            }
+        };
         let (drag, resistance) = (&mut stage.drag, &mut stage.resistance);
         let report = fluid
-            .drag(
-                &self.positions,
-                &self.velocities,
-                &self.spins,
-                drag,
-                resistance,
-            )
+            .drag(&self.positions, relative, &self.spins, drag, resistance)
             .map_err(|error| self.names.explain(error, fluid, &self.positions))?;
         Ok(report.iterations)
     }
@@ -247,6 +267,9 @@ impl FluidDrag {
         unknowns: &[f64],
     ) -> Result<(bool, usize), FluidError> {
         self.take_spins(stage, unknowns);
+        if let Some(background) = &self.background {
+            background.subtract_spins(&mut self.spins);
+        }
         let coupled = self.fluid.as_mut().and_then(|fluid| {
             let flow = fluid.coupling()?;
             Some((fluid, flow))
@@ -258,29 +281,34 @@ impl FluidDrag {
         for (node, velocity) in self.velocities.iter_mut().enumerate() {
             *velocity = (position(unknowns, node) - position(&stage.start, node)) * per_step;
         }
-        let report = fluid.drag_of(
-            &self.velocities,
-            &self.spins,
-            &stage.resistance,
-            &mut self.found,
-        )?;
+        let relative = match &mut self.background {
+            None => &self.velocities[..],
+            Some(background) => background.relative(&self.velocities),
+        };
+        let report = fluid.drag_of(relative, &self.spins, &stage.resistance, &mut self.found)?;
         let rods = self.rods.iter().cloned();
-        let agrees = self
-            .coupling
-            .record(stage, &self.velocities, &self.found, rods, &flow);
+        let agrees = self.coupling.record(
+            stage,
+            [&self.velocities, relative],
+            &self.found,
+            rods,
+            &flow,
+        );
         Ok((agrees, report.iterations))
     }
 
     /// Energy that the drag of a coupled step adds, J; `None` if the drag takes energy, as it does
-    /// for every motion in a fluid at rest. Where rods overlap, segments may cause greater
+    /// for every motion relative to the fluid. Where rods overlap, segments may cause greater
     /// velocities at each other's nodes than at their own. The resistance is then negative for a
     /// separating motion, and the nodes jump.
     pub(crate) fn work_of_coupled(&self, stage: &Stage) -> Option<f64> {
         let power = -self.fluid.as_ref().and_then(Fluid::dissipation)?;
         let against = |(velocity, local): (&Vector3, &Matrix3)| velocity.dot(&(local * velocity));
-        let scale: f64 = (stage.drag_velocity.iter().zip(&stage.resistance))
-            .map(against)
-            .sum();
+        let relative = match &self.background {
+            None => &stage.drag_velocity[..],
+            Some(background) => background.last_relative(),
+        };
+        let scale: f64 = (relative.iter().zip(&stage.resistance)).map(against).sum();
         (power > ROUNDING * scale).then_some(power * stage.step)
     }
 

@@ -24,6 +24,9 @@ pub(super) fn fluid_of(scene: &Scene, assembly: &Assembly) -> Result<Option<Flui
     let Some(model) = scene.fluid else {
         return Ok(None);
     };
+    if matches!(model, FluidModel::Quadratic { .. }) {
+        return Ok(None);
+    }
     // Held rods do not move; they matter only if rods interact through the fluid.
     let are_obstacles = matches!(model, FluidModel::RegularizedStokeslets { .. });
     let filaments: Vec<Filament> = (assembly.rods.rods.iter().zip(&scene.rods))
@@ -80,6 +83,13 @@ fn wall(scene: &Scene, assembly: &Assembly) -> Result<Option<Wall>, SceneError> 
             "the wall of the flow must be one of the planes",
         ));
     };
+    let flow = scene.flow.as_ref();
+    if flow.is_some_and(|flow| !flow.rests_on(&plane.point, &plane.normal)) {
+        return Err(SceneError::Unsuitable(
+            "a flow beside a wall must be at rest on the wall and along it, as a shear with its plane of rest in the wall: \
+             change the flow, or set planes.wall = false",
+        ));
+    }
     Ok(Some(Wall {
         point: plane.point,
         normal: plane.normal,

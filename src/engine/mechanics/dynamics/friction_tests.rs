@@ -100,6 +100,7 @@ fn the_tolerance_of_friction_is_never_below_rounding() {
             drag: Vec::new(),
             drag_velocity: Vec::new(),
             resistance: Vec::new(),
+            flow_torque: Vec::new(),
             positions: positions.clone(),
             angles: angles_of(&lying),
         };

@@ -123,7 +123,7 @@ impl Integrator {
         state: &State,
     ) -> Result<(), SceneError> {
         if let Some(FluidModel::Resistive { .. }) = scene.fluid {
-            self.fluid.of_start(&mut self.workspace.stage, state)?;
+            (self.fluid).of_start(&mut self.workspace.stage, state, state.time)?;
         }
         Ok(())
     }

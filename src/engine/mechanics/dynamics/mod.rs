@@ -22,6 +22,7 @@
 
 pub mod adjoint;
 mod advice;
+mod background;
 mod certificate;
 mod contact_passes;
 mod coupling;
@@ -62,6 +63,8 @@ pub use validity::{LARGEST_CATCH, apparent_friction};
 
 #[cfg(test)]
 mod actuation_tests;
+#[cfg(test)]
+mod background_tests;
 #[cfg(test)]
 mod balance_tests;
 #[cfg(test)]
@@ -113,8 +116,8 @@ mod smooth_contact_tests;
 #[cfg(test)]
 mod spring_tests;
 #[cfg(test)]
-mod tie_tests;
-#[cfg(test)]
 mod test_log;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tie_tests;

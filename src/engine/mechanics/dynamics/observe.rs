@@ -47,7 +47,13 @@ impl Simulation {
 
     /// Force of the fluid on each node in the last step, N; empty without fluid.
     pub fn fluid_forces(&self) -> Vec<Vector3> {
-        self.integrator.fluid.forces().to_vec()
+        let published = &self.published;
+        let (positions, velocities) = (&published.positions, &published.velocities);
+        let quadratic = self.system.quadratic_drag(positions, velocities);
+        if quadratic.is_empty() {
+            return self.integrator.fluid.forces().to_vec();
+        }
+        quadratic
     }
 
     /// Pairs of edges that press on each other in the last step.

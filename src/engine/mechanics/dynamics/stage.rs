@@ -76,6 +76,7 @@ impl Workspace {
                 drag: vec![Vector3::zeros(); wet],
                 drag_velocity: vec![Vector3::zeros(); wet],
                 resistance: vec![Matrix3::zeros(); wet],
+                flow_torque: Vec::new(),
                 positions: vec![Vector3::zeros(); nodes],
                 angles: vec![0.0; nodes],
             },
@@ -118,9 +119,9 @@ impl Workspace {
             scheme.earlier_weights(step, state, turning),
         );
         if scheme.predicts_drag() {
-            fluid.of_prediction(&mut self.stage, &self.trial.unknowns)
+            fluid.of_prediction(&mut self.stage, &self.trial.unknowns, time)
         } else {
-            fluid.of_start(&mut self.stage, state)
+            fluid.of_start(&mut self.stage, state, time)
         }
     }
 

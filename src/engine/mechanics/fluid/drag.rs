@@ -73,6 +73,11 @@ impl Fluid {
                     StokesletDrag::new(viscosity, regularization, far_field_error, filaments);
                 Method::Stokeslets(Box::new(drag))
             }
+            FluidModel::Quadratic { .. } => {
+                return Err(FluidError::BadInput(
+                    "quadratic drag is a force of the scene, not a viscous flow".into(),
+                ));
+            }
             FluidModel::Resistive { viscosity } => {
                 positive("viscosity", viscosity)?;
                 Method::Resistive {

@@ -23,6 +23,7 @@
 //! | `stations` | nodes of filaments, their lengths |
 //! | `age` | when the preconditioner is rebuilt |
 //! | `largest_ratio` | ratio of the whole resistance to its local part |
+//! | `background` | the flow without rods: wind, currents, shear |
 //! | `report` | cost of a computation of the drag |
 //! | `resistive_force_theory` | the cheap model: local coefficients along and across |
 //! | `continuation` | the lengths of filaments that continue each other, for these coefficients |
@@ -55,6 +56,7 @@
 //! `far_field_error`.
 
 mod age;
+mod background;
 mod chain;
 mod coarse_space;
 mod continuation;
@@ -93,6 +95,7 @@ mod wall;
 #[cfg(test)]
 mod wall_tests;
 
+pub use background::{BackgroundFlow, FlowKind};
 pub use drag::{Coupling, Fluid, FluidMemory};
 pub use error::FluidError;
 pub use filament::{Connections, Filament, Sliding};

@@ -19,4 +19,16 @@ pub enum FluidModel {
         /// Dynamic viscosity η, Pa s.
         viscosity: f64,
     },
+    /// Drag of large Reynolds numbers, quadratic in the velocity (Morison et al. 1950; the
+    /// cross-flow principle of Hoerner 1965): local, normal and tangential to the rod.
+    Quadratic {
+        /// Density ρ of the fluid, kg/m³.
+        density: f64,
+        /// Coefficient Cₙ of the drag per length normal to the rod, ½ ρ 2h Cₙ vₙ².
+        normal: f64,
+        /// Coefficient Cₜ of the drag per surface along the rod, ½ ρ 2πh Cₜ vₜ² per length.
+        tangential: f64,
+        /// Coefficient Cₐ of the added mass per length normal to the rod, Cₐ ρ π h².
+        added_mass: f64,
+    },
 }

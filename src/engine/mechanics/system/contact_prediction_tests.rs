@@ -50,6 +50,7 @@ fn moves(scene: &Scene, velocity: Vector3) -> Option<Vec<Vector3>> {
         drag: Vec::new(),
         drag_velocity: Vec::new(),
         resistance: Vec::new(),
+        flow_torque: Vec::new(),
         positions: vec![Vector3::zeros(); nodes],
         angles: vec![0.0; nodes],
     };

@@ -26,7 +26,7 @@ impl Assembly {
     /// Resistance of the fluid to the spin of edges about their axes: a coefficient for each
     /// unknown, N m s, from the torque 4πη r² ω per length of a long cylinder. A half edge inside
     /// a sphere at its end turns with the sphere and adds none.
-    pub(super) fn spin_resistance(&self, scene: &Scene) -> Option<Vec<f64>> {
+    pub(crate) fn spin_resistance(&self, scene: &Scene) -> Option<Vec<f64>> {
         let viscosity = match scene.fluid {
             Some(
                 FluidModel::RegularizedStokeslets { viscosity, .. }

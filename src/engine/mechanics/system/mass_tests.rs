@@ -62,6 +62,7 @@ fn unit_stage(assembly: &Assembly) -> Stage {
         drag: Vec::new(),
         drag_velocity: Vec::new(),
         resistance: Vec::new(),
+        flow_torque: Vec::new(),
         positions: Vec::new(),
         angles: Vec::new(),
     }

@@ -26,6 +26,7 @@ mod contact_response;
 mod contact_start;
 mod contact_stiffness;
 mod copies;
+mod cross_flow;
 mod curve_elements;
 mod damping;
 mod demand;

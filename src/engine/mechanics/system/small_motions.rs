@@ -50,11 +50,14 @@ impl System {
             drag: Vec::new(),
             drag_velocity: Vec::new(),
             resistance: Vec::new(),
+            flow_torque: Vec::new(),
             positions,
             angles: super::angles_of(unknowns),
         };
         let drag = std::mem::take(&mut self.terms.drag.coefficients);
+        self.terms.cross_flow.set_still(true);
         self.linearize(unknowns, Some(&stage));
+        self.terms.cross_flow.set_still(false);
         self.terms.drag.coefficients = drag;
         self.factor().map(drop)
     }

@@ -23,6 +23,9 @@ pub struct Stage {
     pub drag_velocity: Vec<Vector3>,
     /// Local resistance D, N s/m, for the same places.
     pub resistance: Vec<Matrix3>,
+    /// Torque with which a background flow spins the edge that starts at each node about its axis,
+    /// N m; empty without such a flow.
+    pub flow_torque: Vec<f64>,
     /// Positions at the start, m per node.
     pub positions: Vec<Vector3>,
     /// Angles at the start, rad for each node at which an edge begins.
@@ -35,6 +38,7 @@ impl Stage {
         let mut stage = self.clone();
         stage.drag.fill(Vector3::zeros());
         stage.drag_velocity.fill(Vector3::zeros());
+        stage.flow_torque.clear();
         stage
     }
 

@@ -3,6 +3,7 @@
 use super::actuation::Actuators;
 use super::build::Assembly;
 use super::contact::Contact;
+use super::cross_flow::CrossFlow;
 use super::damping::Damping;
 use super::demand::Demand;
 use super::elasticity::Elasticity;
@@ -67,6 +68,8 @@ terms! {
     drag: LinearDrag,
     /// Drag of a fluid near the motion of a stage.
     fluid: LocalDrag,
+    /// Quadratic drag of air or water.
+    cross_flow: CrossFlow,
     contact: Contact,
 }
 

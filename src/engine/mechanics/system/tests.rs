@@ -102,6 +102,7 @@ fn stage_at(system: &System, start: Vec<f64>) -> Stage {
         drag: vec![Vector3::new(0.1, -0.2, 0.3); nodes],
         drag_velocity: vec![Vector3::new(-0.3, 0.1, 0.2); nodes],
         resistance: vec![Matrix3::new(2.0, 0.1, 0.2, 0.1, 3.0, 0.3, 0.2, 0.3, 4.0); nodes],
+        flow_torque: vec![0.4; nodes],
         positions,
     }
 }

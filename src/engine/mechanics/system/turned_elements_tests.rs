@@ -86,6 +86,7 @@ fn compare(scene: &Scene, touching: [usize; 2]) {
         drag: Vec::new(),
         drag_velocity: Vec::new(),
         resistance: Vec::new(),
+        flow_torque: Vec::new(),
         positions: nodes.map(|node| position(&start, node)).collect(),
         angles: angles_of(&start),
         start,

@@ -254,6 +254,7 @@ mod tests {
             drag: Vec::new(),
             drag_velocity: Vec::new(),
             resistance: Vec::new(),
+            flow_torque: Vec::new(),
             start,
         };
         copy_positions(&stage.start, &mut stage.positions);

@@ -49,7 +49,9 @@ pub(super) fn left_out(scene: &Scene, scenario: &Scenario) -> Vec<String> {
         None => true,
     };
     let has_walls = matches!(model, FluidModel::RegularizedStokeslets { .. });
-    let planes = (0..scene.planes.len()).filter(|&index| !has_walls && is_asked_for(index));
+    let is_quadratic = matches!(model, FluidModel::Quadratic { .. });
+    let has_no_walls = !has_walls && !is_quadratic;
+    let planes = (0..scene.planes.len()).filter(|&index| has_no_walls && is_asked_for(index));
     let planes = planes.map(|index| {
         format!(
             "plane {index} is not part of the flow: the fluid of model \"resistive\" has no walls; take \"rss\", or set planes.wall = false"
@@ -62,12 +64,13 @@ pub(super) fn left_out(scene: &Scene, scenario: &Scenario) -> Vec<String> {
         )
     });
     let bodies = (scenario.bodies.iter())
-        .filter(|body| body.shape.is_some() && body.ball().is_none())
-        .map(|body| {
-            format!(
+        .filter(|body| body.shape.is_some() && (is_quadratic || body.ball().is_none()))
+        .map(|body| match is_quadratic {
+            true => format!("body `{}` has no drag: the model \"quadratic\" has the drag of rods only", body.name),
+            false => format!(
                 "body `{}` is not part of the flow, which has only spheres with the centre at their node: the fluid moves as if it were absent",
                 body.name
-            )
+            ),
         });
     let is_spun = (scene.clamps.iter()).any(|clamp| {
         let motion = &clamp.motion;

@@ -32,7 +32,9 @@ use rodlab_engine::mechanics::dynamics::Simulation;
 use rodlab_engine::mechanics::scene as mechanics;
 use rodlab_engine::mechanics::statics::{PathMethod, PathPlan};
 use rodlab_files::results::read_end_state;
-use settings::{contact_parameters, fluid_model, integration_parameters, resists_spin};
+use settings::{
+    background_flow, contact_parameters, fluid_model, integration_parameters, resists_spin,
+};
 
 pub use jitter::Jitter;
 pub use obstacle::place_obstacles;
@@ -103,6 +105,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     }
     scene.contact = contact_parameters(&scenario.contact);
     scene.fluid = fluid_model(&scenario.fluid);
+    scene.flow = background_flow(&scenario.fluid);
     scene.spin_drag = resists_spin(&scenario.fluid);
     match flow::wall(&scene, scenario) {
         Ok(wall) => scene.wall = wall,

@@ -1,9 +1,10 @@
 //! Settings of the engine for contact, fluid and time.
 
-use crate::scenario::{Contact, Fluid, FrictionAt, Geometry, Scenario, Scheme, Step, Time};
+use crate::scenario::{self, Contact, Fluid, FrictionAt, Geometry, Scenario, Scheme, Step, Time};
+use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::contact::{self, ContactModel, ContactParameters};
 use rodlab_engine::mechanics::dynamics::{self, IntegrationParameters, StepSize};
-use rodlab_engine::mechanics::fluid::FluidModel;
+use rodlab_engine::mechanics::fluid::{BackgroundFlow, FlowKind, FluidModel};
 
 pub(super) fn contact_parameters(contact: &Contact) -> Option<ContactParameters> {
     match *contact {
@@ -85,7 +86,61 @@ pub(super) fn fluid_model(fluid: &Fluid) -> Option<FluidModel> {
             far_field_error,
         }),
         Fluid::Resistive { viscosity, .. } => Some(FluidModel::Resistive { viscosity }),
+        Fluid::Quadratic {
+            density,
+            normal_drag,
+            tangential_drag,
+            added_mass,
+            ..
+        } => Some(FluidModel::Quadratic {
+            density,
+            normal: normal_drag,
+            tangential: tangential_drag,
+            added_mass,
+        }),
     }
+}
+
+/// The flow of the fluid without rods.
+pub(super) fn background_flow(fluid: &Fluid) -> Option<BackgroundFlow> {
+    let flow = fluid.flow()?;
+    let kind = match &flow.kind {
+        scenario::FlowKind::Uniform { velocity } => FlowKind::Uniform {
+            velocity: Vector3::from(*velocity),
+        },
+        scenario::FlowKind::Shear {
+            direction,
+            gradient,
+            rate,
+            point,
+        } => FlowKind::Shear {
+            point: Vector3::from(*point),
+            direction: Vector3::from(*direction),
+            gradient: Vector3::from(*gradient),
+            rate: *rate,
+        },
+        scenario::FlowKind::Rotation {
+            axis,
+            angular_velocity,
+            point,
+        } => FlowKind::Rotation {
+            point: Vector3::from(*point),
+            angular_velocity: Vector3::from(*axis) * *angular_velocity,
+        },
+        scenario::FlowKind::Profile {
+            direction,
+            along,
+            velocities,
+        } => FlowKind::Profile {
+            direction: Vector3::from(*direction),
+            along: Vector3::from(*along),
+            speeds: velocities.clone(),
+        },
+    };
+    Some(BackgroundFlow {
+        kind,
+        schedule: flow.schedule.clone(),
+    })
 }
 
 /// Whether the fluid resists rotation of rods about their own axes.

@@ -49,9 +49,14 @@ pub fn refuse_friction(
     }
 }
 
-/// Rejects a fluid along a path: drag is zero at rest.
+/// Rejects a fluid along a path, where drag is zero at rest, and a flow over time in a static run.
 pub fn refuse_fluid(top: &Section<'_>, time: &Time, fluid: &Fluid) {
     if *time == Time::Continuation && *fluid != Fluid::None {
         top.fault("fluid", "nothing moves in equilibrium; leave the table out");
+    }
+    if *time == Time::Static
+        && let Some(flow) = fluid.flow()
+    {
+        flow.refuse_schedule(&top.below("fluid"));
     }
 }

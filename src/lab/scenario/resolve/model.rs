@@ -124,15 +124,18 @@ pub fn fluid(
     };
     let section = top.below("fluid");
     let model = typed.model(&section);
-    if model == typed::FluidModel::Resistive && typed.regularization.is_some() {
-        section.fault("regularization", "only the model \"rss\" is regularised");
-    }
-    if model == typed::FluidModel::Resistive && typed.far_field_error.is_some() {
-        section.fault("far_field_error", "only the model \"rss\" has a far field");
-    }
+    refuse_foreign_keys(&section, typed, model);
     let spin = typed.spin.unwrap_or(resists_spin);
+    let flow = || typed.flow(&section);
     match model {
         typed::FluidModel::None => Fluid::None,
+        typed::FluidModel::Quadratic => Fluid::Quadratic {
+            density: typed.density(&section),
+            normal_drag: typed.normal_drag(&section),
+            tangential_drag: typed.tangential_drag(&section),
+            added_mass: typed.added_mass(&section),
+            flow: flow(),
+        },
         typed::FluidModel::Rss => Fluid::Rss {
             viscosity: typed.viscosity(&section),
             regularization: typed.regularization(
@@ -145,11 +148,61 @@ pub fn fluid(
             ),
             far_field_error: typed.far_field_error(&section),
             spin,
+            flow: flow(),
         },
         typed::FluidModel::Resistive => Fluid::Resistive {
             viscosity: typed.viscosity(&section),
             spin,
+            flow: flow(),
         },
+    }
+}
+
+/// Reports keys of other fluid models.
+fn refuse_foreign_keys(section: &Section<'_>, typed: &typed::Fluid, model: typed::FluidModel) {
+    let is_rss = model == typed::FluidModel::Rss;
+    let is_quadratic = model == typed::FluidModel::Quadratic;
+    let foreign = [
+        (
+            "regularization",
+            typed.regularization.is_some() && !is_rss,
+            "only the model \"rss\" is regularised",
+        ),
+        (
+            "far_field_error",
+            typed.far_field_error.is_some() && !is_rss,
+            "only the model \"rss\" has a far field",
+        ),
+        (
+            "viscosity",
+            typed.viscosity.is_some() && is_quadratic,
+            "the model \"quadratic\" has a density instead; leave the key out",
+        ),
+        (
+            "spin",
+            typed.spin.is_some() && is_quadratic,
+            "the model \"quadratic\" does not resist spin; leave the key out",
+        ),
+    ];
+    let of_quadratic = [
+        ("density", typed.density.is_some()),
+        ("normal_drag", typed.normal_drag.is_some()),
+        ("tangential_drag", typed.tangential_drag.is_some()),
+        ("added_mass", typed.added_mass.is_some()),
+    ];
+    let of_quadratic = of_quadratic.map(|(key, is_given)| {
+        (
+            key,
+            is_given && !is_quadratic,
+            "only the model \"quadratic\" has this key",
+        )
+    });
+    if model == typed::FluidModel::None {
+        return;
+    }
+    let keys = foreign.into_iter().chain(of_quadratic);
+    for (key, _, message) in keys.filter(|(_, is_foreign, _)| *is_foreign) {
+        section.fault(key, message);
     }
 }
 

@@ -17,8 +17,8 @@ mod start;
 
 pub use super::place::Place;
 pub use super::tables::{
-    Body, BodyShape, Continuation, Joint, JointKind, Load, LoadFrame, LoadKind, Output, PathMethod,
-    Plane, Probe, ProbeKind, Solver, SpringOnly, Stiffness, StopWhen, Summary,
+    Body, BodyShape, Continuation, Flow, FlowKind, Joint, JointKind, Load, LoadFrame, LoadKind,
+    Output, PathMethod, Plane, Probe, ProbeKind, Solver, SpringOnly, Stiffness, StopWhen, Summary,
 };
 pub use experiment::{BuilderRod, Experiment};
 pub use load::{Clamp, Hold};

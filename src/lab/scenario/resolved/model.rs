@@ -1,5 +1,6 @@
 //! Resolved contact and fluid models.
 
+use crate::scenario::tables::Flow;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -122,7 +123,7 @@ impl Contact {
 }
 
 /// The surrounding fluid.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "model", rename_all = "kebab-case")]
 pub enum Fluid {
     /// A vacuum.
@@ -137,6 +138,9 @@ pub enum Fluid {
         far_field_error: f64,
         /// Whether the fluid resists rotation of rods about their own axes.
         spin: bool,
+        /// Flow of the fluid without rods.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        flow: Option<Flow>,
     },
     /// Resistive force theory.
     Resistive {
@@ -144,5 +148,34 @@ pub enum Fluid {
         viscosity: f64,
         /// Whether the fluid resists rotation of rods about their own axes.
         spin: bool,
+        /// Flow of the fluid without rods.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        flow: Option<Flow>,
     },
+    /// Drag quadratic in the velocity.
+    Quadratic {
+        /// Density of the fluid, kg/m³.
+        density: f64,
+        /// Drag coefficient normal to rods.
+        normal_drag: f64,
+        /// Drag coefficient along rods.
+        tangential_drag: f64,
+        /// Coefficient of the added mass normal to rods.
+        added_mass: f64,
+        /// Flow of the fluid without rods.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        flow: Option<Flow>,
+    },
+}
+
+impl Fluid {
+    /// Flow of the fluid without rods; `None` for a fluid at rest.
+    pub fn flow(&self) -> Option<&Flow> {
+        match self {
+            Self::None => None,
+            Self::Rss { flow, .. }
+            | Self::Resistive { flow, .. }
+            | Self::Quadratic { flow, .. } => flow.as_ref(),
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 mod body;
 mod continuation;
+mod flow;
 mod joint;
 mod load;
 mod plane;
@@ -11,6 +12,7 @@ mod stiffness;
 
 pub use body::{Body, BodyKeys, BodyShape, bodies};
 pub use continuation::{Continuation, ContinuationKeys, PathMethod, continuation};
+pub use flow::{Flow, FlowKeys, FlowKind};
 pub use joint::{Joint, JointKeys, JointKind, SpringOnly, joints};
 pub use load::{Load, LoadFrame, LoadKeys, LoadKind, loads};
 pub use plane::{Plane, PlaneKeys, planes};

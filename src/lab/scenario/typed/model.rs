@@ -5,7 +5,8 @@ use crate::scenario::resolved::{FrictionAt, Geometry};
 use crate::scenario::section::{
     DISPLACEMENT_TOLERANCE, FAR_FIELD_ERROR, FRACTION, NON_NEGATIVE, POSITIVE,
 };
-use crate::scenario::units::{self, Dimensionless, Length, Velocity, Viscosity};
+use crate::scenario::tables::{Flow, FlowKeys};
+use crate::scenario::units::{self, Density, Dimensionless, Length, Velocity, Viscosity};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -75,13 +76,14 @@ pub enum ContactModel {
 }
 
 keys! {
-    /// The surrounding fluid, at low Reynolds number.
+    /// The surrounding fluid: a viscous one at low Reynolds number, or air and water at large ones.
     table Fluid "fluid" {
         /// "rss" (the default here: regularized Stokeslet segments, in which every edge acts on
         /// every node; a plane can be a wall, see planes.wall), "resistive" (local drag
-        /// coefficients, cheap, no walls) or "none".
+        /// coefficients, cheap, no walls), "quadratic" (drag of air and water at large Reynolds
+        /// numbers) or "none".
         model: word(FluidModel) default(FluidModel::Rss),
-        /// Dynamic viscosity, greater than 0.
+        /// Dynamic viscosity, greater than 0, of "rss" and "resistive".
         viscosity: number(Viscosity, POSITIVE) required,
         /// Regularisation of "rss" as a multiple of the rod radius. The thesis uses 1.02; 1.65
         /// gives the drag of a slender cylinder, which matters near a wall. Default: 1.65 with a
@@ -95,6 +97,20 @@ keys! {
         /// viscosity radius² spin per length. In "rss" without a wall spinning rods also move the
         /// fluid. Default: true, but false for `flagella`, as in the thesis.
         spin: raw(bool) raw,
+        /// Density of the fluid of "quadratic".
+        density: number(Density, POSITIVE) required,
+        /// Coefficient of the "quadratic" drag normal to rods, whose force per length is
+        /// ½ density · diameter · normal_drag · (normal velocity)². 1.2 holds for smooth round
+        /// rods at Reynolds numbers from 1e3 to 1e5.
+        normal_drag: number(Dimensionless, NON_NEGATIVE) default(1.2),
+        /// Coefficient of the "quadratic" drag along rods, whose force per length is ½ density ·
+        /// π · diameter · tangential_drag · (tangential velocity)².
+        tangential_drag: number(Dimensionless, NON_NEGATIVE) default(0.01),
+        /// Coefficient of the added mass of "quadratic" normal to rods, over the mass of the
+        /// displaced fluid; 1 for round rods.
+        added_mass: number(Dimensionless, NON_NEGATIVE) default(1.0),
+        /// Flow of the fluid without rods. Default: at rest.
+        flow: table(FlowKeys => Flow) optional,
     }
 }
 
@@ -108,6 +124,8 @@ pub enum FluidModel {
     Rss,
     /// Resistive force theory.
     Resistive,
+    /// Drag quadratic in the velocity.
+    Quadratic,
     /// A vacuum.
     None,
 }

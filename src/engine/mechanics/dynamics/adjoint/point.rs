@@ -21,9 +21,11 @@ pub(super) struct Point {
     lengths: Vec<f64>,
     /// Unknowns there.
     unknowns: Vec<f64>,
-    /// Velocities in a fluid, m/s.
+    /// Velocities relative to a fluid, m/s.
     velocities: Vec<Vector3>,
-    /// The stage of the point, for motions other than its own.
+    /// The stage of the point.
+    solved: Stage,
+    /// The same for motions other than its own.
     stage: Stage,
     at_rest: Vec<f64>,
     /// Contacts that depend on the start of the step.
@@ -57,6 +59,7 @@ impl Point {
             lengths,
             unknowns: unknowns.to_vec(),
             velocities: (simulation.integrator.fluid).velocities_in(stage, unknowns),
+            solved: stage.clone(),
             stage: stage.without_drag(),
             at_rest: vec![0.0; unknowns.len()],
             contacts,
@@ -136,7 +139,8 @@ impl Point {
     fn pull_back_drag(&self, covector: &mut Covector, simulation: &mut Simulation, motion: &[f64]) {
         let rules = simulation.rules();
         let fluid = &mut simulation.integrator.fluid;
-        let Some(mut over) = fluid.over_places(&self.velocities, motion) else {
+        let Some(mut over) = fluid.over_places(&self.velocities, &self.stage.resistance, motion)
+        else {
             return;
         };
         if !rules.predicts_drag() {
@@ -170,6 +174,8 @@ impl Point {
         let mut forces = vec![0.0; motion.len()];
         let system = &simulation.system;
         system.add_motion_forces(&self.at_rest, stage, &mut forces);
+        let changes = [&stage.start[..], &stage.velocity];
+        system.add_start_forces(&self.unknowns, &self.solved, changes, &mut forces);
         forces
     }
 }

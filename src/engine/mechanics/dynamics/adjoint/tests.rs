@@ -14,7 +14,7 @@ use crate::mechanics::scene::{
 };
 use crate::mechanics::test_support::{
     SCHEMES as EVERY_SCHEME, advance_to, at, cantilever, clamp, curved, drag, fixed_steps, gravity,
-    moment_on, point_force, section, spring, steady, straight_rod,
+    moment_on, point_force, section, sheared, spring, steady, straight_rod,
 };
 
 const STEPS: usize = 30;
@@ -390,6 +390,24 @@ fn local_drag_of_a_fluid() {
     scene.fluid = Some(FluidModel::Resistive { viscosity: 0.05 });
     for scheme in EVERY_SCHEME {
         check("fluid", &course(scheme), &scene, 1.0);
+    }
+}
+
+#[test]
+fn drag_in_background_flows() {
+    let quadratic = FluidModel::Quadratic {
+        density: 50.0,
+        normal: 1.2,
+        tangential: 0.3,
+        added_mass: 1.0,
+    };
+    for model in [FluidModel::Resistive { viscosity: 0.05 }, quadratic] {
+        let mut scene = cantilever();
+        (scene.fluid, scene.flow) = (Some(model), Some(sheared(4.0)));
+        scene.spin_drag = true;
+        for scheme in EVERY_SCHEME {
+            check("flow", &course(scheme), &scene, 1.0);
+        }
     }
 }
 

@@ -21,6 +21,7 @@ fn velocity_after(scheme: Scheme, inertia: f64, resistance: f64) -> f64 {
         drag: Vec::new(),
         drag_velocity: Vec::new(),
         resistance: Vec::new(),
+        flow_torque: Vec::new(),
         positions: vec![Vector3::zeros()],
         angles: vec![0.0],
     };

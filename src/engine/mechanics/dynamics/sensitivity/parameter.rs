@@ -284,6 +284,9 @@ impl Parameter {
         let mut forces = at_rest.clone();
         let system = &mut centre.system;
         system.add_motion_forces(&at_rest, &stage, &mut forces);
+        let solved = &centre.integrator.workspace.stage;
+        let changes = [&stage.start[..], &stage.velocity];
+        system.add_start_forces(solution, solved, changes, &mut forces);
         system.gather_changes(solution, &mut forces);
         forces
     }

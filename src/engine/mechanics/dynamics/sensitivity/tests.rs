@@ -8,7 +8,7 @@ use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::{Clamp, Inertia, Motion, Relaxation, Scene};
 use crate::mechanics::test_support::{
     SCHEMES, SOFT_MODELS, advance_to, at, cantilever, clamp, crossed, curved, drag, fixed_steps,
-    pulled, spring,
+    pulled, sheared, spring,
 };
 
 /// A scene as a function of a factor on one of its parameters.
@@ -377,6 +377,51 @@ fn flow_of_two_rods() {
         let course = Course::moves(scheme, 2e-3, 30);
         check("viscosity of a flow", &course, change, &FLOWING);
         check_all(&course, &scene, &OF_RODS[..2], &FLOWING);
+    }
+}
+
+/// For added mass: the reactions contain accelerations over the small first steps of backward
+/// differences.
+const ACCELERATED: Bounds = Bounds {
+    reactions: 1e-6,
+    ..EXACT
+};
+
+/// A shear for every fluid, and quadratic drag, whose derivatives are exact in any flow.
+#[test]
+fn background_flows() {
+    let quadratic = FluidModel::Quadratic {
+        density: 50.0,
+        normal: 1.2,
+        tangential: 0.3,
+        added_mass: 1.0,
+    };
+    let stokeslets = FluidModel::RegularizedStokeslets {
+        viscosity: 0.05,
+        regularization: 1.02,
+        far_field_error: 0.0,
+    };
+    let changes: [Change; 2] = [
+        ("shear rate", |scene, factor| {
+            scene.flow = Some(sheared(4.0 * factor));
+        }),
+        ("EI", |scene, factor| {
+            scene.rods[0].stiffness.bending = [1e-3 * factor, 2.5e-3 * factor];
+        }),
+    ];
+    for (model, bounds) in [
+        (FluidModel::Resistive { viscosity: 0.05 }, [&WEAK, &EXACT]),
+        (stokeslets, [&FLOWING; 2]),
+        (quadratic, [&ACCELERATED; 2]),
+    ] {
+        let mut scene = cantilever();
+        (scene.fluid, scene.flow) = (Some(model), Some(sheared(4.0)));
+        scene.spin_drag = true;
+        for scheme in SCHEMES {
+            let course = Course::moves(scheme, 2e-3, 30);
+            check_all(&course, &scene, &changes[..1], bounds[0]);
+            check_all(&course, &scene, &changes[1..], bounds[1]);
+        }
     }
 }
 

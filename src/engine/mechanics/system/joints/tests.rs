@@ -187,6 +187,7 @@ pub(super) fn stage_at(system: &System) -> Stage {
         drag: Vec::new(),
         drag_velocity: Vec::new(),
         resistance: Vec::new(),
+        flow_torque: Vec::new(),
         positions,
     }
 }

@@ -1,0 +1,160 @@
+//! Rods in a flow of the fluid, and quadratic drag, against closed forms and an independent
+//! solution.
+
+use super::rods::run_until;
+use super::scenario::{at_rest, moved, simulation};
+use super::theory::cable::Cable;
+use super::{Check, Expectation, GroupError};
+use rodlab_engine::mechanics::Vector3;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+const LINE: Expectation = Expectation::new("cot φ = cot φ₀ + γ t", "Jeffery 1922, r → ∞");
+const ORBIT: Expectation = Expectation::new(
+    "T = 2π/γ (r + 1/r), r² = 1 + 2C/S, C φ' + S φ' = −γ (C sin² φ + S/2)",
+    "Jeffery 1922, balance of moments",
+);
+const CARRIED: Expectation = Expectation::new("x = p + exp(ω t) (x₀ − p)", "rigid rotation");
+const FALL: Expectation = Expectation::new("v² = 2 m g/(ρ d C)", "Morison et al. 1950");
+const CABLE: Expectation = Expectation::new("d(T t)/ds = w z − f(t)", "Berteaux 1976, Runge–Kutta");
+
+/// Checks rods in shear and rotation, rods that sink, and a cable in a current.
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
+    let mut checks = filaments_in_shear()?;
+    checks.push(dumbbell()?);
+    checks.push(vortex()?);
+    checks.extend(falling_rods()?);
+    checks.extend(cable()?);
+    Ok(checks)
+}
+
+fn filaments_in_shear() -> Result<Vec<Check>, GroupError> {
+    let mut checks = Vec::new();
+    for model in ["rss", "resistive"] {
+        let overrides = [format!("fluid.model = \"{model}\"")];
+        let text = include_str!("scenes/filament_in_shear.toml");
+        let simulation = moved(text, &overrides, 0.3)?;
+        let positions = simulation.positions();
+        let along = positions[20] - positions[0];
+        let name = format!("stiff filament across a shear flow, {model}: angle after 3/γ");
+        let found = libm::atan2(along.y, along.x);
+        checks.push(
+            LINE.of(name, "rad")
+                .relative(libm::atan(1.0 / 3.0), found, 1e-3),
+        );
+    }
+    Ok(checks)
+}
+
+/// The dumbbell turns from across the flow to across the flow in half a period.
+fn dumbbell() -> Result<Check, GroupError> {
+    let (viscosity, rate, reach, ball, radius, edges) = (1.0, 10.0, 0.03, 8e-3, 3e-4, 20);
+    let length: f64 = 2.0 * reach;
+    let across = 4.0 * PI * viscosity / (libm::log(2.0 * length / radius) - 0.5);
+    let edge = length / f64::from(edges);
+    let mut resisting = 2.0 * 6.0 * PI * viscosity * ball * reach * reach;
+    for node in 1..edges {
+        let place = f64::from(node) * edge - reach;
+        if reach - place.abs() > ball {
+            resisting += across * edge * place * place;
+        }
+    }
+    let spinning = 2.0 * 8.0 * PI * viscosity * ball.powi(3);
+    let ratio = (1.0 + 2.0 * resisting / spinning).sqrt();
+    let half_period = PI / rate * (ratio + 1.0 / ratio);
+    let mut simulation = simulation(include_str!("scenes/dumbbell_in_shear.toml"), &[])?;
+    let (mut angle, mut time) = (FRAC_PI_2, 0.0);
+    loop {
+        simulation.advance(3.0)?;
+        let along = simulation.positions()[20] - simulation.positions()[0];
+        // The bar turns clockwise, by less than a turn.
+        let mut next = libm::atan2(along.y, along.x);
+        if next > FRAC_PI_2 + 0.1 {
+            next -= 2.0 * PI;
+        }
+        let now = simulation.time();
+        if next <= -FRAC_PI_2 {
+            time += (now - time) * (angle + FRAC_PI_2) / (angle - next);
+            break;
+        }
+        if now >= 3.0 {
+            return Err(format!("the bar has turned to {next} rad only").into());
+        }
+        (angle, time) = (next, now);
+    }
+    let name = "two balls on a bar tumble in a shear flow, resistive: half of the period";
+    Ok(ORBIT.of(name, "s").relative(half_period, time, 2e-3))
+}
+
+fn vortex() -> Result<Check, GroupError> {
+    let text = include_str!("scenes/rod_in_vortex.toml");
+    let mut simulation = simulation(text, &[])?;
+    let placed = simulation.positions().to_vec();
+    run_until(&mut simulation, 0.3)?;
+    let (point, turned) = (Vector3::new(1e-3, 2e-3, 0.0), 3.0);
+    let (sine, cosine) = libm::sincos(turned);
+    let mut worst = 0.0_f64;
+    for (x, placed) in simulation.positions().iter().zip(&placed) {
+        let arm = placed - point;
+        let exact = Vector3::new(
+            cosine * arm.x - sine * arm.y,
+            sine * arm.x + cosine * arm.y,
+            arm.z,
+        );
+        worst = worst.max((x - point - exact).norm());
+    }
+    let name =
+        "curved rod in a rotating fluid, rss: largest distance from its place after three radians";
+    Ok(CARRIED.of(name, "m").scaled(0.0, worst, 5e-3, 2e-3))
+}
+
+fn falling_rods() -> Result<Vec<Check>, GroupError> {
+    let (radius, density, acceleration) = (2e-3, 1000.0, 9.81);
+    let weight = 8000.0 * PI * radius * radius * acceleration;
+    let upright = "rods.0.shape.end = [0, 0, 0.2]".to_owned();
+    let mut checks = Vec::new();
+    for (how, overrides, coefficient) in [
+        ("across", vec![], density * radius * 1.2),
+        ("along", vec![upright], density * PI * radius * 0.02),
+    ] {
+        let simulation = moved(include_str!("scenes/falling_rod.toml"), &overrides, 3.0)?;
+        let speed = -simulation.velocities()[2].z;
+        let expected = (weight / coefficient).sqrt();
+        // It approaches the last speed exponentially.
+        let name = format!("rod sinking in water, moving {how} itself: speed after 3 s");
+        let inertia = weight / acceleration
+            + if how == "across" {
+                density * PI * radius * radius
+            } else {
+                0.0
+            };
+        let expected = expected * libm::tanh(3.0 * weight / (inertia * expected));
+        checks.push(FALL.of(name, "m/s").relative(expected, speed, 1e-4));
+    }
+    Ok(checks)
+}
+
+fn cable() -> Result<Vec<Check>, GroupError> {
+    let simulation = at_rest(include_str!("scenes/cable_in_current.toml"), &[])?;
+    let found = simulation.positions()[100];
+    let radius = 1e-3;
+    let cable = Cable {
+        length: 1.0,
+        diameter: 2.0 * radius,
+        weight_per_length: 2000.0 * PI * radius * radius * 9.81,
+        weight: 5e-3 * 9.81,
+        density: 1000.0,
+        normal: 1.2,
+        tangential: 0.05,
+        velocity: Vector3::x() * 0.2,
+    };
+    let expected = cable.end(1000);
+    let name = |what: &str| format!("cable with a weight in a current, 100 edges: {what}");
+    Ok(vec![
+        CABLE
+            .of(name("drift of its end"), "m")
+            .relative(expected.x, found.x, 1e-3),
+        CABLE
+            .of(name("depth of its end"), "m")
+            .relative(-expected.z, -found.z, 1e-3),
+    ])
+}
