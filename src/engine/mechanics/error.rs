@@ -68,6 +68,17 @@ pub enum RodError {
         /// Nodes of the rod.
         nodes: usize,
     },
+    /// The number of sections is not that of the edges.
+    #[error("it has {sections} sections, but the rod has {edges} edges")]
+    Sections {
+        /// Sections given.
+        sections: usize,
+        /// Edges of the rod.
+        edges: usize,
+    },
+    /// Consistent inertia is for rods with the same section everywhere.
+    #[error("its section varies, which needs lumped inertia")]
+    ConsistentSections,
     /// A clamp is at a node that does not exist.
     #[error("a clamp names node {node}, but the rod has {nodes} nodes")]
     ClampOutside {

@@ -6,6 +6,7 @@
 mod actuation;
 mod joint;
 mod node_force;
+mod section;
 
 pub use actuation::{ActuatedStrain, Actuation, Course, Wave};
 
@@ -14,6 +15,8 @@ pub use joint::{
 };
 
 pub use node_force::{NodeForce, NodeHessian};
+
+pub use section::{EdgeSection, Section, edge_sections};
 
 use super::contact::ContactParameters;
 use super::fluid::{BackgroundFlow, FluidModel};
@@ -102,8 +105,12 @@ pub struct RodDescription {
     pub pretension: f64,
     /// Elastic stiffness of the cross-section.
     pub stiffness: Stiffness,
-    /// Radius of the contact and fluid surface, m.
+    /// Radius of the contact and fluid surface, m; the largest one if it varies.
     pub radius: f64,
+    /// Sections of the edges of a rod whose cross-section varies; empty if it is the same
+    /// everywhere. They replace `stiffness`, `mass_per_length` and
+    /// `rotational_inertia_per_length`, which are then means over the rod.
+    pub sections: Vec<EdgeSection>,
     /// Mass per length ρA, kg/m.
     pub mass_per_length: f64,
     /// Moment of inertia about the centreline per length, ρ(I₁ + I₂), kg m.
@@ -136,8 +143,9 @@ pub struct Relaxation {
 impl RodDescription {
     /// Natural lengths of edges whose lengths under the tension of the placed rod are given.
     pub fn relaxed(&self, mut lengths: Vec<f64>) -> Vec<f64> {
-        let stretch = 1.0 + self.pretension / self.stiffness.stretching;
-        lengths.iter_mut().for_each(|length| *length /= stretch);
+        for (edge, length) in lengths.iter_mut().enumerate() {
+            *length /= 1.0 + self.pretension / self.section(edge).stretching;
+        }
         lengths
     }
 
@@ -164,6 +172,7 @@ impl RodDescription {
             pretension: 0.0,
             stiffness,
             radius,
+            sections: Vec::new(),
             mass_per_length,
             rotational_inertia_per_length: 0.5 * mass_per_length * radius * radius,
             inertia: Inertia::Lumped,

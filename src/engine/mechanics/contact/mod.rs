@@ -106,7 +106,7 @@ pub use contacts::{
     ActiveContact, CandidatePair, ConstraintPlace, ContactConstraint, ContactPair, EdgeJacobian,
     ForceCorrections, PlaneContact, PlaneJacobian, Proximity,
 };
-pub(crate) use curve_points::{CurvePoints, RowOfNodes, WINDOW, Window};
+pub(crate) use curve_points::{CurvePoints, PER_EDGE, RowOfNodes, WINDOW, Window};
 pub(crate) use dampers::FromStart;
 pub(crate) use levers::{Levers, NONE};
 pub(crate) use memory::{ContactMemory, MismatchedMemory};

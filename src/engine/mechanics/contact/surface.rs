@@ -141,12 +141,7 @@ impl ContactSurface {
         } else {
             nodes.saturating_sub(1)
         };
-        let [moving, any] = &mut self.least_radii;
-        for (least, counts) in [(moving, !held), (any, true)] {
-            if counts {
-                *least = Some(least.map_or(radius, |least| least.min(radius)));
-            }
-        }
+        self.note_least_radius(radius, held);
         if !held {
             let first_edge = self.edges.len();
             self.nodes.extend((0..nodes).map(|node| ContactNode {
@@ -172,6 +167,42 @@ impl ContactSurface {
         self.rod_edges = self.edges.len();
     }
 
+    /// Gives the edges of the rod that was added last their own radii, m, and its nodes theirs,
+    /// with which they touch planes, faces and tubes. A self-contact is as near along the rod as π
+    /// times the mean of the two radii.
+    pub fn set_radii(&mut self, edges: &[f64], nodes: &[f64]) {
+        let rod = self.closed_lengths.len() - 1;
+        let first = self.edges.len() - edges.len();
+        let own = &mut self.edges[first..];
+        debug_assert!(
+            own.iter().all(|edge| edge.rod == rod),
+            "one radius per edge"
+        );
+        let held = own.iter().all(|edge| edge.held);
+        for (edge, radius) in own.iter_mut().zip(edges) {
+            edge.radius = *radius;
+        }
+        if !held {
+            let first = self.nodes.len() - nodes.len();
+            for (node, radius) in self.nodes[first..].iter_mut().zip(nodes) {
+                node.radius = *radius;
+            }
+        }
+        let all = edges.iter().chain(nodes);
+        let least = all.copied().fold(f64::INFINITY, f64::min);
+        self.note_least_radius(least, held);
+    }
+
+    /// Takes a radius, m, into the smallest ones.
+    fn note_least_radius(&mut self, radius: f64, held: bool) {
+        let [moving, any] = &mut self.least_radii;
+        for (least, counts) in [(moving, !held), (any, true)] {
+            if counts {
+                *least = Some(least.map_or(radius, |least| least.min(radius)));
+            }
+        }
+    }
+
     /// Adds a ball around a node, after all rods and before obstacles, and returns its index among
     /// the rods. The ball may overlap the rods that meet at the node, given with the arc length
     /// (m) of the node along each, and balls added earlier, given with 0. These are its neighbours
@@ -190,17 +221,10 @@ impl ContactSurface {
         let ball = self.closed_lengths.len();
         let edge = self.edges.len();
         for &(rod, arc_length) in meeting {
-            let edges = self.edges.iter();
-            let of_rod = edges.filter(|edge| edge.rod == rod).map(|edge| edge.radius);
-            let reach = REACH * (radius + of_rod.fold(0.0, f64::max));
+            let reach = REACH * (radius + self.largest_radius_of(rod));
             self.join([rod, ball], [Some(arc_length), Some(0.0)], reach);
         }
-        let [moving, any] = &mut self.least_radii;
-        for (least, counts) in [(moving, !held), (any, true)] {
-            if counts {
-                *least = Some(least.map_or(radius, |least| least.min(radius)));
-            }
-        }
+        self.note_least_radius(radius, held);
         self.edges.push(ContactEdge {
             nodes: [node; 2],
             rod: ball,
@@ -229,10 +253,9 @@ impl ContactSurface {
     /// the joint is shorter than 1.5 times the length of the overlap, or than π times the mean of
     /// the radii along either rod. Returns that length of the path, m.
     pub(crate) fn add_joint(&mut self, rods: [usize; 2], arc_length: [f64; 2], angle: f64) -> f64 {
-        let radius = |rod: usize| self.edges.iter().find(|edge| edge.rod == rod);
         let sum: f64 = rods
-            .iter()
-            .filter_map(|rod| Some(radius(*rod)?.radius))
+            .into_iter()
+            .map(|rod| self.largest_radius_of(rod))
             .sum();
         let overlapping = REACH / libm::sin(0.5 * angle);
         let reach = sum * overlapping.clamp(PI, FARTHEST_REACH);
@@ -244,12 +267,20 @@ impl ContactSurface {
     /// of the first rod that are nearer to the point along the rod than π times the mean of the
     /// radii are neighbours of the whole second rod.
     pub(crate) fn add_slide(&mut self, rods: [usize; 2], arc_length: f64) {
-        let radius = |rod: usize| self.edges.iter().find(|edge| edge.rod == rod);
         let sum: f64 = rods
-            .iter()
-            .filter_map(|rod| Some(radius(*rod)?.radius))
+            .into_iter()
+            .map(|rod| self.largest_radius_of(rod))
             .sum();
         self.join(rods, [Some(arc_length), None], PI * sum);
+    }
+
+    /// Largest radius of a rod, m.
+    fn largest_radius_of(&self, rod: usize) -> f64 {
+        let first = self.edges.partition_point(|edge| edge.rod < rod);
+        let own = self.edges[first..]
+            .iter()
+            .take_while(|edge| edge.rod == rod);
+        own.map(|edge| edge.radius).fold(0.0, f64::max)
     }
 
     pub(super) fn join(&mut self, rods: [usize; 2], arc_length: [Option<f64>; 2], reach: f64) {
@@ -455,7 +486,8 @@ impl ContactSurface {
     /// Whether two edges can touch at all.
     ///
     /// Two edges cannot touch if both are held, if they share a node, or if they are neighbours
-    /// through a joint or along one rod, with nearest ends closer than πh along the rod. A rod
+    /// through a joint or along one rod, with nearest ends closer than πh along the rod, where h is
+    /// the mean of their radii. A rod
     /// bent as sharply as its own radius allows (curvature 1/h) turns back on itself within πh;
     /// nearer pairs are kept apart by the bending stiffness, and short edges would otherwise push
     /// each other all the time.
@@ -467,7 +499,8 @@ impl ContactSurface {
         if a.nodes.iter().any(|node| b.nodes.contains(node)) {
             return false;
         }
-        (a.rod != b.rod || self.gap_along_rod(a, b) >= PI * a.radius) && !self.are_joined(a, b)
+        let mean = 0.5 * (a.radius + b.radius);
+        (a.rod != b.rod || self.gap_along_rod(a, b) >= PI * mean) && !self.are_joined(a, b)
     }
 
     /// Arc length between the nearest ends of two edges of one rod, m.

@@ -5,7 +5,7 @@ use crate::mechanics::fluid::{
     Connections, Filament, Fluid, FluidError, FluidModel, Sliding, Wall,
 };
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{RodNode, Scene};
+use crate::mechanics::scene::{RodDescription, RodNode, Scene};
 use crate::mechanics::system::{Assembly, copy_positions};
 use crate::mechanics::{SceneError, Vector3};
 
@@ -29,8 +29,11 @@ pub(super) fn fluid_of(scene: &Scene, assembly: &Assembly) -> Result<Option<Flui
     }
     // Held rods do not move; they matter only if rods interact through the fluid.
     let are_obstacles = matches!(model, FluidModel::RegularizedStokeslets { .. });
-    let filaments: Vec<Filament> = (assembly.rods.rods.iter().zip(&scene.rods))
-        .filter(|(_, rod)| are_obstacles || !rod.held)
+    let rods = || {
+        let all = assembly.rods.rods.iter().zip(&scene.rods);
+        all.filter(move |(_, rod)| are_obstacles || !rod.held)
+    };
+    let filaments: Vec<Filament> = rods()
         .map(|(range, rod)| Filament {
             first_node: range.first_node,
             nodes: range.nodes,
@@ -42,6 +45,10 @@ pub(super) fn fluid_of(scene: &Scene, assembly: &Assembly) -> Result<Option<Flui
         Some(wall) => Fluid::beside_wall(&model, &filaments, wall)?,
         None => Fluid::new(&model, &filaments)?,
     };
+    if rods().any(|(_, rod)| rod.least_radius() < rod.radius) {
+        let radii = |rod: &RodDescription| rod.sections.iter().map(|edge| edge.radius).collect();
+        fluid.set_edge_radii(rods().map(|(_, rod)| radii(rod)).collect())?;
+    }
     let mut positions = vec![Vector3::zeros(); assembly.all_places().end];
     copy_positions(&assembly.unknowns, &mut positions);
     fluid.set_spheres(&assembly.spheres(), &positions)?;

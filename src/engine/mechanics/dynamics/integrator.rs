@@ -13,7 +13,7 @@ use super::step_control::{Decision, StepControl};
 use super::validity_memory::SmallSteps;
 use crate::mechanics::SceneError;
 use crate::mechanics::fluid::FluidModel;
-use crate::mechanics::scene::Scene;
+use crate::mechanics::scene::{RodDescription, Scene};
 use crate::mechanics::system::System;
 use tracing::{debug, trace_span};
 
@@ -93,7 +93,7 @@ impl Integrator {
             setting: Setting {
                 parameters,
                 radius: free_rods
-                    .map(|rod| rod.radius)
+                    .map(RodDescription::least_radius)
                     .fold(f64::INFINITY, f64::min),
             },
             fluid,

@@ -110,6 +110,8 @@ mod path_tests;
 #[cfg(test)]
 mod rolling_tests;
 #[cfg(test)]
+mod section_contact_tests;
+#[cfg(test)]
 mod slide_tests;
 #[cfg(test)]
 mod smooth_contact_tests;

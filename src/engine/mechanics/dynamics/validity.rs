@@ -10,7 +10,7 @@ use super::validity_memory::{CaughtSlide, Gain, LargeStrain, SmallSteps, Validit
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::edge_distance;
 use crate::mechanics::scene::{Clamp, Load, LoadKind, RodDescription, Scene};
-use crate::mechanics::system::{SectionScale, Strain, System};
+use crate::mechanics::system::{SectionScales, Strain, System};
 use tracing::warn;
 
 /// Stretch above which a remark is made: Hooke's law and a constant cross-section have an error of
@@ -54,7 +54,7 @@ enum Kind {
 /// Watches a simulation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Validity {
-    sections: Vec<SectionScale>,
+    sections: Vec<SectionScales>,
     /// Smaller bending stiffness of each rod, N m².
     bending: Vec<f64>,
     /// Speed √(EA/ρA) of stretching waves in each rod, m/s; infinite in held rods.
@@ -120,9 +120,9 @@ impl Validity {
                 || !motion.orientation.is_empty()
         };
         Self {
-            sections: scene.rods.iter().map(SectionScale::of).collect(),
+            sections: scene.rods.iter().map(SectionScales::of).collect(),
             bending: (scene.rods.iter())
-                .map(|rod| rod.stiffness.bending[0].min(rod.stiffness.bending[1]))
+                .map(RodDescription::softest_bending)
                 .collect(),
             wave_speeds: scene.rods.iter().map(wave_speed).collect(),
             has_automatic_steps: false,
@@ -464,7 +464,7 @@ fn bending_energy(rod: &RodDescription) -> f64 {
     }
     let edges = rod.centreline.windows(2);
     let length: f64 = edges.map(|ends| (ends[1] - ends[0]).norm()).sum();
-    rod.stiffness.bending[0].max(rod.stiffness.bending[1]) / length
+    rod.bending_range()[1] / length
 }
 
 fn wave_speed(rod: &RodDescription) -> f64 {

@@ -29,6 +29,8 @@ enum Method {
         viscosity: f64,
         continuation: Continuation,
         spheres: Box<Spheres>,
+        /// Radii of the edges of each filament, m; empty if they are that of the filament.
+        radii: Vec<Vec<f64>>,
     },
 }
 
@@ -84,6 +86,7 @@ impl Fluid {
                     viscosity,
                     continuation: Continuation::default(),
                     spheres: Box::default(),
+                    radii: vec![Vec::new(); filaments.len()],
                 }
             }
         };
@@ -122,6 +125,22 @@ impl Fluid {
             }
         }
         Ok(fluid)
+    }
+
+    /// Gives the edges of filaments their own radii, m; an empty list leaves those of a filament.
+    ///
+    /// # Errors
+    /// [`FluidError::BadInput`] for regularized Stokeslets.
+    pub(crate) fn set_edge_radii(&mut self, of_edges: Vec<Vec<f64>>) -> Result<(), FluidError> {
+        match &mut self.method {
+            Method::Resistive { radii, .. } => *radii = of_edges,
+            Method::Stokeslets(_) => {
+                return Err(FluidError::BadInput(
+                    "regularized Stokeslets need rods with the same radius everywhere; use fluid.model = \"resistive\"".into(),
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// Adds spheres to the filaments, before these are connected. `positions` (m) has an entry for
@@ -228,10 +247,11 @@ impl Fluid {
                 viscosity,
                 continuation,
                 spheres,
+                radii,
             } => {
                 resistive_force_theory::drag(
                     *viscosity,
-                    &self.filaments,
+                    (&self.filaments, radii),
                     continuation.lengths(&self.filaments, positions),
                     positions,
                     velocities,
@@ -264,6 +284,7 @@ impl Fluid {
             viscosity,
             continuation,
             spheres,
+            radii,
         } = &mut self.method
         else {
             return Ok(());
@@ -274,7 +295,7 @@ impl Fluid {
         let lengths = continuation.lengths(&self.filaments, positions).to_vec();
         resistive_force_theory::add_power_gradient(
             *viscosity,
-            &self.filaments,
+            (&self.filaments, radii),
             (&lengths, continuation.chains()),
             &|node| !inside.contains(&node),
             positions,

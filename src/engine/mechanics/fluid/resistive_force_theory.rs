@@ -84,30 +84,66 @@ impl DragCoefficients {
     }
 }
 
+/// Coefficients of the edges of a filament in a chain of a length, m. `radii` are those of the
+/// edges, m; if it is empty, all have that of the filament.
+struct EdgeCoefficients<'a> {
+    viscosity: f64,
+    length: f64,
+    radii: &'a [f64],
+    uniform: Option<DragCoefficients>,
+}
+
+impl<'a> EdgeCoefficients<'a> {
+    fn new(
+        viscosity: f64,
+        length: f64,
+        filament: &Filament,
+        radii: &'a [f64],
+    ) -> Result<Self, FluidError> {
+        let of_filament = || DragCoefficients::slender_cylinder(viscosity, length, filament.radius);
+        Ok(Self {
+            viscosity,
+            length,
+            radii,
+            uniform: radii.is_empty().then(of_filament).transpose()?,
+        })
+    }
+
+    fn of_edge(&self, edge: usize) -> Result<DragCoefficients, FluidError> {
+        match self.uniform {
+            Some(uniform) => Ok(uniform),
+            None => {
+                DragCoefficients::slender_cylinder(self.viscosity, self.length, self.radii[edge])
+            }
+        }
+    }
+}
+
 /// Computes the force on each node (N) and its resistance (N s/m) for the coefficients of
-/// [`DragCoefficients::slender_cylinder`] with these contour lengths of the filaments, m: every
-/// edge gives half of its length times Ξ to either node. As the force is −D v, the resistance is
+/// [`DragCoefficients::slender_cylinder`] with these contour lengths of the filaments, m, and the
+/// radius of each edge, if `radii` has an entry for every edge of a filament: every edge gives half of its length times Ξ to either node. As the force is −D v, the resistance is
 /// its exact Jacobian.
 pub(super) fn drag(
     viscosity: f64,
-    filaments: &[Filament],
+    (filaments, radii): (&[Filament], &[Vec<f64>]),
     lengths: &[f64],
     positions: &[Vector3],
     velocities: &[Vector3],
     forces: &mut [Vector3],
     resistance: &mut [Matrix3],
 ) -> Result<(), FluidError> {
-    for (filament, &length) in filaments.iter().zip(lengths) {
+    for ((filament, radii), &length) in filaments.iter().zip(radii).zip(lengths) {
         let first = filament.first_node;
         let edge = |i: usize| positions[first + (i + 1) % filament.nodes] - positions[first + i];
-        let coefficients = DragCoefficients::slender_cylinder(viscosity, length, filament.radius)?;
+        let coefficients = EdgeCoefficients::new(viscosity, length, filament, radii)?;
         for i in 0..filament.edges() {
             let edge = edge(i);
             let length = edge.norm();
             if length == 0.0 {
                 return Err(FluidError::Singular);
             }
-            let half = coefficients.resistance_per_length(&(edge / length)) * (0.5 * length);
+            let own = coefficients.of_edge(i)?;
+            let half = own.resistance_per_length(&(edge / length)) * (0.5 * length);
             for node in [first + i, first + (i + 1) % filament.nodes] {
                 resistance[node] += half;
                 forces[node] -= half * velocities[node];
@@ -128,7 +164,7 @@ pub(super) fn drag(
 /// As [`drag`].
 pub(super) fn add_power_gradient(
     viscosity: f64,
-    filaments: &[Filament],
+    (filaments, radii): (&[Filament], &[Vec<f64>]),
     (lengths, chains): (&[f64], &[usize]),
     wet: &dyn Fn(usize) -> bool,
     positions: &[Vector3],
@@ -141,12 +177,13 @@ pub(super) fn add_power_gradient(
     };
     for (number, filament) in filaments.iter().enumerate() {
         let length = lengths[number];
-        let own = DragCoefficients::slender_cylinder(viscosity, length, filament.radius)?;
-        let slopes = DragCoefficients {
-            along: -own.along * own.along / (2.0 * PI * viscosity * length),
-            across: -own.across * own.across / (4.0 * PI * viscosity * length),
-        };
+        let coefficients = EdgeCoefficients::new(viscosity, length, filament, &radii[number])?;
         for i in 0..filament.edges() {
+            let own = coefficients.of_edge(i)?;
+            let slopes = DragCoefficients {
+                along: -own.along * own.along / (2.0 * PI * viscosity * length),
+                across: -own.across * own.across / (4.0 * PI * viscosity * length),
+            };
             let [start, end] = ends(filament, i);
             let edge = positions[end] - positions[start];
             let (size, tangent) = (edge.norm(), edge.normalize());
@@ -222,7 +259,7 @@ mod tests {
             let mut resistance = vec![Matrix3::zeros(); 11];
             drag(
                 1.0,
-                &[filament],
+                (&[filament], &[Vec::new()]),
                 &[1.0],
                 &positions,
                 &[velocity; 11],

@@ -8,7 +8,7 @@ use crate::mechanics::rod::{
     BendingStrain, Edge, ElasticRods, GhostEdge, Placement, ReferenceFrames, RodRange, STRIDE,
     TURNING_ROTATION, Vertex, VertexUnknowns, VertexWeights,
 };
-use crate::mechanics::scene::{Inertia, NaturalShape, RodDescription, Scene};
+use crate::mechanics::scene::{EdgeSection, Inertia, NaturalShape, RodDescription, Scene};
 use crate::mechanics::{RodError, SceneError, Vector3};
 
 /// The rods of a scene, numbered and placed, with their clamps and joints.
@@ -20,7 +20,7 @@ pub struct Assembly {
     pub names: Vec<String>,
     /// Name of each obstacle.
     pub obstacles: Vec<String>,
-    /// Radius of each rod, m.
+    /// Smallest radius of each rod, m.
     pub radii: Vec<f64>,
     /// Unknowns at time zero, 4 per node, then those of the frames of joints and bodies.
     pub unknowns: Vec<f64>,
@@ -67,7 +67,7 @@ enum Wall {
 /// Scales of one rod.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RodScale {
-    /// EI/L² for the larger bending stiffness, N.
+    /// EI/L² for the larger bending stiffness, where that is least along the rod, N.
     pub force: f64,
     /// Smallest natural edge length, m.
     pub shortest_edge: f64,
@@ -79,12 +79,12 @@ pub struct RodScale {
 impl RodScale {
     fn of(rod: &RodDescription, natural_lengths: &[f64]) -> Self {
         let length: f64 = natural_lengths.iter().sum();
-        let bending = rod.stiffness.bending[0].max(rod.stiffness.bending[1]);
+        let [softest, stiffest] = rod.bending_range();
         let shortest = (natural_lengths.iter().copied()).fold(f64::INFINITY, f64::min);
-        let stretching = rod.stiffness.stretching * f64::EPSILON / shortest;
-        let turning = 4.0 * bending * f64::EPSILON / shortest.powi(3);
+        let stretching = rod.stiffest_stretching() * f64::EPSILON / shortest;
+        let turning = 4.0 * stiffest * f64::EPSILON / shortest.powi(3);
         Self {
-            force: bending / (length * length),
+            force: softest / (length * length),
             shortest_edge: shortest,
             rounding_stiffness: stretching.max(turning),
         }
@@ -172,6 +172,7 @@ impl Assembly {
             nodes: rod.centreline.len(),
             closed: rod.closed,
         };
+        check_sections(rod, &range)?;
         let place = |nodes: &[Vector3], twist: f64, tangents| {
             Placement::new(nodes, rod.closed, rod.first_director, twist, tangents)
         };
@@ -230,14 +231,14 @@ impl Assembly {
         if !rod.held {
             let length: f64 = natural_lengths.iter().sum();
             self.force_scale = self.force_scale.max(scale.force);
-            let soft = rod.stiffness.bending[0].min(rod.stiffness.bending[1]);
+            let soft = rod.softest_bending();
             self.softest_scale = self.softest_scale.min(soft / (length * length));
             self.shortest_edge = self.shortest_edge.min(scale.shortest_edge);
             self.rounding_stiffness = self.rounding_stiffness.max(scale.rounding_stiffness);
         }
         self.rods.rods.push(range);
         self.names.push(rod.name.clone());
-        self.radii.push(rod.radius);
+        self.radii.push(rod.least_radius());
         Ok(())
     }
 
@@ -271,17 +272,19 @@ impl Assembly {
     ) {
         for (k, edge) in range.edge_indices().enumerate() {
             let (end, length) = (range.end_of(edge), natural_lengths[k]);
+            let section = rod.section(k);
             self.rods.edges.push(Edge {
                 start: edge,
                 end,
                 natural_length: length,
-                stretching: rod.stiffness.stretching,
+                stretching: section.stretching,
             });
+            let [at_start, at_end] = section.mass_per_length;
             for axis in 0..3 {
-                self.masses[STRIDE * edge + axis] += 0.5 * rod.mass_per_length * length;
-                self.masses[STRIDE * end + axis] += 0.5 * rod.mass_per_length * length;
+                self.masses[STRIDE * edge + axis] += 0.5 * at_start * length;
+                self.masses[STRIDE * end + axis] += 0.5 * at_end * length;
             }
-            self.masses[STRIDE * edge + 3] = rod.rotational_inertia_per_length * length;
+            self.masses[STRIDE * edge + 3] = section.rotational_inertia_per_length * length;
         }
     }
 
@@ -402,7 +405,12 @@ impl Assembly {
                         before,
                         after,
                         natural: natural(k, placed_strains, &of_shape, voronoi),
-                        stiffness: stiffness(rod, voronoi),
+                        stiffness: stiffness(
+                            rod,
+                            &[(edge, usize::from(!ghost_first))],
+                            natural_lengths,
+                            voronoi,
+                        ),
                         strain: BendingStrain::default(),
                         weights: VertexWeights::default(),
                         joint_twist: 0.0,
@@ -429,7 +437,7 @@ impl Assembly {
                     before: range.first_node + before,
                     after: range.first_node + after,
                     natural: natural(k, placed_strains, &of_shape, voronoi),
-                    stiffness: stiffness(rod, voronoi),
+                    stiffness: stiffness(rod, &[(before, 1), (after, 0)], natural_lengths, voronoi),
                     strain: BendingStrain::default(),
                     weights: VertexWeights::default(),
                     joint_twist,
@@ -547,7 +555,38 @@ impl Assembly {
     }
 }
 
-fn stiffness(rod: &RodDescription, voronoi: f64) -> VertexStiffness {
+/// Checks the number of sections of a rod, and that its inertia may vary.
+fn check_sections(rod: &RodDescription, range: &RodRange) -> Result<(), RodError> {
+    match rod.sections.len() {
+        0 => Ok(()),
+        sections if sections != range.edges() => Err(RodError::Sections {
+            sections,
+            edges: range.edges(),
+        }),
+        _ if rod.inertia == Inertia::Consistent => Err(RodError::ConsistentSections),
+        _ => Ok(()),
+    }
+}
+
+/// Stiffness of a vertex to which `halves` of edges belong, each given by the edge and its end at
+/// the vertex: their compliances add up.
+fn stiffness(
+    rod: &RodDescription,
+    halves: &[(usize, usize)],
+    lengths: &[f64],
+    voronoi: f64,
+) -> VertexStiffness {
     let stiffness = &rod.stiffness;
-    VertexStiffness::about_directors(stiffness.bending, stiffness.twisting, voronoi)
+    if rod.sections.is_empty() {
+        return VertexStiffness::about_directors(stiffness.bending, stiffness.twisting, voronoi);
+    }
+    let mean = |of: &dyn Fn(&EdgeSection, usize) -> f64| {
+        let parts = halves.iter();
+        let compliances =
+            parts.map(|&(edge, end)| 0.5 * lengths[edge] / of(&rod.sections[edge], end));
+        voronoi / compliances.sum::<f64>()
+    };
+    let bending = [0, 1].map(|axis| mean(&|section, end| section.bending[end][axis]));
+    let twisting = mean(&|section, end| section.twisting[end]);
+    VertexStiffness::about_directors(bending, twisting, voronoi)
 }

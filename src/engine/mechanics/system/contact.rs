@@ -36,6 +36,11 @@ const NO_OBSTACLES: SceneError = SceneError::Unsuitable(
     "contact.geometry = \"smooth\" supports rods and planes: obstacles and balls need \"polyline\"",
 );
 
+/// At the rim of a tube the energies of pieces of a rod and of the joints between them cancel, for
+/// which they must have the same radius.
+const ROUND_TUBES: SceneError =
+    SceneError::Unsuitable("hollow tubes need rods with the same radius everywhere");
+
 const NO_ENERGY: SceneError =
     SceneError::Unsuitable("an equilibrium with friction is not a minimum of an energy");
 
@@ -129,6 +134,10 @@ impl Term for Contact {
             if !scene.obstacles.is_empty() || scene.bodies.iter().any(|body| body.ball.is_some()) {
                 return Err(NO_OBSTACLES);
             }
+        }
+        let tapers = scene.rods.iter().any(|rod| rod.least_radius() < rod.radius);
+        if scene.contact.is_some() && tapers && scene.obstacles.iter().any(|one| one.body.hollow) {
+            return Err(ROUND_TUBES);
         }
         let (model, roots) = match contact_of(scene, assembly)? {
             Some(of_scene) => (Some(of_scene.contact), of_scene.roots),

@@ -43,14 +43,16 @@ impl Assembly {
         };
         let mut coefficients = vec![0.0; STRIDE * self.rods.nodes];
         for edge in &self.rods.edges {
-            let rod = &scene.rods[self.locate(edge.start).0];
+            let (index, along) = self.locate(edge.start);
+            let rod = &scene.rods[index];
             if rod.held {
                 continue;
             }
+            let radius = rod.section(along).radius;
             let ends = [edge.start, edge.end].into_iter();
             let wet = 0.5 * ends.filter(|&node| is_outside(node)).count() as f64;
             coefficients[STRIDE * edge.start + 3] =
-                4.0 * PI * viscosity * rod.radius * rod.radius * edge.natural_length * wet;
+                4.0 * PI * viscosity * radius * radius * edge.natural_length * wet;
         }
         Some(coefficients)
     }

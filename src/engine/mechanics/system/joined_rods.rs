@@ -35,7 +35,8 @@ impl Assembly {
                 bodies.find(|body| planned.nodes.contains(&body.at) && body.inertia.is_some());
             if let Some(body) = here {
                 self.add_inertia(number, body);
-                let radius = (body.ball).filter(|ball| *ball > scene.rods[body.at.rod].radius);
+                let own = scene.rods[body.at.rod].radius_at(body.at.node);
+                let radius = (body.ball).filter(|ball| *ball > own);
                 self.joints.frames[number].ball =
                     radius.map(|radius| (self.number(&body.at), radius));
             }

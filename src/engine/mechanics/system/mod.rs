@@ -89,7 +89,7 @@ pub(crate) use rigid_contact::ForceSearch;
 pub(crate) use small_motions::MOST_UNKNOWNS;
 pub use stage::Stage;
 pub(crate) use stage::{angles_of, copy_positions};
-pub(crate) use strain::{SectionScale, Strain};
+pub(crate) use strain::{SectionScales, Strain};
 use term::Configuration;
 use terms::Terms;
 pub(crate) use touching::name_overlap;

@@ -104,7 +104,7 @@ fn bodies_around(
             bodies.push(body);
         }
     }
-    let radius = scene.rods[at.rod].radius;
+    let radius = scene.rods[at.rod].radius_at(at.along);
     bodies.retain(|body| {
         let still = Motion::default();
         let motion = match body {
@@ -187,7 +187,10 @@ fn have_common_root(
     [first, second]: [&PrescribedNode; 2],
     positions: &[Vector3],
 ) -> bool {
-    let radii = scene.rods[first.rod].radius + scene.rods[second.rod].radius;
+    let radii: f64 = [first, second]
+        .map(|at| scene.rods[at.rod].radius_at(at.along))
+        .iter()
+        .sum();
     let apart = (positions[first.node] - positions[second.node]).norm();
     if apart > (1.0 + TOUCHING) * radii || !move_together(&first.motion, &second.motion) {
         return false;

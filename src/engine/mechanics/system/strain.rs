@@ -40,16 +40,66 @@ pub(crate) struct SectionScale {
 }
 
 impl SectionScale {
-    /// Computes the scale of a rod. c_i = 2 √(EI_i/EA) is h for a circular section, and 15 % more
-    /// than half the side for a rectangle. For freely given stiffnesses it is that of the ellipse
-    /// with these stiffnesses.
+    /// Computes the scale of a section. c_i = 2 √(EI_i/EA) is h for a circular section, and 15 %
+    /// more than half the side for a rectangle. For freely given stiffnesses it is that of the
+    /// ellipse with these stiffnesses.
+    fn of(stretching: f64, bending: [f64; 2]) -> Self {
+        let fibre = |bending: f64| 2.0 * (bending / stretching).sqrt();
+        Self {
+            fibres: bending.map(fibre),
+            bending_2: bending[1],
+        }
+    }
+
+    /// The scale of a node whose halves have different sections. Both carry the moment of the
+    /// node, so the strain M c_i/EI_i is that of the half in which c_i/EI_i is larger, relative to
+    /// the mean curvature M/EI with the harmonic mean of EI_i.
+    fn of_halves(one: ([f64; 2], Self), other: ([f64; 2], Self)) -> Self {
+        let mean = |axis: usize| 2.0 / (1.0 / one.0[axis] + 1.0 / other.0[axis]);
+        let fibre = |axis: usize| {
+            let per_moment = [one, other].map(|(bending, own)| own.fibres[axis] / bending[axis]);
+            mean(axis) * per_moment[0].max(per_moment[1])
+        };
+        Self {
+            fibres: [fibre(0), fibre(1)],
+            bending_2: mean(1),
+        }
+    }
+}
+
+/// The scales of a rod: one for all nodes, or one for each.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SectionScales(Vec<SectionScale>);
+
+impl SectionScales {
+    /// Computes the scales of a rod.
     pub(crate) fn of(rod: &RodDescription) -> Self {
         let stiffness = &rod.stiffness;
-        let fibre = |bending: f64| 2.0 * (bending / stiffness.stretching).sqrt();
-        Self {
-            fibres: stiffness.bending.map(fibre),
-            bending_2: stiffness.bending[1],
+        let edges = rod.sections.len();
+        if edges == 0 {
+            return Self(vec![SectionScale::of(
+                stiffness.stretching,
+                stiffness.bending,
+            )]);
         }
+        let half = |edge: usize, end: usize| {
+            let section = &rod.sections[edge];
+            let bending = section.bending[end];
+            (bending, SectionScale::of(section.stretching, bending))
+        };
+        let of_node = |node: usize| {
+            let before = (node + edges - 1) % edges;
+            match node {
+                0 if !rod.closed => half(0, 0).1,
+                _ if node == edges => half(edges - 1, 1).1,
+                _ => SectionScale::of_halves(half(before, 1), half(node, 0)),
+            }
+        };
+        Self((0..rod.centreline.len()).map(of_node).collect())
+    }
+
+    fn at(&self, node: usize) -> &SectionScale {
+        &self.0[node.min(self.0.len() - 1)]
     }
 }
 
@@ -59,7 +109,7 @@ impl System {
     pub(crate) fn largest_strains(
         &self,
         unknowns: &[f64],
-        sections: &[SectionScale],
+        sections: &[SectionScales],
     ) -> LargestStrains {
         let rods = &self.assembly.rods;
         let mut largest = LargestStrains::default();
@@ -75,7 +125,8 @@ impl System {
             if self.assembly.obstacle[node] {
                 continue;
             }
-            let section = &sections[self.assembly.locate(node).0];
+            let (rod, along) = self.assembly.locate(node);
+            let section = sections[rod].at(along);
             let [fibre_1, fibre_2] = section.fibres;
             let strains = self.geometry.strains(index, vertex);
             // κ¹ = m₂·κb turns about m₂.

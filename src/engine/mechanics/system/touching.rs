@@ -4,11 +4,11 @@ use super::centreline::{arc_length, directions};
 use super::roots::pass_over_roots;
 use super::{Assembly, System, copy_positions};
 use crate::mechanics::contact::{
-    ContactPair, ContactPlane, ContactSurface, ContactSystem, CurvePoints, Geometry, Proximity,
-    RowOfNodes,
+    ContactPair, ContactPlane, ContactSurface, ContactSystem, CurvePoints, Geometry, PER_EDGE,
+    Proximity, RowOfNodes,
 };
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{JointKind, Scene};
+use crate::mechanics::scene::{JointKind, RodDescription, Scene};
 use crate::mechanics::{Overlap, Vector3};
 
 /// The contact model of a scene, and the pairs that it ignores.
@@ -53,6 +53,11 @@ pub(super) fn contact_of(
             _ => (range.first_node, rod.centreline.as_slice()),
         };
         surface.add_rod(first, centreline, rod.closed, rod.radius, rod.held);
+        if !rod.sections.is_empty() {
+            let chords = if curves.is_some() { PER_EDGE } else { 1 };
+            let (edges, nodes) = radii(rod, chords);
+            surface.set_radii(&edges, &nodes);
+        }
     }
     join(&mut surface, scene, assembly);
     add_balls(&mut surface, scene, assembly);
@@ -106,6 +111,30 @@ pub(super) fn contact_of(
     Ok(Some(ContactOfScene { contact, roots }))
 }
 
+/// Radii (m) of the edges and of the nodes of a rod with sections, or of the `chords` into which
+/// each edge is divided and of their ends.
+fn radii(rod: &RodDescription, chords: usize) -> (Vec<f64>, Vec<f64>) {
+    let along = |edge: usize, chord: f64| {
+        let [start, end] = rod.sections[edge].end_radii;
+        start + (end - start) * chord / chords as f64
+    };
+    let edges = 0..rod.sections.len();
+    let of_edges = edges.clone().flat_map(|edge| {
+        (0..chords).map(move |chord| match chords {
+            1 => rod.sections[edge].radius,
+            _ => along(edge, chord as f64 + 0.5),
+        })
+    });
+    let of_nodes = edges.flat_map(|edge| {
+        (0..chords).map(move |chord| match chord {
+            0 => rod.radius_at(edge),
+            _ => along(edge, chord as f64),
+        })
+    });
+    let last = (!rod.closed).then(|| rod.radius_at(rod.sections.len()));
+    (of_edges.collect(), of_nodes.chain(last).collect())
+}
+
 /// Passes the joints of rods, with their angles, to contact.
 fn join(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
     let points = &assembly.joints.points;
@@ -147,7 +176,10 @@ fn add_balls(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
     let mut balls: Vec<[usize; 2]> = Vec::new();
     for body in &scene.bodies {
         let (range, rod) = (&assembly.rods.rods[body.at.rod], &scene.rods[body.at.rod]);
-        let Some(radius) = body.ball.filter(|radius| *radius > rod.radius) else {
+        let Some(radius) = body
+            .ball
+            .filter(|radius| *radius > rod.radius_at(body.at.node))
+        else {
             continue;
         };
         let node = range.first_node + body.at.node;
