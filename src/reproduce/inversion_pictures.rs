@@ -122,6 +122,7 @@ fn picture(
                 .collect(),
             closed: false,
             radius: case.run.radius,
+            radii: Vec::new(),
             held: false,
         }],
     }

@@ -11,10 +11,19 @@ pub struct RodCurve {
     pub points: Vec<Vector3<f64>>,
     /// Whether the last node is joined to the first.
     pub closed: bool,
-    /// Radius, m.
+    /// Radius, m; the largest one if it varies.
     pub radius: f64,
+    /// Radius at each node, m, if it varies.
+    pub radii: Vec<f64>,
     /// Whether it is an obstacle, which does not move.
     pub held: bool,
+}
+
+impl RodCurve {
+    /// Radius at a node, m.
+    pub fn radius_at(&self, node: usize) -> f64 {
+        self.radii.get(node).copied().unwrap_or(self.radius)
+    }
 }
 
 /// The colour of the rod with the given index; obstacles are grey.
@@ -104,7 +113,7 @@ fn rod_pieces(
     placement: &Placement,
     farness: impl Fn(f64) -> f64,
 ) -> Vec<Piece> {
-    let width = (2.0 * rod.radius * placement.scale).max(MINIMUM_WIDTH);
+    let width_at = |node: usize| (2.0 * rod.radius_at(node) * placement.scale).max(MINIMUM_WIDTH);
     let projected: Vec<Projected> = rod.points.iter().map(|point| view.project(point)).collect();
     let pixels: Vec<Vector2<f64>> = projected
         .iter()
@@ -115,7 +124,7 @@ fn rod_pieces(
         closed: rod.closed,
     };
     let highlight: Vec<Vector2<f64>> = (0..pixels.len())
-        .map(|node| pixels[node] + 0.22 * width * spline.lit_side(node))
+        .map(|node| pixels[node] + 0.22 * width_at(node) * spline.lit_side(node))
         .collect();
     let highlight = Spline {
         nodes: &highlight,
@@ -128,6 +137,7 @@ fn rod_pieces(
             let color = color.towards(Color::WHITE, HAZE * farness(nearness));
             let outline = color.towards(Color::BLACK, 0.55);
             let mut svg = String::new();
+            let width = 0.5 * (width_at(segment) + width_at(next));
             let is_thick = width > 2.0 * MINIMUM_WIDTH;
             // Draw the round free end, including its outline.
             for (is_end, node) in [(segment == 0, 0), (next + 1 == pixels.len(), next)] {
@@ -245,6 +255,7 @@ mod tests {
                 .collect(),
             closed: false,
             radius: 2e-3,
+            radii: Vec::new(),
             held: false,
         }
     }

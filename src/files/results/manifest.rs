@@ -67,8 +67,18 @@ pub struct RodRecord {
     pub nodes: usize,
     /// Whether the last node is joined to the first.
     pub closed: bool,
-    /// Radius of the surface, m.
+    /// Radius of the surface, m; the largest one if it varies.
     pub radius: f64,
+    /// Radius at each node, m, if it varies.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub radii: Vec<f64>,
+}
+
+impl RodRecord {
+    /// Radius at a node, m.
+    pub fn radius_at(&self, node: usize) -> f64 {
+        self.radii.get(node).copied().unwrap_or(self.radius)
+    }
 }
 
 impl Manifest {
@@ -210,6 +220,7 @@ pub(super) mod tests {
                 nodes: 51,
                 closed: false,
                 radius: 5e-3,
+                radii: Vec::new(),
             }],
             host: Some("bench".into()),
             threads: 4,

@@ -91,7 +91,11 @@ pub(super) fn write_collection(
 fn poly_data(rods: &[RodRecord], frame: &Frame) -> Vec<u8> {
     let mut file = PolyData::new(frame.positions.len(), rods.len(), 0);
     file.section("PointData", |file| {
-        file.floats("radius", 1, node_places(rods).map(|place| place.rod.radius));
+        file.floats(
+            "radius",
+            1,
+            node_places(rods).map(|place| place.rod.radius_at(place.node)),
+        );
         let vectors = [
             ("velocity", &frame.velocities),
             ("fluid_force", &frame.fluid_forces),
@@ -306,6 +310,7 @@ mod tests {
             nodes,
             closed,
             radius,
+            radii: Vec::new(),
         };
         vec![
             rod("a <b> & \"c\"", 3, false, 1e-3),

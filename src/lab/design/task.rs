@@ -88,6 +88,9 @@ pub fn natural_shape(request: &Request<'_>, key: &str) -> Result<Designed, Desig
         points: nodes.iter().map(|node| (*node).into()).collect(),
     };
     target.natural_shape = NaturalShape::AsPlaced;
+    for section in &mut target.sections {
+        (section.natural_curvature, section.natural_twist) = (None, None);
+    }
     target.inertia = Inertia::Lumped;
     target.pretension = 0.0;
     let name = target.name.clone();

@@ -91,7 +91,7 @@ pub struct DerivedRod {
     pub nodes: usize,
     /// Length of the polyline, m.
     pub length: f64,
-    /// Stretching stiffness EA, N.
+    /// Stretching stiffness EA, N; stiffnesses are means over rods whose sections vary.
     pub stretching_stiffness: f64,
     /// Bending stiffnesses EI₁ and EI₂, N m².
     pub bending_stiffness: [f64; 2],
@@ -246,7 +246,8 @@ fn creep(prepared: &PreparedRun) -> Option<Creep> {
         .chain(of_obstacles)
         .fold(contact.friction, f64::max);
     let free = scene.rods.iter().filter(|rod| !rod.held);
-    let radius = free.map(|rod| rod.radius).fold(f64::INFINITY, f64::min);
+    let radius = free.map(RodDescription::least_radius);
+    let radius = radius.fold(f64::INFINITY, f64::min);
     if friction <= 0.0 || !radius.is_finite() {
         return None;
     }
@@ -322,7 +323,7 @@ fn advised_step(scene: &Scene, rods: &[DerivedRod], speed: f64) -> Option<f64> {
     let turning = scene.clamps.iter().map(turning).fold(0.0, f64::max);
     let free = || scene.rods.iter().zip(rods).filter(|(rod, _)| !rod.held);
     let radius = free()
-        .map(|(rod, _)| rod.radius)
+        .map(|(rod, _)| rod.least_radius())
         .fold(f64::INFINITY, f64::min);
     // Viscous fluid damps vibration; then only the drive sets the step.
     let period = match scene.fluid {

@@ -108,11 +108,14 @@ fn fitted(experiment: &Experiment, identified: &Identified) -> Result<PreparedRu
     Ok(experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?)
 }
 
-/// The file of the only rod of a scene, with its gravito-bending length L_gb = (EI/(2 ρ g A))^(1/3), for `--rod`.
+/// The file of the only rod of a scene, if its section is the same everywhere, with its gravito-bending length L_gb = (EI/(2 ρ g A))^(1/3), for `--rod`.
 fn rod_file(prepared: &PreparedRun) -> Option<String> {
     let [rod] = prepared.scene.rods.as_slice() else {
         return None;
     };
+    if !rod.sections.is_empty() {
+        return None;
+    }
     let area = std::f64::consts::PI * rod.radius * rod.radius;
     let length: f64 = rod
         .centreline

@@ -20,6 +20,12 @@ pub fn rod_records(prepared: &PreparedRun) -> Vec<RodRecord> {
         nodes: rod.centreline.len(),
         closed: rod.closed,
         radius: rod.radius,
+        radii: match rod.least_radius() < rod.radius {
+            true => (0..rod.centreline.len())
+                .map(|node| rod.radius_at(node))
+                .collect(),
+            false => Vec::new(),
+        },
     };
     prepared.scene.rods.iter().map(record).collect()
 }

@@ -17,6 +17,7 @@ impl CrossSection {
     pub fn area(&self, radius: f64) -> f64 {
         match self {
             Self::Circle => PI * radius.powi(2),
+            Self::Tube { wall } => PI * (radius.powi(2) - (radius - wall).powi(2)),
             Self::Rectangle { width, thickness } => width * thickness,
         }
     }
@@ -25,6 +26,7 @@ impl CrossSection {
     pub fn second_moments(&self, radius: f64) -> [f64; 2] {
         match self {
             Self::Circle => [PI * radius.powi(4) / 4.0; 2],
+            Self::Tube { wall } => [PI * (radius.powi(4) - (radius - wall).powi(4)) / 4.0; 2],
             Self::Rectangle { width, thickness } => [
                 width * thickness.powi(3) / 12.0,
                 thickness * width.powi(3) / 12.0,
@@ -32,13 +34,14 @@ impl CrossSection {
         }
     }
 
-    /// Saint-Venant's torsion constant J in m⁴: πr⁴/2 for a circle; for a rectangle with sides a ≥ b
+    /// Saint-Venant's torsion constant J in m⁴: the polar moment for a circle or tube; for a rectangle with sides a ≥ b
     /// (Timoshenko and Goodier 1970, art. 109)
     ///
     /// J = a b³/3 · (1 − 192 b/(π⁵ a) Σ tanh(nπa/2b)/n⁵), n = 1, 3, 5, ...
     pub fn torsion_constant(&self, radius: f64) -> f64 {
         match self {
             Self::Circle => PI * radius.powi(4) / 2.0,
+            Self::Tube { wall } => PI * (radius.powi(4) - (radius - wall).powi(4)) / 2.0,
             Self::Rectangle { width, thickness } => {
                 let (long, short) = (width.max(*thickness), width.min(*thickness));
                 let series: f64 = (0..SERIES_TERMS)

@@ -38,6 +38,7 @@ impl Cell {
             nodes: points.len(),
             closed: false,
             radius: *radius,
+            radii: Vec::new(),
             held: false,
             strip: None,
         });

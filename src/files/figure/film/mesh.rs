@@ -40,6 +40,8 @@ struct Ring {
     centre: Place,
     tangent: Place,
     across: Place,
+    /// Radius of a tube, relative to that of the rod.
+    part: f32,
 }
 
 /// A rod in the axes of the picture.
@@ -50,6 +52,8 @@ pub(super) struct DrawnRod<'a> {
     pub closed: bool,
     /// Radius of a tube, or half the width and half the thickness of a strip.
     pub half: [f32; 2],
+    /// Radii of a tube at its nodes, if they vary.
+    pub radii: &'a [f32],
     pub material: u8,
 }
 
@@ -152,10 +156,15 @@ impl Mesh {
                     (true, None) => [1.0, 0.0, 0.0],
                 };
                 let square = minus(across, times(tangent, dot(across, tangent)));
+                let part = match rod.radii {
+                    [] => 1.0,
+                    radii => (r * radii[segment] + s * radii[next]) / rod.half[0],
+                };
                 self.rings.push(Ring {
                     centre,
                     tangent,
                     across: unit(square),
+                    part,
                 });
             }
         }
@@ -219,7 +228,7 @@ impl Mesh {
             let [cosine, sine] = self.around[k];
             let weights = [out * cosine, out * sine, along];
             let normal = sum(&[ring.across, other, ring.tangent], &weights);
-            self.corner(plus(ring.centre, times(normal, radius)), normal);
+            self.corner(plus(ring.centre, times(normal, radius * ring.part)), normal);
         }
     }
 
@@ -342,6 +351,7 @@ mod tests {
             across,
             closed,
             half,
+            radii: &[],
             material: 1,
         });
         let mut samples = Samples::new(600, 400);

@@ -201,11 +201,15 @@ impl<'a> Film<'a> {
             let half = rod.strip.as_ref().map_or([rod.radius; 2], |strip| {
                 [0.5 * strip.width, 0.5 * strip.thickness]
             });
+            let radii: Vec<f32> = (rod.radii.iter())
+                .map(|radius| (radius * camera.scale) as f32)
+                .collect();
             work.solid.add_rod(&DrawnRod {
                 nodes: &work.nodes,
                 across: &work.across,
                 closed: rod.closed,
                 half: half.map(|half| (half * camera.scale) as f32),
+                radii: if rod.strip.is_some() { &[] } else { &radii },
                 material: if rod.held {
                     HELD
                 } else {
@@ -285,6 +289,7 @@ pub(super) mod tests {
             nodes: 9,
             closed: false,
             radius: 0.04,
+            radii: Vec::new(),
             held: false,
             strip: None,
         };

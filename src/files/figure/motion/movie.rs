@@ -65,12 +65,21 @@ pub struct MovieRod {
     pub nodes: usize,
     /// Whether the last node is joined to the first.
     pub closed: bool,
-    /// Radius, m.
+    /// Radius, m; the largest one if it varies.
     pub radius: f64,
+    /// Radius at each node, m, if it varies.
+    pub radii: Vec<f64>,
     /// Whether it is an obstacle, which does not move.
     pub held: bool,
     /// Its cross-section if rectangular; `None` for a circle.
     pub strip: Option<Strip>,
+}
+
+impl MovieRod {
+    /// Radius at a node, m.
+    pub fn radius_at(&self, node: usize) -> f64 {
+        self.radii.get(node).copied().unwrap_or(self.radius)
+    }
 }
 
 /// A rigid half space.

@@ -103,9 +103,8 @@ impl Outline {
             }
             let points = &positions[nodes];
             match &rod.strip {
-                None => points
-                    .iter()
-                    .for_each(|point| take(point - about, rod.radius)),
+                None => (points.iter().enumerate())
+                    .for_each(|(node, point)| take(point - about, rod.radius_at(node))),
                 Some(strip) => {
                     for node in 0..points.len() {
                         let across = 0.5 * strip.width * strip.across(node, points, rod.closed);

@@ -129,6 +129,7 @@ mod tests {
                 ],
                 closed: false,
                 radius: 0.01,
+                radii: Vec::new(),
                 held: false,
             }],
         }]

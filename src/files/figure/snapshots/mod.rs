@@ -216,6 +216,7 @@ mod tests {
             points: (0..=60).map(|k| point(0.4 * f64::from(k))).collect(),
             closed: false,
             radius: 1e-3,
+            radii: Vec::new(),
             held,
         }
     }

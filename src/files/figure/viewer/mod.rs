@@ -98,6 +98,7 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
                 "nodes": rod.nodes,
                 "closed": rod.closed,
                 "radius": rod.radius,
+                "radii": (!rod.radii.is_empty()).then_some(&rod.radii),
                 "held": rod.held,
                 "strip": rod.strip.as_ref().map(describe_strip),
             })
@@ -178,6 +179,7 @@ mod tests {
             nodes: 3,
             closed: false,
             radius: 0.05,
+            radii: Vec::new(),
             held: false,
             strip: None,
         };

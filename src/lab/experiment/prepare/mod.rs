@@ -13,6 +13,7 @@ mod natural_strains;
 mod obstacle;
 mod place;
 mod round_rod;
+mod sections;
 mod settings;
 mod slack;
 #[cfg(test)]

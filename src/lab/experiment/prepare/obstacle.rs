@@ -128,7 +128,7 @@ fn refuse_other_units(
 /// Radius of the thinnest rod, m; infinite without rods.
 fn thinnest_radius(rods: &[RodDescription]) -> f64 {
     rods.iter()
-        .fold(f64::INFINITY, |least, rod| least.min(rod.radius))
+        .fold(f64::INFINITY, |least, rod| least.min(rod.least_radius()))
 }
 
 /// Half the length (m) of a cylinder around a line through `point` that counts as infinite.

@@ -4,6 +4,7 @@ use super::curve::{SampledCurve, sample};
 use super::gripper_motion::gripper_motion;
 use super::natural_strains;
 use super::round_rod::relaxation;
+use super::sections::lay_out;
 use crate::experiment::places::{find_place, find_rod};
 use crate::scenario::{
     Clamp, Hold, Inertia, Issue, KeyPath, Load, LoadFrame, LoadKind, Movement, NaturalShape, Place,
@@ -34,10 +35,21 @@ pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescr
             mechanics::NaturalShape::Strains(natural_strains::at_nodes(strains, rod.edges))
         }
     };
+    let laid_out = match rod.sections.as_slice() {
+        [] => None,
+        _ => Some(lay_out(rod, &centreline, path)?),
+    };
+    let natural_shape = match laid_out
+        .as_ref()
+        .and_then(|laid_out| laid_out.natural.clone())
+    {
+        Some(strains) => mechanics::NaturalShape::Strains(strains),
+        None => natural_shape,
+    };
     let area = rod.cross_section.area(rod.radius);
     let [second_moment_1, second_moment_2] = rod.cross_section.second_moments(rod.radius);
     let density = rod.material.density;
-    Ok(mechanics::RodDescription {
+    let description = mechanics::RodDescription {
         name: rod.name.clone(),
         centreline,
         closed: rod.closed,
@@ -52,6 +64,7 @@ pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescr
             twisting: rod.stiffness.twisting,
         },
         radius: rod.radius,
+        sections: Vec::new(),
         mass_per_length: density * area,
         rotational_inertia_per_length: density * (second_moment_1 + second_moment_2),
         inertia: match rod.inertia {
@@ -63,6 +76,10 @@ pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescr
         velocity: Vector3::from(rod.velocity),
         angular_velocity: Vector3::from(rod.angular_velocity),
         held: rod.held,
+    };
+    Ok(match laid_out {
+        None => description,
+        Some(laid_out) => description.with_sections(laid_out.edges, &laid_out.lengths),
     })
 }
 

@@ -116,6 +116,7 @@ mod tests {
             nodes,
             closed,
             radius: 1e-3,
+            radii: Vec::new(),
             held: false,
             strip: None,
         }

@@ -178,6 +178,7 @@ impl CaseMotion {
                 nodes: record.nodes,
                 closed: record.closed,
                 radius: record.radius,
+                radii: record.radii.clone(),
                 held: described.is_some_and(|rod| rod.held),
                 strip: strip_of(record, described, self.scenario.as_ref(), placed),
             }
@@ -217,6 +218,12 @@ fn contacts(
     for rod in rods {
         let placed = &outputs[0].positions[first..first + rod.nodes];
         surface.add_rod(first, placed, rod.closed, rod.radius, rod.held);
+        if !rod.radii.is_empty() {
+            let edges = rod.nodes - usize::from(!rod.closed);
+            let ends = (0..edges).map(|edge| [edge, (edge + 1) % rod.nodes]);
+            let mean = ends.map(|ends| 0.5 * (rod.radii[ends[0]] + rod.radii[ends[1]]));
+            surface.set_radii(&mean.collect::<Vec<f64>>(), &rod.radii);
+        }
         first += rod.nodes;
     }
     for obstacle in obstacles {

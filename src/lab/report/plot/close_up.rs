@@ -108,6 +108,7 @@ mod tests {
                 points: points.collect(),
                 closed: false,
                 radius: 1e-3,
+                radii: Vec::new(),
                 held: false,
             }],
         }

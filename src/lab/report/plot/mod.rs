@@ -231,6 +231,7 @@ fn curves(output: &NodePositions, rods: &[RodRecord], held: &[bool]) -> Vec<RodC
             points: points.to_vec(),
             closed: rod.closed,
             radius: rod.radius,
+            radii: rod.radii.clone(),
             held: *held,
         }
     };

@@ -11,8 +11,10 @@ mod network;
 mod obstacle;
 mod polyline;
 mod poses;
+mod profile;
 mod request;
 mod rod;
+mod sections;
 mod shape;
 mod slip;
 mod start;
@@ -27,7 +29,7 @@ pub use start::{END_STATE, file_of as start_file_of};
 use super::document::Node;
 use super::issue::{Issues, KeyPath};
 use super::own_tables::OwnTables;
-use super::resolved::{Contact, Experiment, Scenario, Time};
+use super::resolved::{Contact, Experiment, Rod, Scenario, Time};
 use super::tables;
 use super::typed::ScenarioFile;
 use std::cell::RefCell;
@@ -82,7 +84,7 @@ pub fn resolve(
     rods.extend(networks.rods);
     let smallest_radius = rods
         .iter()
-        .map(|rod| rod.radius)
+        .map(Rod::least_radius)
         .chain(experiment.as_ref().map(Experiment::smallest_radius))
         .fold(f64::INFINITY, f64::min);
     let solver = model::solver(&top, &file.solver, &time);

@@ -97,6 +97,14 @@ fn add(
         ],
         "the network sets this for each of its rods; leave the key out",
     );
+    let sections = [
+        ("sections", !of_rod.sections.is_empty()),
+        ("profile", of_rod.profile.is_some()),
+    ];
+    below.refuse(
+        &sections,
+        "rods of networks have the same section everywhere",
+    );
     let edges = below.count("edges", of_rod.edges.or(Some(1)), 1..=MOST_EDGES);
     let layout = match of_shape {
         typed::NetworkShape::Grid { .. } => grid(&section.below("shape"), of_shape),

@@ -1,5 +1,6 @@
 //! Resolving rods.
 
+use super::sections::{check_wall, sections};
 use super::{Context, model, shape};
 use crate::scenario::resolved::{
     CrossSection, Inertia, Material, NaturalShape, Rod, Shape, Stiffness,
@@ -83,10 +84,20 @@ fn rod(
             "a closed rod has no natural strains over the arc length; allowed: as-placed, straight, curved, helix, arc, ring, points",
         );
     }
-    let gains = vibrates && is_straight(&rod.natural_shape, &rod.shape);
+    let rod = Rod { closed, ..rod };
+    let sections = sections(context, section, typed, &rod);
+    let is_uniform = sections.is_empty();
+    let gains = vibrates && is_uniform && is_straight(&rod.natural_shape, &rod.shape);
+    let inertia = inertia(typed.inertia(section), gains);
+    if !is_uniform && inertia == Inertia::Consistent {
+        section.fault(
+            "inertia",
+            "a rod with `sections` needs \"lumped\" inertia, the default",
+        );
+    }
     Rod {
-        closed,
-        inertia: inertia(typed.inertia(section), gains),
+        inertia,
+        sections,
         ..rod
     }
 }
@@ -110,12 +121,14 @@ pub fn member(
     member: Member,
 ) -> Rod {
     let material = own_material(&section.below("material"), &typed.material, common);
-    let cross_section = cross_section(&section.below("cross_section"), typed);
+    let below = section.below("cross_section");
+    let cross_section = cross_section_of(&below, typed.cross_section.as_ref());
     let radius = match cross_section {
-        CrossSection::Circle => typed.radius(section),
+        CrossSection::Circle | CrossSection::Tube { .. } => typed.radius(section),
         CrossSection::Rectangle { .. } if typed.radius.is_some() => typed.radius(section),
         CrossSection::Rectangle { width, thickness } => width.min(thickness) / 2.0,
     };
+    check_wall(section, &cross_section, radius);
     let derived = cross_section.stiffness(radius, &material);
     let below = section.below("stiffness");
     let stiffness = typed.stiffness.resolve(&below, derived);
@@ -133,6 +146,7 @@ pub fn member(
         twist: typed.twist(section),
         director: typed.director(section),
         stiffness,
+        sections: Vec::new(),
         material,
         cross_section,
         velocity: typed.velocity(section),
@@ -315,9 +329,16 @@ pub fn material(section: &Section<'_>, typed: &typed::Material) -> Material {
     }
 }
 
-fn cross_section(section: &Section<'_>, rod: &typed::Rod) -> CrossSection {
-    match &rod.cross_section {
+/// Resolves the shape of a cross-section.
+pub fn cross_section_of(
+    section: &Section<'_>,
+    typed: Option<&typed::CrossSection>,
+) -> CrossSection {
+    match typed {
         None | Some(typed::CrossSection::Circle {}) => CrossSection::Circle,
+        Some(typed::CrossSection::Tube { wall }) => CrossSection::Tube {
+            wall: section.required("wall", wall, POSITIVE),
+        },
         Some(typed::CrossSection::Rectangle { width, thickness }) => CrossSection::Rectangle {
             width: section.required("width", width, POSITIVE),
             thickness: section.required("thickness", thickness, POSITIVE),

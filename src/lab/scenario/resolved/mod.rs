@@ -13,6 +13,7 @@ mod obstacle;
 mod parts;
 mod rod;
 mod run;
+mod section;
 mod start;
 
 pub use super::place::Place;
@@ -29,6 +30,7 @@ pub use obstacle::{Obstacle, ObstacleShape};
 pub use parts::Parts;
 pub use rod::{CrossSection, Handedness, Inertia, Material, NaturalShape, Rod, Shape, Strains};
 pub use run::{Begin, Scheme, Step, Time};
+pub use section::RodSection;
 pub use start::Start;
 
 use serde::Serialize;

@@ -1,5 +1,6 @@
 //! Resolved rods: material, cross-section, shape.
 
+use super::section::RodSection;
 use crate::scenario::tables::Stiffness;
 use schemars::JsonSchema;
 use serde::ser::SerializeMap;
@@ -35,12 +36,24 @@ pub struct Rod {
     pub cross_section: CrossSection,
     /// Stiffness of the cross-section, derived or given.
     pub stiffness: Stiffness,
+    /// Parts with their own sections.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sections: Vec<RodSection>,
     /// How the inertia of edges is assigned to nodes.
     pub inertia: Inertia,
     /// Velocity at time zero, m/s.
     pub velocity: [f64; 3],
     /// Angular velocity about the centroid at time zero, rad/s.
     pub angular_velocity: [f64; 3],
+}
+
+impl Rod {
+    /// Smallest radius, m.
+    pub fn least_radius(&self) -> f64 {
+        let sections = self.sections.iter();
+        let radii = sections.flat_map(|section| [section.radius, section.end_radius]);
+        radii.fold(self.radius, f64::min)
+    }
 }
 
 /// How the inertia of edges is assigned to nodes.
@@ -91,6 +104,11 @@ impl Material {
 pub enum CrossSection {
     /// A full circle with the rod's radius.
     Circle,
+    /// A hollow circle with the rod's radius.
+    Tube {
+        /// Thickness of its wall, m.
+        wall: f64,
+    },
     /// A full rectangle; `width` is measured along the first material director, `thickness` along
     /// the second.
     Rectangle {

@@ -4,6 +4,7 @@ mod expansion;
 mod faults;
 mod merging;
 mod round_trip;
+mod sections;
 mod tables;
 
 use super::keys::ExperimentKeys;

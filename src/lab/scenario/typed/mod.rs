@@ -10,6 +10,7 @@ mod movement;
 mod network;
 mod obstacle;
 mod rod;
+mod section;
 mod shape;
 mod start;
 mod sweep;
@@ -23,6 +24,7 @@ pub use movement::{Pose, TypedMovement};
 pub use network::{Boundary, Network, NetworkShape};
 pub use obstacle::{Capsule, Cuboid, Heights, Mesh, Obstacle, ObstacleShape};
 pub use rod::{CrossSection, InertiaChoice, Material, Rod};
+pub use section::{Profile, RodSection};
 pub use shape::{
     Arc, Catenary, Coil, Helix, NaturalShape, Points, Ring, Shape, Slack, Straight, Strains,
 };

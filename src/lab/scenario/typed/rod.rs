@@ -1,6 +1,7 @@
 //! Rods as typed.
 
 use super::kinds::allow_text;
+use super::section::{Profile, RodSection};
 use super::shape::{NaturalShape, Shape};
 use crate::scenario::declaration::keys;
 use crate::scenario::quantity::Quantity;
@@ -101,12 +102,21 @@ keys! {
         /// Stiffnesses that replace the values derived from material and cross-section.
         #[serde(default)]
         stiffness: tables(StiffnessKeys) raw,
+        /// Parts of the rod with their own cross-section, material or natural curvature, in the
+        /// order of the arc length: steps, tapers, hollow parts. Where sections meet, the stiffness
+        /// is right to second order in the edge length; joints need no nodes. Not with
+        /// inertia = "consistent", hollow tubes around the rod and, where the radius varies,
+        /// regularized Stokeslets.
+        #[serde(default)]
+        sections: tables(Vec<RodSection>) raw,
+        /// Radius over the arc length, instead of `sections`.
+        profile: raw(Profile) raw,
         /// How the inertia of edges is assigned to nodes. "lumped": half to each node, with errors
         /// of vibrations of second order in the edge length. "consistent": the velocity is linear
         /// along each edge, with errors of fourth order for straight rods. It also changes strains
         /// and the weights of vertices beside clamps, even in equilibria; the guide's page
         /// `accuracy` has the numbers. "auto" (the default): "consistent" for naturally straight
-        /// rods of a `scene` without contact and fluid, else "lumped".
+        /// rods of a `scene` without sections, contact and fluid, else "lumped".
         inertia: word(InertiaChoice) default(InertiaChoice::Auto),
         /// Velocity of the rod at time zero. Default: at rest.
         velocity: vector(Velocity) default([0.0; 3]),
@@ -128,6 +138,12 @@ keys! {
 pub enum CrossSection {
     /// A full circle of the rod's radius: A = πr², I = πr⁴/4, J = πr⁴/2.
     Circle {},
+    /// A hollow circle of the rod's radius r with a wall: the inner radius is q = r − wall, A =
+    /// π(r² − q²), I = π(r⁴ − q⁴)/4, J = π(r⁴ − q⁴)/2.
+    Tube {
+        /// Thickness of the wall, at most the radius.
+        wall: Option<Quantity<Length>>,
+    },
     /// A full rectangle: I₁ = width · thickness³/12 for bending about the first material director m₁ (an axis along the
     /// width), I₂ = thickness · width³/12 for bending about the second one, m₂.
     Rectangle {

@@ -83,7 +83,7 @@ class Renderer {
     this.makeRings();
   }
 
-  /** Makes an instance for each segment of a rod: four node numbers, radius, colour. */
+  /** Makes an instance for each segment of a rod: four node numbers, radius at its start, colour. */
   makeInstances(shown) {
     const segments = [];
     let first = 0;
@@ -92,9 +92,11 @@ class Renderer {
       const node = (k) => rod.closed ? first + (k + rod.nodes) % rod.nodes : Math.min(Math.max(first + k, first), last);
       for (let k = 0; k < (rod.closed ? rod.nodes : rod.nodes - 1); k++) {
         const nodes = [k - 1, k, k + 1, k + 2].map(node);
-        const { width, thickness, placed } = rod.strip ?? { width: 0, thickness: 0 };
+        const radius = (one) => rod.radii ? rod.radii[one - first] : rod.radius;
+        // A tube has its second radius in place of the half thickness.
+        const { width, thickness, placed } = rod.strip ?? { width: 0, thickness: 2 * radius(nodes[2]) };
         const lay = [nodes[1], nodes[2]].flatMap((one) => placed ? placed.slice(6 * (one - first), 6 * (one - first + 1)) : Array(6).fill(0));
-        segments.push({ nodes, numbers: [rod.radius, colourOfRod(rod, index), 0.5 * width, 0.5 * thickness, ...lay] });
+        segments.push({ nodes, numbers: [radius(nodes[1]), colourOfRod(rod, index), 0.5 * width, 0.5 * thickness, ...lay] });
       }
       first += rod.nodes;
     });

@@ -8,8 +8,8 @@ precision highp usampler2D;
 
 in vec3 ring;       // along the segment 0…1, on the round ends −1…1, angle around the axis
 in ivec4 nodes;     // before, start, end, after; repeats the neighbour at the end of a rod
-in vec2 rod;        // radius in m, colour index
-in vec2 strip;      // half width and half thickness in m; zero for a tube
+in vec2 rod;        // radius at the start in m, colour index
+in vec2 strip;      // half width and half thickness in m; for a tube zero and the radius at the end
 in vec3 tangentAtStart, acrossAtStart, tangentAtEnd, acrossAtEnd;   // of the segment of a strip as placed
 
 uniform usampler2D positions[2];
@@ -75,7 +75,7 @@ void main() {
     vec3 first = normalize(aside - tangent * dot(tangent, aside));
     vec3 second = cross(tangent, first);
     normal = cos(cap) * (around.x * first + around.y * second) + sin(cap) * tangent;
-    place = centre + rod.x * normal;
+    place = centre + mix(rod.x, strip.y, s) * normal;
   }
   value = mix(valueAt(nodes.y), valueAt(nodes.z), s);
   colour = int(rod.y);
