@@ -16,6 +16,8 @@
 //! | `prescribed` | rods that are held where they touch: in a floor, a tube, a chuck, a root |
 //! | `units` | scenes of these three in other units of length, time and mass |
 //!
+//! One in four impacts has rods that taper and have steps.
+//!
 //! By default there are 200 impacts and a dozen scenes of each other family.
 //! `RODLAB_RANDOM_SCENES=10000 cargo test --release random_scenes::` runs that number of each
 //! family, `RODLAB_RANDOM_FAMILIES=filaments,joined` selects families, and
@@ -50,6 +52,8 @@ const STEPS: usize = 40;
 const FOUND_BROKEN: [u64; 8] = [260, 6673, 8864, 9355, 12743, 17295, 18836, 19830];
 /// Fraction of scenes that may end with a clear error.
 const REFUSALS: f64 = 0.05;
+/// One scene of this number has rods with sections.
+const SECTIONED: u64 = 4;
 /// Allowed penetration, as a fraction of the sum of the radii, plus rounding errors.
 const BOUND: f64 = 0.05 + 1e-9;
 
@@ -102,11 +106,17 @@ impl Case {
             barrier: model == "ipc",
         };
         let edges = random.one_of(&[8, 16, 24]);
+        // Drawn apart, so that other scenes are as they were.
+        let mut of_sections = Random(!seed);
+        let has_sections = seed % SECTIONED == 0 && !FOUND_BROKEN.contains(&seed);
         let mut rod = |name: &str, shape: String, more: String| {
             let _ = write!(
                 text,
                 "[[rods]]\nname = \"{name}\"\nradius = {radius:e}\nedges = {edges}\nshape = {shape}\n{more}"
             );
+            if has_sections {
+                text.push_str(&sections(&mut of_sections, radius, size));
+            }
         };
         let moving = |random: &mut Random| {
             let spin = speed / size;
@@ -193,6 +203,20 @@ impl Case {
     }
 }
 
+/// Sections of a rod of a radius (m) that is longer than `size` (m): a taper and a step.
+fn sections(random: &mut Random, radius: f64, size: f64) -> String {
+    let thin = radius * random.decades(0.3, 1.0);
+    format!(
+        "[[rods.sections]]\nfrom = {:e}\nto = {:e}\nend_radius = {thin:e}\n\
+         [[rods.sections]]\nradius = {:e}\nyoungs_modulus = {:e}\ndensity = {:e}\n",
+        size * random.between(0.0, 0.5),
+        size * random.between(0.5, 1.5),
+        radius * random.decades(0.3, 1.0),
+        random.decades(1e5, 1e9),
+        random.decades(3e2, 8e3),
+    )
+}
+
 /// End of a case.
 enum End {
     Finished,
@@ -251,9 +275,14 @@ impl Invariants {
         for rod in &scene.rods {
             let nodes = rod.centreline.len();
             surface.add_rod(first, &rod.centreline, rod.closed, rod.radius, rod.held);
+            if !rod.sections.is_empty() {
+                let edges: Vec<f64> = rod.sections.iter().map(|edge| edge.radius).collect();
+                let nodes: Vec<f64> = (0..nodes).map(|node| rod.radius_at(node)).collect();
+                surface.set_radii(&edges, &nodes);
+            }
             for plane in scene.planes.iter().filter(|_| !rod.held) {
-                for x in &positions[first..first + nodes] {
-                    let ratio = (x - plane.point).dot(&plane.normal) / rod.radius;
+                for (node, x) in positions[first..first + nodes].iter().enumerate() {
+                    let ratio = (x - plane.point).dot(&plane.normal) / rod.radius_at(node);
                     least_plane_ratio = least_plane_ratio.min(ratio);
                 }
             }
@@ -331,19 +360,22 @@ fn node_masses(scene: &Scene) -> Vec<f64> {
     for rod in &scene.rods {
         let nodes = &rod.centreline;
         let last = nodes.len() - 1;
-        let length = |k: usize| (nodes[(k + 1) % nodes.len()] - nodes[k]).norm();
+        let share = |k: usize, end: usize| {
+            let length = (nodes[(k + 1) % nodes.len()] - nodes[k]).norm();
+            0.5 * rod.section(k).mass_per_length[end] * length
+        };
         masses.extend((0..nodes.len()).map(|k| {
             let before = match k {
-                0 if rod.closed => length(last),
+                0 if rod.closed => share(last, 1),
                 0 => 0.0,
-                _ => length(k - 1),
+                _ => share(k - 1, 1),
             };
             let after = if k < last || rod.closed {
-                length(k)
+                share(k, 0)
             } else {
                 0.0
             };
-            0.5 * rod.mass_per_length * (before + after)
+            before + after
         }));
     }
     masses

@@ -106,7 +106,7 @@ fn critical_by_inertia(scene: &Scene, end: f64) -> Result<f64, SimulationError> 
 }
 
 /// A load that equals the parameter.
-fn growing(kind: LoadKind) -> Load {
+pub(super) fn growing(kind: LoadKind) -> Load {
     Load {
         kind,
         schedule: vec![(0.0, 0.0), (1.0, 1.0), (1e3, 1e3)],

@@ -33,6 +33,7 @@ mod rods;
 mod rolling;
 mod scale_invariance;
 mod scenario;
+mod sections;
 mod sensitivities;
 mod sleeve;
 mod slides;
@@ -68,6 +69,7 @@ const GROUPS: [(&str, CheckGroup); 26] = [
     ("statics", statics::checks),
     ("spatial rods", spatial_rods::checks),
     ("vibration", vibration::checks),
+    ("sections", sections::checks),
     ("damping", damping::checks),
     ("actuation", actuation::checks),
     ("buckling", buckling::checks),

@@ -33,6 +33,7 @@ groups_pass! {
     statics_pass: "statics",
     spatial_rods_pass: "spatial rods",
     vibration_passes: "vibration",
+    sections_pass: "sections",
     actuation_passes: "actuation",
     damping_passes: "damping",
     buckling_passes: "buckling",

@@ -4,6 +4,7 @@ pub mod beam;
 pub mod cable;
 pub mod friction;
 pub mod localized_buckling;
+pub mod sections;
 pub mod shell;
 pub mod stokeslet;
 pub mod swimmer;
