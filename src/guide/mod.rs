@@ -40,6 +40,7 @@ pages! {
     getting_started
     scenarios
     parameters
+    sections
     actuation
     contact
     smooth_contact

@@ -21,6 +21,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab expand pile",
     ],
     [
+        "sections",
+        "whip_with_disk.svg",
+        "A whip with a disk at its end swings",
+        "rodlab run fishing_rod",
+    ],
+    [
         "actuation",
         "swimmer.svg",
         "A flagellum pushes a cell forward",
