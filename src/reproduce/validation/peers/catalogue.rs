@@ -172,6 +172,42 @@ pub(in super::super) static PEERS: &[Peer] = &[
         exact: None,
     },
     Peer {
+        case: "swinging-chain",
+        program: &EXUDYN,
+        script: script!("swinging-chain_exudyn.py"),
+        method: MOTION,
+        exact: None,
+    },
+    Peer {
+        case: "swinging-chain",
+        program: &MUJOCO,
+        script: script!("swinging-chain_mujoco.py"),
+        method: "rigid links with hinges, as many as edges, Runge–Kutta method of fourth order with the time steps of the \
+                 scenario",
+        exact: None,
+    },
+    Peer {
+        case: "rotating-beam",
+        program: &EXUDYN,
+        script: script!("rotating-beam_exudyn.py"),
+        method: MOTION,
+        exact: None,
+    },
+    Peer {
+        case: "becks-column",
+        program: &EXUDYN,
+        script: script!("becks-column_exudyn.py"),
+        method: "planar ANCF cables of cubic shape; the force at which the two lowest eigenvalues of M⁻¹K merge",
+        exact: None,
+    },
+    Peer {
+        case: "twisted-rod",
+        program: &EXUDYN,
+        script: script!("twisted-rod_exudyn.py"),
+        method: "geometrically exact beams; the twist at which the least eigenvalue of the stiffness matrix is zero",
+        exact: None,
+    },
+    Peer {
         case: "heavy-top",
         program: &MUJOCO,
         script: script!("heavy-top_mujoco.py"),
