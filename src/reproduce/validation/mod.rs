@@ -3,7 +3,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `scenes` | the scenarios, which users can run |
-//! | `bending`, `elasticas`, `princeton`, `curls` | cases of large bending and twist |
+//! | `bending`, `elasticas`, `princeton`, `curls`, `tubes` | cases of large bending and twist |
 //! | `tops`, `cables`, `rotating`, `capstan`, `stick_slip`, `plectoneme`, `flow` | motion, contact and fluid |
 //! | `limit_loads`, `toggle`, `buckling`, `flutter` | critical loads |
 //! | `planar_frame` | limit loads by shooting |
@@ -41,6 +41,7 @@ mod rotating;
 mod stick_slip;
 mod toggle;
 mod tops;
+mod tubes;
 
 use super::Artifact;
 use benchmark::Benchmark;
@@ -67,6 +68,8 @@ static BENCHMARKS: &[&Benchmark] = &[
     &curls::CURVED_STRIP,
     &curls::FOLDED_RING,
     &curls::HELICAL_SPRING,
+    &tubes::GUIDEWIRE,
+    &tubes::CONCENTRIC_TUBES,
     &tops::HEAVY_TOP,
     &tops::INTERMEDIATE_AXIS,
     &cables::SWINGING_CHAIN,
