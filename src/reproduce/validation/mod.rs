@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `scenes` | the scenarios, which users can run |
 //! | `bending`, `elasticas`, `princeton`, `curls`, `tubes` | cases of large bending and twist |
-//! | `tops`, `cables`, `rotating`, `capstan`, `stick_slip`, `plectoneme`, `flow` | motion, contact and fluid |
+//! | `tops`, `cables`, `rotating`, `capstan`, `stick_slip`, `coiling`, `plectoneme`, `flow` | motion, contact and fluid |
 //! | `limit_loads`, `toggle`, `buckling`, `flutter` | critical loads |
 //! | `planar_frame` | limit loads by shooting |
 //! | `buckled_sideways` | loss of stability of planar shapes by shooting |
@@ -23,6 +23,7 @@ mod buckling;
 mod cables;
 mod capstan;
 mod case_page;
+mod coiling;
 mod curls;
 mod elasticas;
 mod filament;
@@ -80,6 +81,7 @@ static BENCHMARKS: &[&Benchmark] = &[
     &capstan::CAPSTAN,
     &capstan::CLASP,
     &stick_slip::STICK_SLIP,
+    &coiling::COILING,
     &plectoneme::PLECTONEME,
     &flow::HELIX_IN_FLOW,
 ];
