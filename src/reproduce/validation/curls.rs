@@ -12,9 +12,12 @@ pub(super) static SUSPENDED_CURL: Benchmark = Benchmark {
     title: "A suspended curl that leaves its plane",
     about: "A rod with the natural curvature 6/L hangs from a clamp whose tangent points down; GJ = 2/3 EI. Without \
             weight it is an arc in a plane. A weight w per length opens the arc and makes it leave the plane; a larger \
-            one pulls it straight, and the planar shape is stable again.",
+            one pulls it straight, and the planar shape is stable again. Whether such a rod \
+            stays in its plane depends only on w L³/EI, on the natural curvature times L and on EI/GJ, here 6 and 3/2: the \
+            diagram of the bend-twist test of Romero et al. 2021.",
     source: "Miller, Lazarus, Audoly and Reis 2014, Phys. Rev. Lett. 112, 068103, with a diagram of planar and \
-             spatial shapes over length and natural curvature",
+             spatial shapes over length and natural curvature; Romero, Ly, Rasheed, Charrondière, Lazarus, Neukirch and \
+             Bertails-Descoubes 2021, ACM Trans. Graph. 40, 66, the bend-twist test",
     means: "shooting of the planar equilibrium, and of the linearised equations of rotations out of its plane",
     scene: include_str!("scenes/suspended-curl.toml"),
     edges: [40, 80, 160],
