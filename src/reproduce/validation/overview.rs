@@ -66,8 +66,23 @@ fn write(page: &mut Page, cases: &[Case<BenchmarkRun>], rows: &[Row]) -> Result<
         "order" => number(row.order, 2),
     });
     page.text("[PAPER.md](PAPER.md) describes method and proof.");
-    compare(page, &finest, &peers)
+    compare(page, &finest, &peers)?;
+    page.text("Published cases that are left out, because a value that is certain or found by other means is missing:");
+    page.text(LEFT_OUT);
+    Ok(())
 }
+
+/// Cases without a certain value.
+const LEFT_OUT: &str = "\
+- Rodenborn et al. 2013, Proc. Natl. Acad. Sci. 110, E338: no table of the measured thrust, torque and drag of helices was \
+  found. [helix-in-flow](helix-in-flow/README.md) has a similar helix with exact values.
+- Jawed, Khouri, Da, Grinspun and Reis 2015, Phys. Rev. Lett. 115, 168101: the speed at which a rotating flagellum buckles depends \
+  on the model of the flow, and there is no independent solution with the same one.
+- The time in which flagella bundle depends on how they begin, and long bundles are chaotic.
+- Jawed, Da, Joo, Grinspun and Reis 2014, Proc. Natl. Acad. Sci. 111, 14663: patterns of a rod on a moving belt are given by \
+  diagrams. [coiling](coiling/README.md) is a rod on a floor at rest.
+- Audoly, Clauvelin and Neukirch 2007, Phys. Rev. Lett. 99, 164301: the traction T = EI/2R² of a loop of \
+  radius R is the limit of thin rods, to which the page [fig2.7](../fig2.7/README.md) extrapolates.";
 
 /// Plots the largest error of each case at each of its meshes.
 fn figures(rows: &[Row]) -> Vec<PageFigure> {
