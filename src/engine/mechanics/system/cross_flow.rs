@@ -255,7 +255,7 @@ impl Term for CrossFlow {
         let edges = assembly.rods.edges.iter().filter_map(|edge| {
             let rod = &scene.rods[assembly.locate(edge.start).0];
             let half = 0.5 * edge.natural_length;
-            (!rod.held).then(|| EdgeDrag {
+            (!rod.held).then_some(EdgeDrag {
                 start: edge.start,
                 end: edge.end,
                 normal: density * rod.radius * normal * half,
