@@ -76,7 +76,10 @@ pub use rescale::{Scales, rescaled};
 pub use resolve::{END_STATE, read_polyline};
 pub use resolved::{
     Begin, Body, BodyShape, BuilderRod, Clamp, Contact, Continuation, CrossSection, Experiment,
-    Flow, FlowKind, Fluid, FrictionAt, Geometry, Handedness, Hold, Inertia, Joint, JointKind, Load, LoadFrame, LoadKind, Material, Movement, NaturalShape, Obstacle, ObstacleShape, Output, Parts, PathMethod, Place, Plane, Pose, Rod, RodSection, Scenario, Scheme, Shape, Solver, SpringOnly, Start, Step, Stiffness, Strains, Time,
+    Flow, FlowKind, Fluid, FrictionAt, Geometry, Handedness, Hold, Inertia, Joint, JointKind, Load,
+    LoadFrame, LoadKind, Material, Movement, NaturalShape, Obstacle, ObstacleShape, Output, Parts,
+    PathMethod, Place, Plane, Pose, Rod, RodSection, Scenario, Scheme, Shape, Solver, SpringOnly,
+    Start, Step, Stiffness, Strains, Time,
 };
 pub use resolved::{Probe, ProbeKind, StopWhen, Summary};
 pub use sweep::{

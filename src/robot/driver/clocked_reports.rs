@@ -49,7 +49,11 @@ impl ClockedReports {
     /// Whether a time has passed and a report has arrived after it, or none ever has.
     pub(super) fn is_past(&self, time: Instant) -> bool {
         let has_passed = Instant::now() > time;
-        has_passed && self.state.as_ref().is_none_or(|state| state.received > time)
+        has_passed
+            && self
+                .state
+                .as_ref()
+                .is_none_or(|state| state.received > time)
     }
 
     /// The last time of the robot's clock, s, and when it was received.

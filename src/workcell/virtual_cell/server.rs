@@ -163,7 +163,10 @@ impl VirtualCell {
             self.listen();
             let clock = began + self.rate * since.elapsed().as_secs_f64();
             let patience = self.patience;
-            let seen = self.clients.iter().filter_map(|client| client.seen(patience));
+            let seen = self
+                .clients
+                .iter()
+                .filter_map(|client| client.seen(patience));
             let target = seen.fold(clock, |target, seen| target.min(seen + LEAD));
             let target = target.min(self.end_of_picture());
             let work = Instant::now();

@@ -119,6 +119,13 @@ fn a_bead_that_slides_along_a_rod() {
             "EI1" | "EI2" | "GJ" | "EA" => 1.0,
             _ => 0.3,
         };
-        check_shares([3, 6, 10], EXACT, "bead", &course(scheme), &sliding(), share);
+        check_shares(
+            [3, 6, 10],
+            EXACT,
+            "bead",
+            &course(scheme),
+            &sliding(),
+            share,
+        );
     }
 }
