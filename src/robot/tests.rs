@@ -259,7 +259,7 @@ mimic joint="b" | mimic joint="z" | `z`, which it mimics, is not in the file
 <axis xyz="0 0 1"/> | <axis xyz="0 1"/> | line 7: <axis>: `xyz` is "0 1", expected three numbers
 <parent link="lower"/> | | line 7: joint `c` has no <parent>
 <link name="lower"/> | <link/> | line 4: <link> of `two` has no `name`
-<origin xyz="0 0 0.4"/> | <origin xyz="0 0 ${length}"/> | line 6: <origin>: this is a xacro file; convert it to URDF first: `xacro arm.urdf > arm.urdf`
+<origin xyz="0 0 0.4"/> | <origin xyz="0 0 ${length}"/> | line 6: <origin>: this is a xacro file; convert it to URDF first: `xacro arm.urdf > arm_expanded.urdf`
 <origin xyz="0 0 0.3" rpy="0 0 0"/> | <origin xyz="nan 0 0.3" rpy="0 0 0"/> | joint `c`: `xyz` of its origin is not a finite number
 <origin xyz="0 0 0.3" rpy="0 0 0"/> | <origin xyz="0 0 0.3" rpy="0 inf 0"/> | joint `c`: `rpy` of its origin
 <axis xyz="0 0 1"/> | <axis xyz="0 0 1e999"/> | joint `c`: `xyz` of its axis
@@ -336,9 +336,9 @@ fn unused_elements_do_not_reject_a_urdf() {
     for (text, expected) in [
         (
             "<mujoco/>",
-            "`python -c \"from mjcf_urdf_simple_converter import convert; convert('arm.urdf', 'arm.urdf')\"`",
+            "`python -c \"from mjcf_urdf_simple_converter import convert; convert('arm.urdf', 'arm_expanded.urdf')\"`",
         ),
-        ("<sdf version='1.6'/>", "sdf2urdf.py arm.urdf"),
+        ("<sdf version='1.6'/>", "sdf2urdf.py arm.urdf arm_expanded.urdf"),
         ("<html/>", "line 1: its root is <html>, expected <robot>"),
         (
             "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:arm/></robot>",

@@ -177,9 +177,21 @@ fn in_link(name: &str, error: String) -> String {
     format!("link `{name}`: {error}")
 }
 
+/// Name of the URDF file that a converter is to write: never that of its input, which a shell
+/// empties before the converter reads it.
+fn converted_name(name: &str) -> String {
+    let stem = name.split('.').next().unwrap_or(name);
+    let converted = format!("{stem}.urdf");
+    if converted.eq_ignore_ascii_case(name) {
+        format!("{stem}_expanded.urdf")
+    } else {
+        converted
+    }
+}
+
 /// Rejects other descriptions of robots, and reports a converter to URDF.
 fn is_urdf(root: Node, text: &str, name: &str) -> Result<(), String> {
-    let stem = name.split('.').next().unwrap_or(name);
+    let converted = converted_name(name);
     let is_xacro = |node: Node| {
         node.tag_name()
             .namespace()
@@ -191,22 +203,22 @@ fn is_urdf(root: Node, text: &str, name: &str) -> Result<(), String> {
     match root.tag_name().name() {
         "robot" => match root.descendants().find(|node| is_xacro(*node)) {
             Some(node) => Err(format!(
-                "line {}: <{}>: this is a xacro file; convert it to URDF first: `xacro {name} > {stem}.urdf`",
+                "line {}: <{}>: this is a xacro file; convert it to URDF first: `xacro {name} > {converted}`",
                 line(node),
                 node.tag_name().name()
             )),
             None => Ok(()),
         },
         _ if text.contains("xmlns:xacro") => Err(format!(
-            "this is a xacro file; convert it to URDF first: `xacro {name} > {stem}.urdf`"
+            "this is a xacro file; convert it to URDF first: `xacro {name} > {converted}`"
         )),
         "mujoco" => Err(format!(
             "this is an MJCF file of MuJoCo; convert it to URDF first: `pip install mjcf-urdf-simple-converter`, then \
-             `python -c \"from mjcf_urdf_simple_converter import convert; convert('{name}', '{stem}.urdf')\"`"
+             `python -c \"from mjcf_urdf_simple_converter import convert; convert('{name}', '{converted}')\"`"
         )),
         "sdf" | "gazebo" | "world" => Err(format!(
             "this is an SDF file of Gazebo; convert it to URDF first, with pysdf: `rosrun pysdf \
-             sdf2urdf.py {name} {stem}.urdf`"
+             sdf2urdf.py {name} {converted}`"
         )),
         other => Err(format!(
             "not a URDF file: line {}: its root is <{other}>, expected <robot>",
