@@ -111,6 +111,34 @@ fn outlines_are_reported_and_have_a_middle_line() {
 }
 
 #[test]
+fn several_middle_lines_are_listed_and_chosen_by_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // A T: a bar of 180 mm over a stem of 120 mm.
+    drawing(
+        folder,
+        "<path d='M10 20H190V40H110V160H90V40H10Z' fill='black'/>",
+    );
+    let plain = ["--pattern", "d.svg", "--centreline", "--lead-in", "none"];
+    let (code, stdout, stderr) = plan(folder, &plain);
+    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+    for part in [
+        "middle lines; choose one",
+        "--stroke 1 to ",
+        "mm long, from (",
+    ] {
+        assert!(stderr.contains(part), "{stderr}");
+    }
+    let picture = fs::read_to_string(folder.join("d_strokes.svg")).unwrap();
+    assert!(picture.contains("aria-label=\"2\""));
+    assert!(!folder.join("out").exists());
+    let (code, stdout, stderr) = plan(folder, &[&plain[..], &["--stroke", "longest"]].concat());
+    assert_eq!(code, 0, "{stderr}");
+    let record: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert!(record["length_m"].as_f64().unwrap() > 0.08, "{record}");
+}
+
+#[test]
 fn files_from_many_sources_are_read() {
     let shared = Path::new(concat!(
         env!("CARGO_MANIFEST_DIR"),

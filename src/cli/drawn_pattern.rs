@@ -90,32 +90,33 @@ fn ways_out(path: &Path, drawing: &SvgDrawing) -> String {
         None => "; --join GAP joins strokes whose ends are at most GAP apart".into(),
     };
     let mut text = format!("--stroke takes a number, an id, or `longest`{join}");
-    let points: Vec<Vec<[f64; 2]>> = drawing
-        .strokes
-        .iter()
-        .map(|stroke| {
-            stroke
-                .points
-                .iter()
-                .map(|point| [point.x, point.y])
-                .collect()
-        })
+    text += &numbered_picture(
+        path,
+        drawing.strokes.iter().map(|stroke| &stroke.points[..]),
+    );
+    text
+}
+
+/// Writes a picture of numbered strokes of a file into the current folder. Returns a line that
+/// names it; empty if it cannot be written.
+pub fn numbered_picture<'a>(path: &Path, strokes: impl Iterator<Item = &'a [Point]>) -> String {
+    let points: Vec<Vec<[f64; 2]>> = strokes
+        .map(|stroke| stroke.iter().map(|point| [point.x, point.y]).collect())
         .collect();
     let views: Vec<&[[f64; 2]]> = points.iter().map(Vec::as_slice).collect();
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let picture = PathBuf::from(format!("{name}_strokes.svg"));
     match write_file(&picture, numbered_strokes(&views).as_bytes()) {
-        Ok(()) => {
-            let _ = write!(
-                text,
-                "\na picture of them with their numbers: {}",
-                picture.display()
-            );
-        }
-        Err(_) => tracing::warn!(
-            "{} cannot be written: no picture of the strokes",
+        Ok(()) => format!(
+            "\na picture of them with their numbers: {}",
             picture.display()
         ),
+        Err(_) => {
+            tracing::warn!(
+                "{} cannot be written: no picture of the strokes",
+                picture.display()
+            );
+            String::new()
+        }
     }
-    text
 }

@@ -37,7 +37,7 @@ pub struct PatternArguments {
     join: Option<f64>,
     /// Follow the middle line of the filled areas of an SVG instead of their edges
     ///
-    /// For text made into paths, for example. --stroke selects one of the lines found [default: the longest].
+    /// For text made into paths, for example. --stroke selects one of the lines found [default: the only one].
     #[arg(long, hide_short_help = true, conflicts_with = "join")]
     centreline: bool,
     /// The pattern, after it was read.
@@ -196,8 +196,13 @@ impl PatternArguments {
                 self.pattern.name
             )));
         } else if self.centreline {
-            let line = counted(self.stroke.as_ref())?;
-            Some(middle_line(path, line, self.size, self.drawing_smoothing)?)
+            let choice = self.stroke.as_ref();
+            Some(middle_line(
+                path,
+                choice,
+                self.size,
+                self.drawing_smoothing,
+            )?)
         } else {
             let part = Part {
                 stroke: self.stroke.as_ref(),
