@@ -96,32 +96,77 @@ fn is_of_another_kind(bytes: &[u8], open: &[usize], place: usize) -> bool {
     )
 }
 
+/// Whether a list that begins at `place` is beyond the end of the innermost open list: it begins a
+/// line, and the item before it, which ended at `before`, is no list.
+fn is_beyond_list(bytes: &[u8], open: &[usize], before: usize, place: usize) -> bool {
+    let [.., outer, inner] = open else {
+        return false;
+    };
+    before > *inner
+        && bytes[*outer] == b'['
+        && bytes[*inner] == b'['
+        && !matches!(bytes[before], b']' | b'}')
+        && bytes[before..place].contains(&b'\n')
+}
+
+/// Whether the bracket at `place`, which closes the innermost open list, looks as if it closed the
+/// list around that: it begins a line, and of both lists only the outer one began at the end of a
+/// line.
+fn closes_outer_list(bytes: &[u8], open: &[usize], place: usize) -> bool {
+    let [.., outer, inner] = open else {
+        return false;
+    };
+    let blank = |byte: &&u8| !matches!(**byte, b' ' | b'\t' | b'\r');
+    let ends_line = |at: usize| matches!(bytes[at + 1..].iter().find(blank), Some(b'\n' | b'#'));
+    let begins_line = bytes[..place].iter().rev().find(blank) == Some(&b'\n');
+    begins_line && ends_line(*outer) && !ends_line(*inner)
+}
+
 /// The first bracket or brace of a value that is still open at the next key, the next table or the
 /// end of the text.
 fn unclosed_bracket(text: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let mut open: Vec<usize> = Vec::new();
     let mut in_value = false;
+    // The end of the last item, and a list that was probably closed by a bracket of another one.
+    let (mut item, mut suspect) = (0, None);
+    let guilty = |suspect: Option<usize>, first: Option<&usize>| {
+        suspect.filter(|at| Some(at) > first).or(first.copied())
+    };
     let mut place = 0;
     while place < bytes.len() {
+        let start = place;
         match bytes[place] {
             b'#' => place += line_length(&text[place..]),
             quote @ (b'"' | b'\'') => place = end_of_text(text, place, quote)?,
-            b'\n' if open.is_empty() => in_value = false,
+            b'\n' if open.is_empty() => (in_value, suspect) = (false, None),
             b'=' if open.is_empty() => in_value = true,
             // A key in a list: the open bracket should have been closed before. Inline tables have
             // keys of their own.
-            b'=' if open.iter().all(|at| bytes[*at] == b'[') => return open.first().copied(),
-            b'[' | b'{' if in_value => open.push(place),
-            b']' | b'}' if in_value && is_of_another_kind(bytes, &open, place) => {
+            b'=' if open.iter().all(|at| bytes[*at] == b'[') => {
+                return guilty(suspect, open.first());
+            }
+            b'[' if in_value && is_beyond_list(bytes, &open, item, place) => {
                 return open.last().copied();
             }
-            b']' | b'}' if in_value => drop(open.pop()),
+            b'[' | b'{' if in_value => open.push(place),
+            b']' | b'}' if in_value && is_of_another_kind(bytes, &open, place) => {
+                return guilty(suspect, open.last());
+            }
+            b']' | b'}' if in_value => {
+                if closes_outer_list(bytes, &open, place) {
+                    suspect = suspect.or(open.last().copied());
+                }
+                open.pop();
+            }
             _ => {}
+        }
+        if !matches!(bytes[start], b'#' | b',' | b' ' | b'\t' | b'\r' | b'\n') {
+            item = place;
         }
         place += 1;
     }
-    open.first().copied()
+    guilty(suspect, open.first())
 }
 
 fn line_length(text: &str) -> usize {
@@ -313,6 +358,19 @@ mod tests {
         let text = "shape = { start = [0, 0, 0, end = [1, 0, 0] }\n[time]\n";
         let errors = parse(0, text).unwrap_err();
         assert_eq!(errors[0].bytes.start, text.find("[0").unwrap());
+    }
+
+    #[test]
+    fn an_unclosed_list_in_a_list_over_several_lines_is_named() {
+        for text in [
+            "shape = { points = [\n [0, 0, 0],\n [0, 0, 0.1\n [0, 0, 0.2],\n] }\n[time]\n",
+            "points = [\n [0, 0, 0],\n [0, 0, 0.1, # here\n [0, 0, 0.2],\n]\n[time]\n",
+            "points = [\n [0, 0, 0.1\n]\n[time]\n",
+        ] {
+            let errors = parse(0, text).unwrap_err();
+            let guilty = text.find("[0, 0, 0.1").unwrap();
+            assert_eq!(errors[0].bytes.start, guilty, "{text}: {errors:?}");
+        }
     }
 
     #[test]
