@@ -117,9 +117,14 @@ impl Interval {
     pub fn stepped(&self, step: f64, most: usize) -> Result<Vec<Value>, String> {
         let steps = (self.to - self.from) / step;
         if !(steps >= 0.0) {
+            let [step, from, to] = [step, self.from, self.to].map(|number| self.text_of(number));
+            let sign = if self.to < self.from {
+                "below"
+            } else {
+                "above"
+            };
             return Err(format!(
-                "steps of {step} do not go from {} to {}",
-                self.from, self.to
+                "steps of {step} do not lead from {from} to {to}; allowed: a step {sign} 0"
             ));
         }
         // The last value counts even if round-off puts it slightly beyond the end.
@@ -129,6 +134,14 @@ impl Interval {
         }
         let values = (0..=last as usize).map(|index| self.from + index as f64 * step);
         Ok(values.map(|number| self.value_of(number)).collect())
+    }
+
+    /// A number with its unit.
+    fn text_of(&self, number: f64) -> String {
+        match self.unit.as_str() {
+            "" => number.to_string(),
+            unit => format!("{number} {unit}"),
+        }
     }
 
     fn value_of(&self, number: f64) -> Value {

@@ -23,10 +23,14 @@ pub fn read(source: usize, argument: &str) -> Result<Axis, String> {
         span: whole.clone(),
     };
     let parts: Vec<&str> = values.split(':').collect();
-    let numbers: Option<Vec<Number>> = parts
+    let each: Vec<Option<Number>> = parts
         .iter()
         .map(|part| Number::read(&Value::String((*part).trim().to_owned())).ok())
         .collect();
+    if let Some(fault) = part_without_number(values, &parts, &each) {
+        return Err(fault);
+    }
+    let numbers: Option<Vec<Number>> = each.into_iter().collect();
     let values: Vec<Node> = match numbers.as_deref() {
         Some([from, to, step]) => stepped(from, to, step)?.into_iter().map(node).collect(),
         Some([_, _]) => {
@@ -59,6 +63,23 @@ pub fn read(source: usize, argument: &str) -> Result<Axis, String> {
             },
         }],
         points: values.into_iter().map(|value| vec![value]).collect(),
+    })
+}
+
+/// Message about the single part of a range that is not a number.
+fn part_without_number(values: &str, parts: &[&str], numbers: &[Option<Number>]) -> Option<String> {
+    let [from, to, step] = numbers else {
+        return None;
+    };
+    let (name, part) = match (from, to, step) {
+        (None, Some(_), Some(_)) => ("first value", parts[0].trim()),
+        (Some(_), None, Some(_)) => ("last value", parts[1].trim()),
+        (Some(_), Some(_), None) => ("step", parts[2].trim()),
+        _ => return None,
+    };
+    Some(match part {
+        "" => format!("{values:?} is a range without its {name}; expected from:to:step"),
+        _ => format!("{values:?}: the {name} {part:?} is not a number; expected from:to:step"),
     })
 }
 
@@ -142,11 +163,23 @@ mod tests {
             assert!(error.contains("without its step"), "{error}");
         }
         assert!(read(0, "radius=1 mm:2 mm:1").unwrap_err().contains("unit"));
-        assert!(
-            read(0, "friction=0:1:-1")
-                .unwrap_err()
-                .contains("do not go")
-        );
+        for (range, expected) in [
+            ("3mm:7mm:", "without its step"),
+            ("3mm::1mm", "without its last value"),
+            (":7mm:1mm", "without its first value"),
+            ("3mm:7mm:small", "the step \"small\" is not a number"),
+            (
+                "7mm:3mm:1mm",
+                "steps of 1 mm do not lead from 7 mm to 3 mm; allowed: a step below 0",
+            ),
+            (
+                "0:1:-1",
+                "steps of -1 do not lead from 0 to 1; allowed: a step above 0",
+            ),
+        ] {
+            let error = read(0, &format!("rods.0.radius={range}")).unwrap_err();
+            assert!(error.contains(expected), "{range}: {error}");
+        }
     }
 
     proptest! {
