@@ -14,7 +14,8 @@ const MOST_POINTS: usize = 1_000_000;
 ///
 /// If the file has several strands (a column `strand`, from 1), `strand` is read, or else the
 /// first one in the file. Of several rods (a column `rod`) the first is read, and of several times
-/// (`time_s`) the last.
+/// (`time_s`) the last. If most times have a single point, the table is a path in time: all of its
+/// points are read.
 ///
 /// # Errors
 /// The file cannot be read, has no such columns, or a value is not a finite number.
@@ -51,6 +52,9 @@ fn parse_curve(text: &str, strand: Option<usize>) -> Result<Vec<Point>, String> 
     }
     let mut latest = f64::NEG_INFINITY;
     let mut points = Vec::new();
+    // Points at all times, the number of these times, and that of the rows.
+    let mut path: Result<Vec<Point>, String> = Ok(Vec::new());
+    let (mut times, mut rows) = (0_usize, 0_usize);
     for (line, values) in table.rows() {
         let number = |column: Column| {
             table.value(&values, column).ok_or_else(|| {
@@ -70,14 +74,30 @@ fn parse_curve(text: &str, strand: Option<usize>) -> Result<Vec<Point>, String> 
         let at = time.map_or(Ok(0.0), number)?;
         if at > latest {
             latest = at;
+            times += 1;
             points.clear();
         }
+        let place = || Ok(Point::new(number(x)?, number(y)?));
+        rows += 1;
+        if rows <= MOST_POINTS && time.is_some() {
+            path = path.and_then(|mut path| {
+                path.push(place()?);
+                Ok(path)
+            });
+        }
         if at == latest {
-            points.push(Point::new(number(x)?, number(y)?));
+            points.push(place()?);
         }
         if points.len() > MOST_POINTS {
             return Err(format!("it has more than {MOST_POINTS} points"));
         }
+    }
+    // A curve at one time has two points or more.
+    if time.is_some() && 2 * times > rows {
+        if rows > MOST_POINTS {
+            return Err(format!("it has more than {MOST_POINTS} points"));
+        }
+        points = path?;
     }
     if points.len() < 2 {
         return Err(match strand {
@@ -108,6 +128,17 @@ mod tests {
                      2,beam,0,1,2,3,\n2,beam,1,2,2,3,\n2,other,0,4,4,4,\n";
         let found = parse_curve(nodes, None).expect("a curve");
         assert_eq!(found, [Point::new(1.0, 2.0), Point::new(2.0, 2.0)]);
+    }
+
+    #[test]
+    fn a_path_in_time_is_read_as_a_whole() {
+        // The last time twice: the pen waits.
+        let path = "time_s,x_mm,y_mm\n0,0,0\n1,50,0\n2,100,0\n3,200,5\n3,200,5\n";
+        let found = parse_curve(path, None).expect("a curve");
+        assert_eq!(found.len(), 5);
+        assert!((found[3] - Point::new(0.2, 0.005)).norm() < 1e-12);
+        let error = parse_curve("time_s,x_m,y_m\n0,0,0\n1,a,0\n2,1,0\n", None).expect_err("text");
+        assert!(error.contains("line 3"), "{error}");
     }
 
     #[test]
