@@ -163,6 +163,7 @@ fn rounded(length: f64, to: fn(f64) -> f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::pattern::Line;
     use super::*;
 
     const ROD: DeployedRod = DeployedRod {
@@ -176,6 +177,28 @@ mod tests {
         PatternSource::Drawn {
             points: points.to_vec(),
             deviation: 2.5e-4,
+        }
+    }
+
+    #[test]
+    fn a_rod_that_cannot_be_held_is_refused_with_the_allowed_lengths() {
+        let request = DeploymentRequest::default();
+        for (relative, is_allowed) in [(250.0, false), (100.1, false), (99.9, true)] {
+            let rod = DeployedRod {
+                length: relative * ROD.gravito_bending_length,
+                ..ROD
+            };
+            let line = PatternSource::Line(Line { length: 0.05 });
+            let planned = request.plan(&line, &rod, &Spare::HANGS);
+            let Err(error) = planned else {
+                assert!(is_allowed, "{relative}");
+                continue;
+            };
+            let error = error.to_string();
+            assert!(
+                !is_allowed && error.contains("a length from 0.0020 m to 2.0000 m"),
+                "{relative}: {error}"
+            );
         }
     }
 

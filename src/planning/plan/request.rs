@@ -3,7 +3,8 @@
 
 use super::deployment::{
     DeployedRod, DeploymentError, Feasibility, LaidPath, MOST_POSES, OptimalGrasps, Scheme, Spare,
-    checked_points, friction_demands, lead_length, long_enough, times, with_spare_laid,
+    can_be_held, checked_points, friction_demands, lead_length, long_enough, times,
+    with_spare_laid,
 };
 use super::pattern::{Crossing, Pattern, PatternError, PatternSource, crossings};
 use super::tying::{Pass, Passage, TiedRod, TyingError, laid_length, passages};
@@ -109,6 +110,7 @@ impl DeploymentRequest<'_> {
         rod: &DeployedRod,
         spare: &Spare<'_>,
     ) -> Result<PlannedDeployment, RequestError> {
+        self.refuse_rod(rod)?;
         let pattern = self.pattern(source, rod)?;
         let (bent, length) = (pattern.lead_in(), pattern.length());
         let knot = match self.knot[..] {
@@ -168,6 +170,7 @@ impl DeploymentRequest<'_> {
         source: &PatternSource,
         rod: &DeployedRod,
     ) -> Result<(Pattern, LaidPath), RequestError> {
+        self.refuse_rod(rod)?;
         let laid = self.pattern(source, rod)?.shortened(laid_length(rod));
         self.refuse_long(&laid, rod)?;
         let way = (self.scheme, OptimalGrasps::Exact);
@@ -182,6 +185,14 @@ impl DeploymentRequest<'_> {
     pub fn passages(&self, rods: &[(&DeployedRod, &Pattern)]) -> Result<Vec<Passage>, TyingError> {
         let tied = rods.iter().map(|(rod, curve)| TiedRod { rod, curve });
         passages(&tied.collect::<Vec<_>>(), &self.knot)
+    }
+
+    /// Only the optimal scheme needs grasps.
+    fn refuse_rod(&self, rod: &DeployedRod) -> Result<(), DeploymentError> {
+        match self.scheme {
+            Scheme::Optimal => can_be_held(rod),
+            Scheme::Intuitive => Ok(()),
+        }
     }
 
     /// Checked before sampling, since the pattern may be very long.

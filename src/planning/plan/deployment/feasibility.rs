@@ -88,6 +88,25 @@ fn sharpest_of_lead(rod: &DeployedRod) -> f64 {
     1.0 / (LEAD_RADII * rod.radius)
 }
 
+/// Checks that there are grasps of a rod whose whole length is suspended, as at the start of a
+/// pattern.
+///
+/// # Errors
+/// [`DeploymentError::RodLength`].
+pub fn can_be_held(rod: &DeployedRod) -> Result<(), DeploymentError> {
+    let unit = rod.gravito_bending_length;
+    let [least_m, most_m] = GraspProblem::LENGTHS.map(|length| length * unit);
+    match (least_m..=most_m).contains(&rod.length) {
+        true => Ok(()),
+        false => Err(DeploymentError::RodLength {
+            rod_m: rod.length,
+            unit_m: unit,
+            least_m,
+            most_m,
+        }),
+    }
+}
+
 /// Checks that the gripper still holds the rod at the end of the pattern.
 ///
 /// # Errors

@@ -31,7 +31,9 @@ mod trajectory;
 
 pub use corrected_path::CorrectedPath;
 pub use correction::{ObservedContact, corrected_length, return_curve};
-pub use feasibility::{Feasibility, checked_points, friction_demands, lead_length, long_enough};
+pub use feasibility::{
+    Feasibility, can_be_held, checked_points, friction_demands, lead_length, long_enough,
+};
 pub use figure::deployment_figure;
 pub use laid_path::LaidPath;
 pub use landing::hanging_rod;
@@ -43,7 +45,7 @@ pub use trajectory::{
     trajectory,
 };
 
-use crate::plan::grasp::GraspError;
+use crate::plan::grasp::{GraspError, GraspProblem};
 use std::fmt;
 use thiserror::Error;
 
@@ -95,6 +97,23 @@ pub enum DeploymentError {
         rod_m: f64,
         /// Least length of the rod, m.
         least_m: f64,
+    },
+    /// There is no grasp of the whole rod.
+    #[error(
+        "the rod is {rod_m} m long: allowed for this rod: a length from {least_m:.4} m to {most_m:.4} m, that is {least} to {most} \
+         gravito-bending lengths of {unit_m} m",
+        least = GraspProblem::LENGTHS[0],
+        most = GraspProblem::LENGTHS[1]
+    )]
+    RodLength {
+        /// Length of the rod, m.
+        rod_m: f64,
+        /// Its gravito-bending length, m.
+        unit_m: f64,
+        /// Least length, m.
+        least_m: f64,
+        /// Largest length, m.
+        most_m: f64,
     },
     /// The radius of curvature of the pattern is smaller than the radius of the rod.
     #[error(
