@@ -164,6 +164,7 @@ fn all_scenarios_of_the_repository_prepare() {
         }
         let loaded = case_set.scenario_of(0).unwrap();
         let run = prepare(&loaded.scenario).unwrap_or_else(|error| panic!("{error}"));
+        assert!(run.warnings.is_empty(), "{}: {:?}", run.name, run.warnings);
         let again = from_text(&run.name, &run.scenario_toml, Path::new(""), &[]).unwrap();
         assert_eq!(again.scenario, loaded.scenario, "{}", path.display());
         names.push(run.name);
