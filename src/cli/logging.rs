@@ -20,16 +20,18 @@ pub fn start(common: &Common) {
         (false, 2) => LevelFilter::DEBUG,
         (false, _) => LevelFilter::TRACE,
     };
-    // The DDS library warns about connecting and leaving peers in lines of a thousand characters.
-    // The drivers report everything important.
-    let of_dds = if level == LevelFilter::TRACE {
+    // The DDS library warns about connecting and leaving peers in lines of a thousand characters,
+    // and that of SVG without the name of the file. The drivers and the reader of drawings report
+    // everything important.
+    let of_libraries = if level == LevelFilter::TRACE {
         LevelFilter::WARN
     } else {
         LevelFilter::OFF
     };
     let filter = Targets::new()
         .with_default(level.min(LevelFilter::WARN))
-        .with_target("rustdds", of_dds)
+        .with_target("rustdds", of_libraries)
+        .with_target("usvg", of_libraries)
         .with_target(env!("CARGO_PKG_NAME"), level);
     let lines = tracing_subscriber::fmt::layer()
         .with_writer(|| Printable(std::io::stderr()))

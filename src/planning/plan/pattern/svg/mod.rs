@@ -5,6 +5,7 @@
 //! | `visible` | visible shapes and their positions |
 //! | `shape`, `path_data` | the outline of a shape |
 //! | `units` | lengths, and the size of the page |
+//! | `styled` | transforms in styles that cannot be read |
 //! | `clip` | parts of a stroke inside a clip |
 //! | `strokes` | selection and joining of strokes |
 
@@ -12,6 +13,7 @@ mod clip;
 mod path_data;
 mod shape;
 mod strokes;
+mod styled;
 mod units;
 mod visible;
 
@@ -159,6 +161,12 @@ impl SvgDrawing {
                 count - MOST_NOTES
             ));
         }
+        let ignored = elements().flat_map(|node| {
+            let messages = styled::unreadable_transforms(node).into_iter();
+            let (line, name) = (lines.of(node), node.tag_name().name());
+            messages.map(move |message| format!("line {line}: <{name}>: {message}"))
+        });
+        notes.extend(ignored.take(MOST_NOTES));
         let texts = elements().filter(|node| node.tag_name().name() == "text");
         Ok(Self {
             strokes: joined(strokes),
@@ -191,6 +199,18 @@ impl Lines {
         let start = node.range().start;
         u32::try_from(self.0.partition_point(|end| *end < start) + 1).unwrap_or(u32::MAX)
     }
+}
+
+/// Whether a filled line surrounds an area that is visible at the size of its shape.
+fn has_area(points: &[Point], size: f64) -> bool {
+    let Some(first) = points.first() else {
+        return false;
+    };
+    let sides = points.windows(2);
+    let twice: f64 = sides
+        .map(|side| (side[0] - first).perp(&(side[1] - first)))
+        .sum();
+    twice.abs() > FLATNESS * size * size
 }
 
 /// An unreadable part of an element.
@@ -294,6 +314,9 @@ impl Reader<'_> {
             .chunk_by(|_, next| !matches!(next, kurbo::PathEl::MoveTo(_)))
         {
             let points = self.flattened(node, elements, FLATNESS * size)?;
+            if seen.has_hidden_line && !has_area(&points, size) {
+                continue;
+            }
             for points in self.clipped(points, seen, FLATNESS * size) {
                 let is_closed = points.first() == points.last();
                 self.strokes.push(DrawnStroke {

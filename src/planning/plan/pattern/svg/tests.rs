@@ -189,6 +189,7 @@ fn drawings_are_read_as_browsers_show_them() {
         ("<g opacity='0'><path d='M0 0H50'/></g><path d='M0 5H7'/>".into(), vec![7.0]),
         ("<path fill='none' stroke='none' d='M0 0H50'/><path d='M0 5H7'/>".into(), vec![7.0]),
         ("<path style='fill:none' d='M0 0H50'/><path style='stroke:red;fill:none' d='M0 5H7'/>".into(), vec![7.0]),
+        ("<path stroke='black' stroke-opacity='0' d='M0 0L50 5'/><path d='M0 5H7'/>".into(), vec![7.0]),
         ("<path stroke='black' stroke-opacity='0' fill='none' d='M0 0H50'/><path d='M0 5H7'/>".into(), vec![7.0]),
         ("<switch><path systemLanguage='xx' d='M0 0H50'/><path d='M0 5H7'/></switch>".into(), vec![7.0]),
         // Definitions are not strokes.
@@ -387,4 +388,25 @@ fn outlines_text_and_what_cannot_be_read_are_noted() {
         "{:?}",
         drawing.notes
     );
+}
+
+#[test]
+fn transforms_in_styles_that_cannot_be_read_are_reported() {
+    let notes = |content: &str| {
+        let text = format!("<svg xmlns='http://www.w3.org/2000/svg'>\n{content}</svg>");
+        SvgDrawing::read(&text).unwrap().notes
+    };
+    for content in [
+        "<path style='stroke:red;transform:rotate(30deg)' d='M0 0L9 5'/>",
+        "<style>.a{fill:none;transform: rotate(30deg)}</style><path class='a' stroke='red' d='M0 0L9 5'/>",
+    ] {
+        let found = notes(content);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(
+            found[0].starts_with("line 2: <") && found[0].contains("\"rotate(30deg)\""),
+            "{found:?}"
+        );
+    }
+    let readable = notes("<path style='transform:scale(.5);stroke:red' d='M0 0L9 5'/>");
+    assert!(readable.is_empty(), "{readable:?}");
 }

@@ -42,6 +42,8 @@ pub struct Seen {
     pub place: Affine,
     /// Whether it is filled and has no outline.
     pub is_filled: bool,
+    /// Whether it has a line that is transparent.
+    pub has_hidden_line: bool,
     /// Indices of the clips that apply to it, into [`Visible::clips`].
     pub clips: Vec<usize>,
 }
@@ -138,6 +140,7 @@ impl Visible {
                             shape,
                             place: affine(path.abs_transform()),
                             is_filled: !has_line,
+                            has_hidden_line: !has_line && path.stroke().is_some(),
                             clips: clips.clone(),
                         });
                     }
