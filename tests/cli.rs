@@ -477,7 +477,12 @@ fn shells_complete_presets_files_topics_pages_and_keys() {
         (&["guide", "exit"], "exit-codes"),
         (&["reproduce", "tab2"], "tab2.1"),
         (&["explain", "time.st"], "time.step"),
+        (&["explain", "series.csv"], "series.csv"),
+        (&["explain", "nodes.theta"], "nodes.theta_rad"),
+        (&["presets", "show", "flagella_q"], "flagella_quick"),
+        (&["init", "rod", "--like", "green"], "green_vps"),
         (&["run", "swing.toml", "--set", "time.st"], "time.step="),
+        (&["run", "swing.toml", "--vary", "time.st"], "time.step="),
     ] {
         let output = Command::new(env!("CARGO_BIN_EXE_rodlab"))
             .env("COMPLETE", "bash")

@@ -24,6 +24,37 @@ pub fn presets(kind: PresetKind) -> ArgValueCompleter {
     })
 }
 
+/// Names of presets of some kinds.
+pub fn preset_names(kinds: &'static [PresetKind]) -> ArgValueCandidates {
+    ArgValueCandidates::new(move || {
+        let presets = kinds.iter().flat_map(|kind| Preset::of_kind(*kind));
+        presets
+            .map(|preset| candidate(preset.name, preset.title()))
+            .collect()
+    })
+}
+
+/// What `rodlab explain` explains: keys of scenario files, and files of results directories with
+/// their columns.
+pub fn explained() -> ArgValueCandidates {
+    ArgValueCandidates::new(|| {
+        let keys = scenario_keys().into_iter();
+        let mut all: Vec<_> = keys.map(|(key, words)| candidate(&key, &words)).collect();
+        for file in experiment::described_files() {
+            let name = file.names[0];
+            all.push(candidate(name, file.meaning));
+            let stem = name.split('.').next().unwrap_or(name);
+            for column in file.columns() {
+                all.push(candidate(
+                    &format!("{stem}.{}", column.name),
+                    column.meaning,
+                ));
+            }
+        }
+        all
+    })
+}
+
 /// Topics of the guide.
 pub fn guide_topics() -> ArgValueCandidates {
     let pages = || PAGES.iter();

@@ -1,6 +1,6 @@
 //! `rodlab explain`: keys of scenario files; files of results directories and their columns.
 
-use super::candidates::keys;
+use super::candidates::explained;
 use super::prelude::*;
 use rodlab_files::results::FileDescription;
 use rodlab_lab::experiment::{self, Described, describe, described_files, files_with_column};
@@ -17,7 +17,7 @@ Examples:
   rodlab explain manifest.json")]
 pub struct ExplainArguments {
     /// Dotted key, file of results directories or FILE.COLUMN; without it, all of them are listed
-    #[arg(add = keys(""))]
+    #[arg(add = explained())]
     pub key: Option<String>,
 }
 

@@ -1,5 +1,6 @@
 //! `rodlab init`.
 
+use super::candidates::preset_names;
 use super::expand::expanded;
 use super::prelude::*;
 use super::preset_file::preset_file;
@@ -19,7 +20,7 @@ pub struct InitArguments {
     #[arg(value_name = "KIND", value_parser = beginnings())]
     beginning: Beginning,
     /// Write the preset of this name instead [default of cells, rods and papers: that of the guide]
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", add = preset_names(&LIKE))]
     like: Option<String>,
 }
 
@@ -44,6 +45,14 @@ const OTHERS: [(PresetKind, &str, &str); 3] = [
         "a rod to lay: stiffness, radius, length",
     ),
     (PresetKind::Paper, "a4", "a paper to fold"),
+];
+
+/// Kinds of presets that can be written.
+const LIKE: [PresetKind; 4] = [
+    PresetKind::Scenario,
+    PresetKind::Rod,
+    PresetKind::Paper,
+    PresetKind::Cell,
 ];
 
 /// Reads the name of a kind of experiment, or of a kind of presets.

@@ -69,12 +69,8 @@ pub fn resolve(kind: PresetKind, path: PathBuf) -> Result<PathBuf, Box<dyn Error
         return Ok(path);
     }
     let Some(preset) = preset else {
-        return match nearest(kind, &path) {
-            Some(name) => Err(format!(
-                "there is no such file, and no {kind} preset of this name; did you mean `{name}`? \
-                 `rodlab presets {kind}` lists them"
-            )
-            .into()),
+        return match advice(kind, &path) {
+            Some(advice) => Err(advice.into()),
             None => Ok(path),
         };
     };
@@ -93,11 +89,30 @@ pub fn resolve(kind: PresetKind, path: PathBuf) -> Result<PathBuf, Box<dyn Error
     Ok(file)
 }
 
-/// The preset whose name is similar to a bare name.
-fn nearest(kind: PresetKind, path: &Path) -> Option<&'static str> {
-    let typed = path
-        .to_str()
-        .filter(|text| !text.contains(['/', '\\', '.', ':']))?;
+/// Message about a path without a file that is not the name of a preset; `None` for a formula, and
+/// for standard input.
+fn advice(kind: PresetKind, path: &Path) -> Option<String> {
+    let typed = path.to_str()?;
+    if typed.is_empty() || typed == "-" || typed.contains(':') {
+        return None;
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let is_bare = path.components().count() == 1;
+    let other = PresetKind::ALL
+        .into_iter()
+        .find(|other| *other != kind && is_bare && Preset::named(*other, &stem).is_some());
+    let found = match (other, nearest_preset(kind, &stem)) {
+        (Some(other), _) => format!("there is no such file, and `{stem}` is a {other} preset"),
+        (None, Some(name)) => {
+            format!("there is no such file; did you mean the {kind} preset `{name}`?")
+        }
+        (None, None) => format!("there is no such file, and no {kind} preset of this name"),
+    };
+    Some(format!("{found}; `rodlab presets {kind}` lists them"))
+}
+
+/// The preset of a kind whose name is similar to a given one.
+pub fn nearest_preset(kind: PresetKind, typed: &str) -> Option<&'static str> {
     Preset::of_kind(kind)
         .map(|preset| (strsim::jaro_winkler(typed, preset.name), preset.name))
         .filter(|(similarity, _)| *similarity > 0.85)
@@ -118,17 +133,31 @@ mod tests {
     }
 
     #[test]
-    fn a_misspelt_preset_is_rejected_with_the_similar_name() {
-        let error = resolve(PresetKind::Rod, "gren_vps".into())
-            .unwrap_err()
-            .to_string();
-        assert!(
-            error.contains("`green_vps`") && error.contains("presets rod"),
-            "{error}"
-        );
-        for path in ["no_such_thing", "elsewhere/gren_vps", "line:0.3", "-"] {
+    fn a_path_without_a_file_is_rejected_with_the_similar_preset_or_the_list() {
+        for (kind, path, expected) in [
+            (PresetKind::Rod, "gren_vps", "`green_vps`"),
+            (PresetKind::Rod, "elsewhere/gren_vps", "`green_vps`"),
+            (PresetKind::Rod, "a4", "`a4` is a paper preset"),
+            (PresetKind::Rod, "no_such_thing", "no rod preset"),
+            (
+                PresetKind::Scenario,
+                "sub/flagella_quick",
+                "`flagella_quick`",
+            ),
+            (PresetKind::Scenario, "nope.toml", "no scenario preset"),
+            (PresetKind::Pattern, "B", "no pattern preset"),
+            (PresetKind::Pattern, "own/b.svg", "no pattern preset"),
+        ] {
+            let error = resolve(kind, path.into()).unwrap_err().to_string();
+            let list = format!("`rodlab presets {kind}` lists them");
+            assert!(
+                error.contains(expected) && error.contains(&list),
+                "{path}: {error}"
+            );
+        }
+        for path in ["line:0.3", "-", ""] {
             assert_eq!(
-                resolve(PresetKind::Rod, path.into()).unwrap(),
+                resolve(PresetKind::Pattern, path.into()).unwrap(),
                 Path::new(path)
             );
         }

@@ -1,6 +1,8 @@
 //! `rodlab presets`.
 
+use super::candidates::preset_names;
 use super::prelude::*;
+use super::preset_file::nearest_preset;
 use crate::presets::{Preset, PresetKind};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
@@ -34,6 +36,7 @@ enum PresetsAction {
     /// Print a preset
     Show {
         /// Name of the preset
+        #[arg(add = preset_names(&PresetKind::ALL))]
         name: String,
         /// Kind of the preset, if presets of several kinds have that name
         #[arg(long, value_parser = kinds())]
@@ -84,6 +87,21 @@ pub fn presets(arguments: &PresetsArguments) -> Result<(), Failure> {
     print(&lines.collect::<String>())
 }
 
+/// Message about a name that no preset has.
+fn unknown(name: &str, kind: Option<PresetKind>) -> String {
+    let of = kind.map_or(String::new(), |kind| format!("{kind} "));
+    let mut kinds = match kind {
+        Some(ref kind) => std::slice::from_ref(kind).iter(),
+        None => PresetKind::ALL.iter(),
+    };
+    let meant = kinds
+        .find_map(|kind| nearest_preset(*kind, name))
+        .map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+    let list = of.trim_end();
+    let space = if list.is_empty() { "" } else { " " };
+    format!("no {of}preset is called `{name}`{meant}; `rodlab presets{space}{list}` lists them")
+}
+
 /// The preset with a name, and with a kind if it is given.
 pub fn found(name: &str, kind: Option<PresetKind>) -> Result<Preset, Failure> {
     let is_meant =
@@ -91,9 +109,7 @@ pub fn found(name: &str, kind: Option<PresetKind>) -> Result<Preset, Failure> {
     let all: Vec<_> = Preset::all().filter(is_meant).collect();
     match all[..] {
         [preset] => Ok(preset),
-        [] => Err(Failure::Input(format!(
-            "no preset is called `{name}`; `rodlab presets` lists them"
-        ))),
+        [] => Err(Failure::Input(unknown(name, kind))),
         _ => {
             let kinds: Vec<_> = all.iter().map(|preset| preset.kind.name()).collect();
             Err(Failure::Input(format!(
@@ -101,5 +117,21 @@ pub fn found(name: &str, kind: Option<PresetKind>) -> Result<Preset, Failure> {
                 kinds.join(", ")
             )))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_name_is_rejected_with_the_similar_one_or_the_list() {
+        let error = |name, kind| found(name, kind).unwrap_err().to_string();
+        let misspelt = error("flagela_quick", None);
+        assert!(misspelt.contains("`flagella_quick`"), "{misspelt}");
+        let of_kind = error("pendulum", Some(PresetKind::Scenario));
+        assert!(of_kind.contains("no scenario preset is called `pendulum`"));
+        assert!(of_kind.contains("`rodlab presets scenario` lists them"));
+        assert!(error("nope", None).ends_with("`rodlab presets` lists them"));
     }
 }

@@ -50,7 +50,7 @@ pub struct RunArguments {
     #[arg(long)]
     pub dry_run: bool,
     /// Run a case for each value of a key, FROM:TO:STEP or A,B,C; several keys give every combination
-    #[arg(long, value_name = "KEY=VALUES")]
+    #[arg(long, value_name = "KEY=VALUES", add = keys("="))]
     pub vary: Vec<String>,
     /// Number of cases at a time; they share the threads [default: one per thread]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]

@@ -34,7 +34,7 @@ pub struct SubmitArguments {
     #[arg(long = "set", value_name = "KEY=VALUE", add = keys("="))]
     pub overrides: Vec<String>,
     /// Run a case for each value of a key, as in `rodlab run`
-    #[arg(long, value_name = "KEY=VALUES")]
+    #[arg(long, value_name = "KEY=VALUES", add = keys("="))]
     pub vary: Vec<String>,
     /// Directory for the results, shared by all machines [default: results/<name of the scenario>]
     #[arg(long, value_name = "DIR")]
