@@ -3,6 +3,7 @@
 
 use assert_cmd::Command;
 use std::fs;
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
 /// A rod that falls for a tenth of a second, with eleven outputs.
@@ -197,14 +198,21 @@ fn an_interrupted_film_leaves_nothing() {
 #[test]
 fn a_watched_run_ends_with_the_same_results_and_a_page_at_rest() {
     let directory = results();
-    // No browser is found, which only causes a warning.
-    rodlab(
+    // A program that opens pages is found, but no browser: the message names the page.
+    let bin = directory.path().join("bin");
+    fs::create_dir(&bin).unwrap();
+    let opens = bin.join("xdg-open");
+    fs::write(&opens, "#!/bin/sh\nexit 0\n").unwrap();
+    fs::set_permissions(&opens, fs::Permissions::from_mode(0o755)).unwrap();
+    let watch = rodlab(
         directory.path(),
         &["run", "fall.toml", "--out", "watched", "--watch"],
     )
-    .env("PATH", "")
+    .env("PATH", &bin)
     .assert()
     .success();
+    let stderr = String::from_utf8_lossy(&watch.get_output().stderr).into_owned();
+    assert!(stderr.contains("watched/view.html"), "{stderr}");
     let watched = directory.path().join("watched");
     let page = fs::read_to_string(watched.join("view.html")).unwrap();
     assert!(page.contains("\"reload\":null"));

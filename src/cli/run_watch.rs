@@ -94,9 +94,11 @@ impl Page {
         if !self.is_open {
             self.is_open = true;
             // Do not wait for the browser, which may run until its window is closed.
-            if let Err(error) = open::that_detached(&to) {
-                let page = to.display();
-                tracing::warn!("no browser could be started: {error}; open {page}");
+            let page = to.display();
+            match open::that_detached(&to) {
+                // The program that opens pages may be there without a browser.
+                Ok(()) => tracing::warn!("the page of the run is {page}"),
+                Err(error) => tracing::warn!("no browser could be started: {error}; open {page}"),
             }
         }
         Ok(written)
