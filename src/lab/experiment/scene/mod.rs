@@ -32,7 +32,10 @@ impl ExperimentKeys for SceneKind {
 
     fn judge(&self, top: &Section<'_>, common: &CommonTables<'_>) {
         if common.rods.is_empty() {
-            top.missing("rods", "a scene needs at least one [[rods]]");
+            top.missing(
+                "rods",
+                "a scene needs at least one rod; [[rods]] with count = 0 make none",
+            );
         } else if common.rods.iter().all(|rod| rod.held) {
             top.fault(
                 "rods",

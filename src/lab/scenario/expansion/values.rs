@@ -221,6 +221,14 @@ impl Evaluator<'_> {
                 let amount = expression.evaluate(&scope).map_err(of_text)?;
                 let number = amount.pure_number("text");
                 let number = number.map_err(|message| mistake(&message, at + 1..at + length))?;
+                if !number.is_finite() {
+                    let written = &rest[1..length];
+                    return Err(Mistake {
+                        message: format!("{written:?} is {number}, not a finite number"),
+                        help: None,
+                        bytes: at + 1..at + length,
+                    });
+                }
                 filled.push_str(&in_text(number));
                 at += length + 1;
             } else {

@@ -21,6 +21,18 @@ fn beam(from: &str, to: &str, parameters: &str) -> String {
     )
 }
 
+#[test]
+fn a_scene_whose_rods_are_all_counted_zero_names_the_count() {
+    let named = "name = \"beam\"";
+    assert!(BEAM.contains(named));
+    let text = BEAM.replacen(named, "count = 0\nname = \"beam\"", 1);
+    let text = text
+        .split_once("[[clamps]]")
+        .map_or(&*text, |(rods, _)| rods);
+    let error = read(text, &[]).unwrap_err();
+    assert!(error.contains("count = 0 make none"), "{error}");
+}
+
 fn fault(from: &str, to: &str, parameters: &str) -> String {
     read(&beam(from, to, parameters), &[]).unwrap_err()
 }
@@ -169,6 +181,9 @@ fn faults_of_copies_name_the_table_as_written_and_the_copy() {
     insta::assert_snapshot!(fault("1 mm + i*0.1 mm", "1 mm + k*0.1 mm"), @"scene.toml:20:18: `rods.1.radius` (copy 0): unknown name `k` (the names are: i, j, x, z, gap, n)");
     insta::assert_snapshot!(fault("name = \"rod{i}_{j}\"", "name = \"rod\""), @r##"scene.toml:19:8: `rods.1.name`: the copies need different names (write "rod{i}")"##);
     insta::assert_snapshot!(fault("name = \"rod{i}_{j}\"", "name = \"rod{i\""), @"scene.toml:19:12: `rods.1.name` (copy 0): this `{` is not closed (write `{{` and `}}` for braces)");
+    let infinite = fault("name = \"rod{i}_{j}\"", "name = \"rod{j/0}\"");
+    assert!(infinite.contains("`rods.1.name`"), "{infinite}");
+    assert!(infinite.contains("not a finite number"), "{infinite}");
     insta::assert_snapshot!(fault("name = \"rod{i}_{j}\"", "nam = \"rod{i}\""), @"scene.toml:19:1: `rods.1.nam` (copy 0): unknown key (did you mean `name`?)");
     insta::assert_snapshot!(fault("count = [\"n\", 2]", "count = -1"), @"scene.toml:18:9: `rods.1.count`: -1 is out of range; allowed: 0 to 100000");
     insta::assert_snapshot!(fault("count = [\"n\", 2]", "count = \"gap\""), @r##"scene.toml:18:9: `rods.1.count`: "gap" is a length, but this key takes a pure number"##);
