@@ -80,8 +80,26 @@ pub fn decode_labels(bytes: &[u8]) -> Result<image::GrayImage, String> {
     }
 }
 
+/// Whether a file is of the ISO format of HEIC and AVIF (ISO/IEC 23008-12): its box `ftyp` names a
+/// brand of images.
+fn is_heif(bytes: &[u8]) -> bool {
+    const BRANDS: [&[u8]; 8] = [
+        b"heic", b"heix", b"heim", b"heis", b"hevc", b"mif1", b"msf1", b"avif",
+    ];
+    bytes.get(4..8) == Some(b"ftyp")
+        && bytes
+            .get(8..12)
+            .is_some_and(|brand| BRANDS.contains(&brand))
+}
+
 fn decode(bytes: &[u8]) -> Result<DynamicImage, String> {
     const NEITHER: &str = "neither a PNG nor a JPEG, TIFF, BMP or WebP image";
+    if is_heif(bytes) {
+        return Err(
+            "HEIC and AVIF images of phones are not read; convert them first, as by `heif-convert photo.heic photo.jpg`"
+                .to_string(),
+        );
+    }
     let format = image::guess_format(bytes).map_err(|_| NEITHER.to_string())?;
     match format {
         ImageFormat::Png | ImageFormat::Tiff | ImageFormat::Bmp | ImageFormat::WebP => {}
@@ -219,6 +237,15 @@ pub(super) mod tests {
         assert_eq!(names[0], "a2.png");
         assert_eq!(names[1], "f9.png");
         assert_eq!(names[4], "f100.png");
+    }
+
+    #[test]
+    fn a_picture_of_a_phone_in_heic_gets_a_conversion() {
+        for brand in [b"heic", b"mif1", b"avif"] {
+            let bytes = [&[0, 0, 0, 24][..], b"ftyp", &brand[..], &[0; 12]].concat();
+            let error = decode_picture(&bytes).expect_err("HEIC");
+            assert!(error.contains("heif-convert"), "{error}");
+        }
     }
 
     #[test]
