@@ -266,13 +266,8 @@ fn impossible_explorations_are_rejected_before_anything_moves() {
 #[test]
 fn without_a_cell_file_a_rod_is_explored_in_a_cell_of_the_process() {
     let list = "kappa,tau,omega\n1,1,-1\n";
-    let task = [
-        "explore",
-        "--rod",
-        "nitinol_wire",
-        "--directions",
-        "list.csv",
-    ];
+    // Without --rod it is the preset.
+    let task = ["explore", "--directions", "list.csv"];
     let more = ["--farthest", "1", "--no-pictures", "--out", "explored"];
     let task = [&task[..], &more].concat();
     let (summary, folder) = crate::virtual_cell::alone("list.csv", list, &task);

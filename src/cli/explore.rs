@@ -1,14 +1,18 @@
 //! `rodlab explore`.
 
 use super::prelude::*;
+use super::preset_file::preset_file;
 use rodlab_lab::experiment::ClampedRod;
 use rodlab_vision::ColourRule;
+use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
     Exploration, ExplorationTask, ExploreError, Planning, SearchSteps, TaskCommand, Way,
     quarter_sphere, read_directions, section,
 };
 use rodlab_workcell::virtual_cell::ChuckedSupply;
 
+/// The preset rod that is explored if none is given.
+const PRESET: &str = "nitinol_wire";
 /// Allowed distances ‖(κ, τ, ω)‖, as text.
 const DISTANCE: &str = "a distance from 0.01 to 100 is needed";
 
@@ -39,11 +43,11 @@ the message and report.md give the reason; arm and chuck hold. A cell for trying
 #[derive(Debug, Args)]
 #[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct ExploreArguments {
-    /// Rod file: TOML with [material] and [rod]
+    /// Rod file: TOML with [material] and [rod] [default: the rod of the cell, or the preset nitinol_wire]
     ///
     /// [material] has youngs_modulus, poissons_ratio and density, [rod] radius, length and markers.
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
-    rod: PathBuf,
+    rod: Option<PathBuf>,
     #[command(flatten)]
     directions: DirectionArguments,
     /// Name of the arm; optional if the cell has only one
@@ -82,7 +86,7 @@ pub struct ExploreArguments {
     /// Plan everything and write the pages, but move nothing
     #[arg(long)]
     dry_run: bool,
-    /// Directory for the results [default: results/explore-ROD]
+    /// Directory for the results [default: results/explore-ROD, without --rod results/explore]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -109,6 +113,21 @@ impl DirectionArguments {
         let spread = self.spread.map(|count| quarter_sphere(count as usize));
         let flat = self.section.map(|count| section(count as usize));
         Ok(spread.or(flat).unwrap_or_default())
+    }
+}
+
+impl ExploreArguments {
+    /// The given rod file, otherwise that of the cell, or of the preset.
+    fn rod_file(&self, cell: &Cell) -> Result<PathBuf, Failure> {
+        if let Some(given) = &self.rod {
+            return Ok(given.clone());
+        }
+        if let Some(file) = &cell.rod {
+            tracing::warn!("no --rod: using {} of the cell", file.display());
+            return Ok(file.clone());
+        }
+        tracing::warn!("no --rod: using the preset `{PRESET}`");
+        preset_file(PresetKind::Rod, PRESET)
     }
 }
 
@@ -142,14 +161,18 @@ impl TaskCommand for ExploreArguments {
     }
 
     fn resumed_in(&self) -> Option<String> {
-        let stem = self.rod.file_stem().unwrap_or_default();
-        Some(format!("explore-{}", stem.to_string_lossy()))
+        let stem = self.rod.as_ref().and_then(|rod| rod.file_stem());
+        Some(match stem {
+            Some(stem) => format!("explore-{}", stem.to_string_lossy()),
+            None => "explore".to_owned(),
+        })
     }
 
     fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<ExplorationTask, Failure> {
+        let rod = self.rod_file(planning.cell)?;
         let exploration = Exploration {
             arm: arms[0],
-            rod: ClampedRod::read(&self.rod)?,
+            rod: ClampedRod::read(&rod)?,
             directions: self.directions.list()?,
             farthest: self.farthest,
             margin: self.margin,
@@ -174,7 +197,7 @@ impl TaskCommand for ExploreArguments {
             ExploreError::Results(error) => error.into(),
         })?;
         planning.furnish(|settings| -> Result<(), Failure> {
-            settings.chucked = ChuckedSupply::new(&self.rod, cell)?;
+            settings.chucked = ChuckedSupply::new(&rod, cell)?;
             Ok(())
         })?;
         Ok(task)
