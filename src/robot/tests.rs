@@ -338,7 +338,10 @@ fn unused_elements_do_not_reject_a_urdf() {
             "<mujoco/>",
             "`python -c \"from mjcf_urdf_simple_converter import convert; convert('arm.urdf', 'arm_expanded.urdf')\"`",
         ),
-        ("<sdf version='1.6'/>", "sdf2urdf.py arm.urdf arm_expanded.urdf"),
+        (
+            "<sdf version='1.6'/>",
+            "sdf2urdf.py arm.urdf arm_expanded.urdf",
+        ),
         ("<html/>", "line 1: its root is <html>, expected <robot>"),
         (
             "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:arm/></robot>",
