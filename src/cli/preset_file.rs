@@ -16,14 +16,18 @@ pub fn file_or_preset(kind: PresetKind) -> impl TypedValueParser<Value = PathBuf
     PathBufValueParser::new().try_map(move |path| resolve(kind, path))
 }
 
-/// [`file_or_preset`] for a scenario or a cell.
+/// [`file_or_preset`] for a scenario or a cell. The path of a missing file is kept: it is reported
+/// with the faults of the other files.
 pub fn scenario_or_cell() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path: PathBuf| {
         let kind = match Preset::in_place_of(PresetKind::Cell, &path) {
             Some(_) => PresetKind::Cell,
             None => PresetKind::Scenario,
         };
-        resolve(kind, path)
+        match path.extension().is_some() && Preset::in_place_of(kind, &path).is_none() {
+            true => Ok(path),
+            false => resolve(kind, path),
+        }
     })
 }
 

@@ -106,7 +106,7 @@ fn bad_arguments_are_rejected_with_the_allowed_values() {
         (
             vec!["solve", "fk", "--cell", "none.toml", "--joints=1"],
             2,
-            "none.toml cannot be read",
+            "no cell preset of this name",
         ),
         (vec!["check", &six], 0, "UR-like"),
     ] {
