@@ -77,7 +77,7 @@ fn parse_curve(text: &str, strand: Option<usize>) -> Result<Vec<Point>, String> 
             times += 1;
             points.clear();
         }
-        let place = || Ok(Point::new(number(x)?, number(y)?));
+        let place = || -> Result<Point, String> { Ok(Point::new(number(x)?, number(y)?)) };
         rows += 1;
         if rows <= MOST_POINTS && time.is_some() {
             path = path.and_then(|mut path| {
