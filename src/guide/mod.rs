@@ -96,7 +96,7 @@ impl Page {
         self.name.replace('_', "-")
     }
 
-    /// Its heading.
+    /// Heading of the page.
     pub fn title(&self) -> &'static str {
         let heading = self.text.lines().next().unwrap_or_default();
         heading.trim_start_matches('#').trim()
