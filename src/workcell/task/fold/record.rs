@@ -74,7 +74,7 @@ impl TaskRecord for FoldRecord {
         for look in &self.looks {
             let [along, up] = look.edge_m.map(mm);
             let slid = or_not_seen(look.slid_m.map(mm));
-            let replanned = if look.is_planned_anew { "yes" } else { "no" };
+            let replanned = if look.is_replanned { "yes" } else { "no" };
             report.text += &format!("| {} | {along}, {up} | {slid} | {replanned} |\n", look.part);
         }
         let parts = (1..=self.parts).map(|part| {

@@ -13,7 +13,7 @@ pub struct Look {
     /// Slide of the free end in the direction of the fold, m, if the end is visible.
     pub slid_m: Option<f64>,
     /// Whether the next part is replanned.
-    pub is_planned_anew: bool,
+    pub is_replanned: bool,
 }
 
 /// Score of a fold before the gripper opens. Lengths are `None` if the free end was hidden at the
@@ -64,11 +64,11 @@ impl FoldScore {
 
 /// Measurements as a table.
 pub fn looks_csv(looks: &[Look]) -> String {
-    let mut text = String::from("part,edge_x_m,edge_z_m,slid_m,planned_anew\n");
+    let mut text = String::from("part,edge_x_m,edge_z_m,slid_m,replanned\n");
     for look in looks {
         let [x, z] = look.edge_m;
         let slid = look.slid_m.map(|slid| format!("{slid:.6}"));
-        let (part, slid, replanned) = (look.part, slid.unwrap_or_default(), look.is_planned_anew);
+        let (part, slid, replanned) = (look.part, slid.unwrap_or_default(), look.is_replanned);
         text += &format!("{part},{x:.6},{z:.6},{slid},{replanned}\n");
     }
     text
@@ -81,7 +81,7 @@ pub fn look(part: usize, x: f64, slid_m: Option<f64>) -> Look {
         part,
         edge_m: [x, 0.0],
         slid_m,
-        is_planned_anew: false,
+        is_replanned: false,
     }
 }
 

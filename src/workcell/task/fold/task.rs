@@ -242,7 +242,7 @@ impl FoldTask {
         let score = score.ok_or_else(|| WorkError::failed(unseen))?;
         if score.is_end_hidden {
             tracing::warn!(
-                "at the end the edge lies over the free end of the sheet: the length of the fold is not seen"
+                "the edge covers the free end of the sheet, so the length of the fold cannot be measured"
             );
         }
         self.record.score = Some(score);
@@ -263,7 +263,7 @@ impl FoldTask {
         let look = record.looks.last_mut().expect("a look after each part");
         if look.slid_m.is_none() {
             tracing::warn!(
-                "after part {part} the edge lies over the free end of the sheet: how far it has slid since is not seen"
+                "after part {part} the edge covers the free end of the sheet, so its further slide cannot be measured"
             );
         }
         let slid = look.slid_m.unwrap_or(way.slid(part - 1));
@@ -279,7 +279,7 @@ impl FoldTask {
                     part + 1
                 ))
             })?;
-            look.is_planned_anew = true;
+            look.is_replanned = true;
         }
         Ok(plan.motions(cell, *frame).onwards(last, &way.hands(part))?)
     }
@@ -309,7 +309,7 @@ impl FoldTask {
             part: number,
             edge_m: [edge.x, edge.z],
             slid_m: seen.as_ref().map(|seen| seen.slid - folding.zero),
-            is_planned_anew: false,
+            is_replanned: false,
         });
         at.write("looks.csv", looks_csv(looks).as_bytes())?;
         if let Some(seen) = seen {
@@ -348,7 +348,7 @@ impl Folding {
             ))
         })?;
         if sight.is_end_hidden(frame, edge, seen.slid - zero) {
-            let hidden = "the edge lies over the free end of the sheet, which has slid there";
+            let hidden = "the free end of the sheet has slid under the edge";
             return Err(WorkError::failed(hidden));
         }
         if seen.turned.abs() > MOST_ASKEW {

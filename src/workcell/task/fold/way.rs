@@ -15,7 +15,7 @@ const CLEARANCE: f64 = 1e-4;
 pub struct FoldRequest {
     /// The sheet in the direction of the fold.
     pub sheet: FoldedSheet,
-    /// Its thickness, m.
+    /// Thickness of the sheet, m.
     pub thickness: f64,
     /// Distance by which the edge moves, m.
     pub target: f64,

@@ -60,7 +60,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Folding> {
         None => None,
     };
     let algorithm = typed.algorithm(&section);
-    if feedback.is_some() && !algorithm.is_planned_anew() {
+    if feedback.is_some() && !algorithm.can_replan() {
         let message =
             "this algorithm cannot replan; use \"optimal\", \"least-friction\" or \"held\"";
         section.fault("feedback", message);

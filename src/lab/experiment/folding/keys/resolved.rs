@@ -84,7 +84,7 @@ pub enum AlgorithmName {
 
 impl AlgorithmName {
     /// Whether the rest of such a path can be replanned.
-    pub fn is_planned_anew(self) -> bool {
+    pub fn can_replan(self) -> bool {
         !matches!(self, Self::Circle | Self::StepByStep)
     }
 
@@ -103,7 +103,7 @@ impl AlgorithmName {
 /// A sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Paper {
-    /// Its length, m.
+    /// Length of the sheet, m.
     pub length: f64,
     /// Length of the side across the direction of the fold, m.
     pub width: f64,
