@@ -23,19 +23,19 @@ pub const SAMPLES_FIGURE: &str = "samples.svg";
 /// Range of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Span {
-    /// The least.
+    /// Smallest value of the range.
     pub from: f64,
-    /// The largest.
+    /// Largest value of the range.
     pub to: f64,
 }
 
 /// A kind of experiment that fills a table.
 pub struct DataSet {
-    /// Its name in scenario files.
+    /// Name of the data set in scenario files.
     pub name: &'static str,
     /// A sentence about it.
     pub summary: &'static str,
-    /// Its table of keys.
+    /// Table of keys of the data set.
     pub tables: &'static [OwnTable],
     /// Reasons why a scenario has no scene, and why it has no time, contact and fluid.
     pub refusals: [&'static str; 2],

@@ -5,6 +5,7 @@ use super::experiments::Experiments;
 use super::expression::FUNCTIONS;
 use super::issue::did_you_mean;
 use super::schema;
+use super::sentences;
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -81,6 +82,28 @@ pub fn unit(experiments: Experiments, key: &str) -> Option<String> {
 struct Meaning<'a> {
     kind: Option<&'a str>,
     schema: &'a Value,
+}
+
+/// A description, with its schema.
+struct Sentence<'a> {
+    schema: &'a Value,
+    /// Whether it is one of several alternatives.
+    is_alternative: bool,
+    words: String,
+}
+
+impl Sentence<'_> {
+    /// Whether a sentence about the type of a key can be left out: the text about the key lists the
+    /// alternatives of the type, or is the same in other words.
+    fn adds_nothing_to(&self, of_key: &str) -> bool {
+        let is_heading = self.schema.get("oneOf").is_some();
+        !self.words.contains('\n')
+            && self.schema.get("const").is_none()
+            && kind(self.schema).is_none()
+            && (self.is_alternative
+                || is_heading
+                || !sentences::is_quantity(&self.words) && sentences::repeats(of_key, &self.words))
+    }
 }
 
 struct Explainer<'a> {
@@ -171,6 +194,60 @@ impl<'a> Explainer<'a> {
         found
     }
 
+    /// The target of a reference.
+    fn target(&self, schema: &Value) -> Option<&'a Value> {
+        let path = schema.get("$ref")?.as_str()?.strip_prefix('#')?;
+        self.root.pointer(path)
+    }
+
+    /// The descriptions of a schema and of the types that contribute to it. Lists of quantities
+    /// have one sentence.
+    fn described(&self, schema: &'a Value) -> Vec<Sentence<'a>> {
+        let mut found = Vec::new();
+        self.collect(schema, false, &mut found);
+        found
+    }
+
+    fn collect(&self, schema: &'a Value, is_alternative: bool, found: &mut Vec<Sentence<'a>>) {
+        if let Some(words) = description(schema) {
+            found.push(Sentence {
+                schema,
+                is_alternative,
+                words: sentences::legible(words),
+            });
+        }
+        if let Some(target) = self.target(schema) {
+            self.collect(target, false, found);
+        }
+        for list in ["anyOf", "oneOf", "allOf"] {
+            let alternatives = schema.get(list).and_then(Value::as_array);
+            for alternative in alternatives.into_iter().flatten() {
+                self.collect(alternative, list == "anyOf", found);
+            }
+        }
+        match (self.list(schema), schema.get("items")) {
+            (Some(words), _) => found.push(Sentence {
+                schema,
+                is_alternative: false,
+                words,
+            }),
+            (None, Some(items)) => self.collect(items, false, found),
+            (None, None) => {}
+        }
+    }
+
+    /// Sentence about a list of quantities; `None` for other schemas.
+    fn list(&self, mut schema: &'a Value) -> Option<String> {
+        let mut sizes = Vec::new();
+        while let Some(items) = schema.get("items") {
+            let bound = |name: &str| schema.get(name).and_then(Value::as_u64);
+            sizes.push(bound("minItems").filter(|least| bound("maxItems") == Some(*least)));
+            schema = self.target(items).unwrap_or(items);
+        }
+        let element = description(schema).filter(|_| !sizes.is_empty())?;
+        sentences::list(element, &sizes)
+    }
+
     /// The keys of a table, each with its kind of table.
     fn keys(&self, schema: &'a Value) -> Vec<(Meaning<'a>, &'a str)> {
         let mut keys: Vec<(Meaning<'a>, &'a str)> = Vec::new();
@@ -206,25 +283,31 @@ impl<'a> Explainer<'a> {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{key}{of_kind}");
         }
-        let mut said: Vec<&str> = Vec::new();
-        for schema in self.expanded(meaning.schema) {
-            let description = schema.get("description").and_then(Value::as_str);
-            let Some(description) = description.filter(|words| !said.contains(words)) else {
+        let of_key = description(meaning.schema);
+        let mut written: Vec<String> = Vec::new();
+        for sentence in self.described(meaning.schema) {
+            let is_type = !std::ptr::eq(sentence.schema, meaning.schema);
+            let is_known = is_type && of_key.is_some_and(|words| sentence.adds_nothing_to(words));
+            if is_known || written.contains(&sentence.words) {
                 continue;
-            };
+            }
             // Fences are for web pages; in a terminal drawings need none.
-            let lines = description.lines().filter(|line| !line.starts_with("```"));
-            let words = lines.collect::<Vec<_>>().join("\n  ");
-            match schema.get("const") {
+            let lines = sentence
+                .words
+                .lines()
+                .filter(|line| !line.starts_with("```"));
+            let words = lines.collect::<Vec<_>>().join("\n");
+            match sentence.schema.get("const") {
                 Some(word) => {
-                    let _ = writeln!(text, "  {word}: {words}");
+                    let words = format!("{word}: {words}");
+                    let _ = writeln!(text, "{}", sentences::indented(&words, 2));
                 }
-                None if kind(schema).is_none() => {
-                    let _ = writeln!(text, "  {words}");
+                None if kind(sentence.schema).is_none() => {
+                    let _ = writeln!(text, "{}", sentences::indented(&words, 2));
                 }
                 None => continue,
             }
-            said.push(description);
+            written.push(sentence.words);
         }
         if let Some(range) = meaning.schema.get("x-range").and_then(Value::as_str) {
             let _ = writeln!(text, "  range: {range}");
@@ -241,7 +324,8 @@ impl<'a> Explainer<'a> {
         }
         let mut list = |what: &str, names: &[&str]| {
             if !names.is_empty() {
-                let _ = writeln!(text, "  {what}: {}", names.join(", "));
+                let names = format!("{what}: {}", names.join(", "));
+                let _ = writeln!(text, "{}", sentences::indented(&names, 4));
             }
         };
         let names: Vec<&str> = kinds.iter().map(|(kind, _)| *kind).collect();
@@ -274,6 +358,10 @@ impl<'a> Explainer<'a> {
             .filter_map(of_kind)
             .collect()
     }
+}
+
+fn description(schema: &Value) -> Option<&str> {
+    schema.get("description")?.as_str()
 }
 
 /// The kind that a schema requires.
@@ -321,7 +409,6 @@ rods.shape.radius (of kind "ring")
         insta::assert_snapshot!(explain(*EXPERIMENTS, "rods.shape").unwrap(), @r###"
 rods.shape
   The placed shape of the rod.
-  A curve in space.
   kinds: straight, helix, arc, ring, catenary, slack, coil, points
   keys of "straight": end, start
   keys of "helix": axis, centre, handedness, length, phase, pitch, radius, start, turns
@@ -335,7 +422,7 @@ rods.shape
         insta::assert_snapshot!(explain(*EXPERIMENTS, "loads.acceleration").unwrap(), @r###"
 loads.acceleration (of kind "gravity")
   Acceleration of free fall, for example [0, 0, -9.81].
-  A number in m/s^2, or text with a unit; allowed units: m/s^2, cm/s^2, mm/s^2.
+  A list of 3 numbers in m/s^2, or texts with a unit; allowed units: m/s^2, cm/s^2, mm/s^2.
   required
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "time").unwrap(), @r###"
@@ -345,10 +432,9 @@ time
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "time.mode").unwrap(), @r###"
 time.mode
-  "dynamic" (the default), "static" (equilibrium by Newton's method without inertia: there is no time, so clamps that
-  move and loads with a schedule are errors), or
-  "continuation" (equilibria along a path, with folds, bifurcations and stability; see [continuation]).
-  Modes of a run.
+  "dynamic" (the default), "static" (equilibrium by Newton's method without inertia: there is no
+  time, so clamps that move and loads with a schedule are errors), or "continuation" (equilibria
+  along a path, with folds, bifurcations and stability; see [continuation]).
   "dynamic": Time steps from zero to `end`.
   "static": Equilibrium, without inertia.
   "continuation": Equilibria along a path.
@@ -356,12 +442,13 @@ time.mode
         insta::assert_snapshot!(explain(*EXPERIMENTS, "clamps.at").unwrap(), @r###"
 clamps.at
   "start", "end", or the number of a node, counted from zero.
-  "start", "end", or a number counted from zero.
   required
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "").unwrap(), @r###"
 A rodlab scenario. Numbers are in SI units; text may carry a unit, such as "1.6 mm".
-keys: actuation, bodies, clamps, contact, continuation, experiment, extends, flagella, fluid, helix_stability, include, joints, knot, loads, material, networks, obstacles, output, parameters, planes, probes, rod, rods, solver, start, stop_when, sweep, time, title, unset
+keys: actuation, bodies, clamps, contact, continuation, experiment, extends, flagella, fluid,
+  helix_stability, include, joints, knot, loads, material, networks, obstacles, output,
+  parameters, planes, probes, rod, rods, solver, start, stop_when, sweep, time, title, unset
 "###);
     }
 

@@ -20,7 +20,7 @@
 //! | `sweep` | many cases of one scenario: lists, ranges, samples, searches |
 //! | `resolved`, `cross_section`, `canonical` | the [`Scenario`], its stiffnesses, its own TOML |
 //! | `issue`, `error` | faults by key path; the same with file, line and column |
-//! | `schema`, `schema_tree`, `explain` | JSON Schema; its part for each key of a document; explanations of keys |
+//! | `schema`, `schema_tree`, `explain`, `sentences` | JSON Schema; its part for each key of a document; explanations of keys |
 //!
 //! The module is independent of mechanics and of particular experiments: vectors are arrays, models are names and numbers.
 
@@ -55,6 +55,7 @@ mod rows;
 mod schema;
 mod schema_tree;
 pub(crate) mod section;
+mod sentences;
 mod source;
 mod sweep;
 mod tables;

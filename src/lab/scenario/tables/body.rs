@@ -13,7 +13,7 @@ keys! {
         rod: text("the name of a rod") required,
         /// "start", "end", or the number of a node.
         at: place() required,
-        /// Its mass.
+        /// Mass of the body.
         mass: number(Mass, POSITIVE) required,
         /// Shape of a body of uniform density, from which its inertia is computed. With
         /// `[contact]` a sphere without `offset` touches rods, planes, obstacles and other
@@ -33,14 +33,14 @@ keys! {
     kinds BodyShapeKeys "body_shape", "kebab-case" => #[derive(Copy)] BodyShape {
         /// A sphere.
         Sphere {
-            /// Its radius.
+            /// Radius of the sphere.
             radius: number(Length, POSITIVE) required,
         },
         /// A disk, or cylinder, about the tangent of the rod.
         Disk {
-            /// Its radius.
+            /// Radius of the disk.
             radius: number(Length, POSITIVE) required,
-            /// Its length along the tangent.
+            /// Length of the disk along the tangent.
             thickness: number(Length, NON_NEGATIVE) default(0.0),
         },
         /// A box with sides along the two material directors and the tangent of the rod.

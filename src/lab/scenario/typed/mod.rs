@@ -135,8 +135,8 @@ pub enum Parameter {
 #[schemars(inline)]
 #[expect(dead_code, reason = "files are merged before they are decoded")]
 pub enum Included {
-    /// Its name.
+    /// Name of the file.
     One(String),
-    /// Their names.
+    /// Names of the files.
     Several(Vec<String>),
 }

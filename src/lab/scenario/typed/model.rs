@@ -43,7 +43,7 @@ keys! {
         /// within which contacts are searched. Default: a hundredth of the smallest radius.
         distance_tolerance: number(Length, POSITIVE) derived,
         /// Sliding speed below which a contact sticks. Sticking contacts creep at a fraction of
-        /// it: an eighth if they bear three quarters of the largest friction, a fifth at nine
+        /// it: an eighth if they transmit three quarters of the largest friction, a fifth at nine
         /// tenths. Not with "complementarity". Default: √(a h)/1000, with the least radius h and
         /// the gravity a, or a tenth of the fastest straight motion of a clamp if that is less.
         /// Without gravity a is 10 m/s², and the default at most 1e-4 m/s. `rodlab check` prints

@@ -55,7 +55,7 @@ macro_rules! moving {
         }
 
         impl $Typed {
-            /// Its motion.
+            /// Motion of the clamp or obstacle.
             pub fn movement(&self, section: &Section<'_>) -> TypedMovement<'_> {
                 TypedMovement {
                     translation: self.translation.as_deref().unwrap_or_default(),

@@ -14,14 +14,14 @@ pub struct Network {
     /// Prefix of the names of its rods: "net_0", "net_1", ... Default: "net", which only one
     /// network may use.
     pub name: Option<String>,
-    /// Properties of all its rods: the keys of [[rods]] except `name`, `shape` and `closed`. Here
+    /// Properties of all rods of the network: the keys of [[rods]] except `name`, `shape` and `closed`. Here
     /// `edges` is the number of edges between adjacent crossings.
     pub rod: Option<Rod>,
-    /// Places of its rods.
+    /// Places of the rods of the network.
     pub shape: Option<NetworkShape>,
     /// Joints at the crossings: "ball" (the default) or "rigid".
     pub joint: Option<NetworkJoint>,
-    /// Its held rim.
+    /// Held boundary of the network.
     pub boundary: Option<Boundary>,
 }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// The state in which another run of the same rods ended: positions, frames and velocities. Natural shapes, lengths and
+/// Positions, frames and velocities at the end of another run of the same rods. Natural shapes, lengths and
 /// masses stay those of this scenario; clamps hold the nodes where that run left them, and loads and motions start again at time zero.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "start")]

@@ -88,7 +88,7 @@ pub struct Search {
     pub objective: String,
     /// One end of the interval: a number, text with a unit, or an expression over `[parameters]`.
     pub from: End,
-    /// The other end.
+    /// The other end of the interval, in the same form as `from`.
     pub to: End,
     /// Width of the interval at which the search ends, in the unit of `from` and `to`.
     pub tolerance: End,

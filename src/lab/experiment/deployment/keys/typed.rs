@@ -133,7 +133,7 @@ pub struct Clips {
     pub width: Option<Quantity<Length>>,
     /// Radius of each peg and of its round top.
     pub radius: Option<Quantity<Length>>,
-    /// Height of their tops above the table, more than their radius.
+    /// Height of the tops of the pegs above the table; more than the radius.
     pub height: Option<Quantity<Length>>,
 }
 
@@ -171,15 +171,15 @@ keys! {
         reverse: flag() default(false),
         /// Drawn: largest distance of the smooth curve from the drawing.
         deviation: number(Length, POSITIVE) default(DEVIATION),
-        /// Line: its length.
+        /// Length of the line.
         length: number(Length, POSITIVE) required,
-        /// Circle: its radius; a negative radius turns it to the right.
+        /// Radius of the circle; a negative radius turns it to the right.
         radius: number(Length, FINITE) required,
-        /// Sine: its amplitude.
+        /// Amplitude of the sine.
         amplitude: number(Length, POSITIVE) required,
-        /// Sine: its wavelength.
+        /// Wavelength of the sine.
         wavelength: number(Length, POSITIVE) required,
-        /// Sine: the number of waves.
+        /// Number of waves of the sine.
         waves: number(Dimensionless, POSITIVE) required,
     }
 }

@@ -9,7 +9,7 @@ use serde::Deserialize;
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "fold_samples")]
 pub struct FoldSamples {
-    /// The places.
+    /// Places of the gripper.
     pub points: Option<Points>,
     /// Suspended lengths l̄_s of the workspace, in L_gb. Default: 0.5 to 6.84.
     pub suspended_length: Option<Lengths>,

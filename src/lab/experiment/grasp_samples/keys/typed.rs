@@ -8,7 +8,7 @@ use serde::Deserialize;
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "grasp_samples")]
 pub struct GraspSamples {
-    /// The points.
+    /// Points at which grasps are computed.
     pub points: Option<Points>,
     /// Suspended lengths l̄_s, in L_gb. Default: 0.5 to 50. Short lengths are sampled more
     /// densely: uniform in √l̄_s.
@@ -24,9 +24,9 @@ pub struct GraspSamples {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "span")]
 pub struct Span {
-    /// The least.
+    /// Smallest value of the range.
     pub from: Option<Quantity<Dimensionless>>,
-    /// The largest.
+    /// Largest value of the range.
     pub to: Option<Quantity<Dimensionless>>,
 }
 

@@ -29,7 +29,7 @@ keys! {
         /// Distance ‖(κ, τ, ω)‖ at which the search ends; a rod stable up to there counts as unbounded. Default: a
         /// quarter of the number of edges.
         largest_distance: number(Dimensionless, POSITIVE) derived,
-        /// The directions.
+        /// Directions that the search follows.
         directions: raw(Directions) raw,
         /// Number of directions in each of the sections κτ, κω and τω, in addition to the other
         /// directions. Default: 0.
