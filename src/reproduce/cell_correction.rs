@@ -103,8 +103,8 @@ fn rows(cases: &[Case<Laying>]) -> Result<Vec<Row>> {
 
 fn figures(rows: &[Row]) -> Vec<PageFigure> {
     let quantities: [(_, fn(&Row) -> _); 2] = [
-        ("open", |row| row.open_cm),
-        ("corrected", |row| row.corrected_cm),
+        ("as planned", |row| row.open_cm),
+        ("corrected by the camera", |row| row.corrected_cm),
     ];
     vec![PageFigure::new(
         "cell-correction",

@@ -189,7 +189,7 @@ fn write(page: &mut Page, _: &[Case<Costly>], rows: &[Row]) -> Result<()> {
 fn figures(rows: &[Row]) -> Vec<PageFigure> {
     let families = [
         (FLAGELLA, "flagella in a fluid"),
-        (HEAPS, "rods that fall in on each other"),
+        (HEAPS, "collapsing heap of rods"),
         (ONE_ROD, "one rod"),
     ];
     let curves = families.map(|(kind, name)| {

@@ -124,7 +124,7 @@ type Quantity<Row> = (&'static str, fn(&Row) -> Option<f64>);
 pub(super) fn disturbance(jitter_mm: f64, seed: u64, length_error: f64) -> String {
     match (jitter_mm > 0.0, length_error != 0.0) {
         (true, _) => format!("jitter {jitter_mm} mm, seed {seed}"),
-        (_, true) => format!("L_{{gb}} {:+.0} %", 1e2 * length_error),
+        (_, true) => format!("L_{{gb}} {:+.0} %", 1e2 * length_error).replace('-', "−"),
         _ => "no error".into(),
     }
 }
@@ -156,7 +156,7 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
         rows,
         Row::trial,
         &[
-            ("open", |row| row.open_cm),
+            ("as planned", |row| row.open_cm),
             ("corrected", |row| row.corrected_cm),
             ("corrected, camera with noise", |row| {
                 row.corrected_with_noise_cm

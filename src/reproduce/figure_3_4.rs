@@ -24,8 +24,8 @@ const NAMES: [&str; 7] = [
     "601 nodes",
     "half the speed",
     "gap of h/80",
-    "short: IMC",
-    "short: IPC",
+    "from l̄_k = 165: IMC",
+    "from l̄_k = 165: IPC",
 ];
 
 /// Writes traction and height over tightness, pictures, and the inversion points.

@@ -141,12 +141,12 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     };
     let all: Vec<&str> = METHODS.iter().map(|way| way.id).collect();
     let paper = |row: &Row| !["us_20", "ca_20", "ca_half"].contains(&row.scenario.as_str());
-    let slid = by_scenario("slid at most in mm", &all, &|row| row.largest_sliding_mm);
+    let slid = by_scenario("Largest slide in mm", &all, &|row| row.largest_sliding_mm);
     let ours = [
-        by_scenario("slid at most in mm", &OURS, &|row| {
+        by_scenario("Largest slide in mm", &OURS, &|row| {
             row.largest_sliding_mm.filter(|_| paper(row))
         }),
-        by_scenario("error of the fold in mm", &OURS, &|row| {
+        by_scenario("Error of the fold length in mm", &OURS, &|row| {
             row.fold_length_error_mm.filter(|_| paper(row))
         }),
     ];

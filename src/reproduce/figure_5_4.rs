@@ -329,7 +329,7 @@ fn rods() -> Figure {
             .map(|end| libm::hypot(end.gripper[0], end.gripper[1]));
         for (name, distance) in [
             ("region I", 1.05 * outer),
-            ("in the region", 0.5 * (outer + inner)),
+            ("between the boundaries", 0.5 * (outer + inner)),
             ("region III", 0.6 * inner),
         ] {
             let rod = rod_along_ray(SUSPENDED, stretch_stiffness(), [direction, distance], EDGES);

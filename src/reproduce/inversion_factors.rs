@@ -49,7 +49,7 @@ pub(super) const FIGURE_3_7: Artifact = Artifact {
 
 /// The varied parameter of a figure.
 struct Factor {
-    /// Its runs.
+    /// Runs of the factor.
     runs: fn(quick: bool) -> Vec<Inversion>,
     /// Name of the figure.
     name: &'static str,

@@ -27,7 +27,7 @@ enum Source {
 pub(super) struct LaidRod {
     /// Number in the table.
     pub number: usize,
-    /// Its name.
+    /// Name of the rod.
     pub name: &'static str,
     /// The substrates with a friction of 0.2, 0.4 and 0.8.
     pub substrates: [Substrate; 3],
@@ -135,7 +135,7 @@ pub(super) struct Laying {
 pub(super) struct Disturbance {
     /// Root mean square of the gripper's jitter in each direction, m.
     pub jitter: f64,
-    /// Its seed.
+    /// Seed of the disturbance.
     pub seed: u64,
     /// Relative error of the gravito-bending length assumed in the plan.
     pub length_error: f64,
@@ -181,7 +181,7 @@ fn patterns_of_errors(quick: bool) -> &'static [usize] {
 }
 
 impl LaidRod {
-    /// Its file.
+    /// File of the rod.
     pub fn file(&self) -> &'static str {
         self.scenario
     }

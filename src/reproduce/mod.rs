@@ -126,7 +126,7 @@ pub enum ReproduceError {
     NoTable {
         /// The artefact.
         artifact: &'static str,
-        /// Its table.
+        /// Missing table.
         table: PathBuf,
     },
     /// The figures need more data than the table contains.

@@ -103,7 +103,18 @@ pub(super) fn curve<Row, Value: Into<Option<f64>>>(
     Curve::new(name, points.map(|(x, y)| (x, y.into())).collect())
 }
 
-/// A plot with the name of its vertical axis.
+/// A plot with the name of its vertical axis, which begins with a capital unless it is a symbol.
 pub(super) fn plot(label: impl Into<String>, curves: impl IntoIterator<Item = Curve>) -> LinePlot {
-    LinePlot::new(label, curves)
+    LinePlot::new(with_capital(label.into()), curves)
+}
+
+/// A label with a capital if it begins with a word, not with a symbol such as "y in m".
+fn with_capital(label: String) -> String {
+    let is_letter = |character: char| character.is_ascii_lowercase();
+    let letters = label.find(|character| !is_letter(character));
+    if letters.unwrap_or(label.len()) < 2 {
+        return label;
+    }
+    let (first, rest) = label.split_at(1);
+    first.to_uppercase() + rest
 }

@@ -72,10 +72,10 @@ fn figure(rows: &[Row]) -> PageFigure {
     };
     let curves = [
         marks("plan", |_, row| Some(1e-3 * row.plan_ms)),
-        marks("with its manifold", |_, row| {
+        marks("plan and manifold", |_, row| {
             Some(1e-3 * (row.manifold_ms + row.plan_ms))
         }),
-        marks("with moments, manifold and plan", |_, row| {
+        marks("plan with moments and its manifold", |_, row| {
             Some(1e-3 * (row.held_manifold_ms? + row.held_plan_ms?))
         }),
         marks("thesis", |index, _| THESIS.get(index)?.0),
@@ -83,7 +83,7 @@ fn figure(rows: &[Row]) -> PageFigure {
             Some(THESIS.get(index)?.1)
         }),
     ];
-    let plot = plot("time of a plan in s", curves);
+    let plot = plot("Wall time in s", curves);
     let style = PlotStyle {
         vertical: vec![AxisScale::Logarithmic],
         names: rows.iter().map(|row| row.scenario.clone()).collect(),

@@ -97,17 +97,28 @@ pub fn marker_overlay(picture: &RgbImage, spots: &[Point], errors: &MarkerErrors
     canvas.image
 }
 
-/// A dimmed picture, and a clearly visible line width for it.
+/// A dimmed or, if it is dark, lightened picture, and a clearly visible line width for it.
 struct Canvas {
     image: RgbImage,
     stroke: f64,
 }
 
+/// Whether most of a picture is nearly black.
+fn is_dark(picture: &RgbImage) -> bool {
+    const DARK: u8 = 48;
+    let dark = picture
+        .pixels()
+        .filter(|pixel| pixel.0.iter().all(|channel| *channel < DARK));
+    2 * dark.count() > picture.pixels().len()
+}
+
 impl Canvas {
     fn over(picture: &RgbImage) -> Self {
         let mut image = picture.clone();
+        // Lines are visible on a dimmed picture; a dark one is lightened to show the scene.
+        let (factor, shift) = if is_dark(picture) { (10, 60) } else { (11, 0) };
         for channel in image.iter_mut() {
-            *channel = (u16::from(*channel) * 11 / 20) as u8;
+            *channel = (u16::from(*channel) * factor / 20 + shift) as u8;
         }
         let size = image.width().max(image.height());
         Self {

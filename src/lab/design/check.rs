@@ -1,4 +1,4 @@
-//! The equilibria of a designed rod: its distance from the wanted curve, and stability.
+//! The equilibria of a designed rod: its distance from the target curve, and stability.
 
 use super::curve::length;
 use crate::run::PreparedRun;

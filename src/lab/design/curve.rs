@@ -1,4 +1,4 @@
-//! The wanted curve: a cubic spline through given points, with nodes at equal distances along it.
+//! The target curve: a cubic spline through given points, with nodes at equal distances along it.
 //!
 //! The parameter of the spline is the length of the chords. The slope at each end is that of the
 //! cubic polynomial through the four points nearest to it. Second derivatives are continuous, so
@@ -90,7 +90,7 @@ impl Spline {
         spline
     }
 
-    /// Its length, m.
+    /// Length of the curve, m.
     pub fn length(&self) -> f64 {
         self.lengths[self.lengths.len() - 1]
     }

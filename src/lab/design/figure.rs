@@ -1,4 +1,4 @@
-//! The figure: wanted curve, equilibrium, and the rod without loads or before the design.
+//! The figure: target curve, equilibrium, and the rod without loads or before the design.
 
 use super::outcome::Design;
 use rodlab_engine::mechanics::Vector3;
@@ -29,7 +29,7 @@ pub fn design_figure(designed: &Design) -> Figure {
         Design::Numbers(_) => "Before",
     };
     let curves = [
-        curve("Wanted", wanted, Look::Ground),
+        curve("Target", wanted, Look::Ground),
         curve("Equilibrium", equilibrium, Look::Bare),
         curve(name, other, Look::Dashed),
     ];

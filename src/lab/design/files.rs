@@ -16,7 +16,7 @@ pub const RESULT: &str = "design.json";
 pub const DESIGNED: &str = "designed.toml";
 /// Natural strains of the nodes, for the key `natural_shape` of a rod.
 pub const NATURAL: &str = "natural.csv";
-/// Nodes of the wanted curve, in equilibrium, and without stress or before the design.
+/// Nodes of the target curve, in equilibrium, and without stress or before the design.
 pub const NODES: &str = "nodes.csv";
 /// The three curves as a figure.
 pub const FIGURE: &str = "design.svg";

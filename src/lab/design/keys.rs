@@ -100,7 +100,7 @@ fn no_number(scenario: &CaseSet, key: &str) -> DesignError {
     match scenario.scenario_with(&[(key, 1.0)]) {
         Err(error) => error.into(),
         Ok(_) => DesignError::Input(format!(
-            "--vary {key}: the scenario states no number there; give its start by --set {key}=VALUE"
+            "--vary {key}: the scenario has no value for this key; give a start value by --set {key}=VALUE"
         )),
     }
 }

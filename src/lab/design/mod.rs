@@ -7,7 +7,7 @@
 //! | file | what |
 //! |---|---|
 //! | `request`, `outcome` | what is wanted, and what was found by the way that suits |
-//! | `curve` | the wanted curve as a spline with nodes at equal distances |
+//! | `curve` | the target curve as a spline with nodes at equal distances |
 //! | `task` | from a scenario and a curve to the natural strains |
 //! | `numbers`, `keys` | to the values of keys, and the numbers that keys name |
 //! | `check` | the equilibrium of what was found |

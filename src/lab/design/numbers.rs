@@ -39,9 +39,9 @@ pub struct DesignedKey {
 pub struct DesignedNumbers {
     /// Name of the rod.
     pub rod: String,
-    /// Its edges.
+    /// Number of edges of the rod.
     pub edges: usize,
-    /// Length of the wanted curve, m.
+    /// Length of the target curve, m.
     pub curve_length_m: f64,
     /// Length of the rod without stress, m.
     pub natural_length_m: f64,
@@ -49,7 +49,7 @@ pub struct DesignedNumbers {
     pub keys: Vec<DesignedKey>,
     /// Whether the equilibrium meets the curve, to 1e-8 of the length.
     pub met: bool,
-    /// Largest distance of a node in equilibrium from the wanted curve, m.
+    /// Largest distance of a node in equilibrium from the target curve, m.
     pub distance_m: f64,
     /// Largest distance over the length.
     pub distance_over_length: f64,
@@ -74,7 +74,7 @@ pub struct DesignedNumbers {
     /// The scenario with the values.
     #[serde(skip)]
     pub scenario_toml: String,
-    /// Nodes of the wanted curve, of the equilibrium, and of the equilibrium before the design, m.
+    /// Nodes of the target curve, of the equilibrium, and of the equilibrium before the design, m.
     #[serde(skip)]
     pub nodes: [Vec<Vector3>; 3],
 }

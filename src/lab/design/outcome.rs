@@ -27,7 +27,7 @@ impl Design {
         }
     }
 
-    /// Nodes of the wanted curve, in equilibrium, and without loads or before the design, m.
+    /// Nodes of the target curve, in equilibrium, and without loads or before the design, m.
     pub fn nodes(&self) -> &[Vec<Vector3>; 3] {
         match self {
             Self::Shape(designed) => &designed.nodes,

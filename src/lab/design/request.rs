@@ -8,7 +8,7 @@ use std::path::Path;
 pub struct Request<'a> {
     /// The scenario, a single case.
     pub scenario: &'a CaseSet,
-    /// CSV file of the wanted curve, from the first node of the rod to its last.
+    /// CSV file of the target curve, from the first node of the rod to its last.
     pub shape: &'a Path,
     /// The rod to design. `None` if there is only one.
     pub rod: Option<&'a str>,

@@ -21,15 +21,15 @@ const SLENDER: f64 = 0.1;
 pub struct Designed {
     /// Name of the rod.
     pub rod: String,
-    /// Its edges.
+    /// Number of edges of the rod.
     pub edges: usize,
-    /// Length of the wanted curve, m.
+    /// Length of the target curve, m.
     pub curve_length_m: f64,
     /// Natural length of the designed rod, m.
     pub natural_length_m: f64,
     /// Natural length of the rod in the scenario, m.
     pub length_before_m: f64,
-    /// Largest distance of a node in equilibrium from the wanted curve, m.
+    /// Largest distance of a node in equilibrium from the target curve, m.
     pub distance_m: f64,
     /// Largest distance over the length.
     pub distance_over_length: f64,
@@ -57,7 +57,7 @@ pub struct Designed {
     /// Natural strains at the nodes.
     #[serde(skip)]
     pub natural: NaturalStrains,
-    /// Nodes of the wanted curve, in equilibrium, and without stress, m.
+    /// Nodes of the target curve, in equilibrium, and without stress, m.
     #[serde(skip)]
     pub nodes: [Vec<Vector3>; 3],
 }

@@ -40,9 +40,9 @@ const SILENT: [&str; 5] = ["material", "rod", "rods", "loads", "clamps"];
 /// A column as it appears in a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Quantity {
-    /// Its name in words, small.
+    /// Name of the quantity in words, in small letters.
     pub name: String,
-    /// Its unit; empty for a pure number.
+    /// Unit of the quantity; empty for a pure number.
     pub unit: String,
     /// The size of that unit, in the unit of the column.
     pub size: f64,
@@ -61,8 +61,15 @@ impl Quantity {
                 Some((name, unit)) if !name.is_empty() => (name, *unit),
                 _ => (column, ""),
             };
+            let name = match name {
+                "newton_iterations_mean" => "mean Newton iterations per step".into(),
+                "newton_iterations_mean_with_contact" => {
+                    "mean Newton iterations per step with contact".into()
+                }
+                name => name.replace('_', " "),
+            };
             return Self {
-                name: name.replace('_', " "),
+                name,
                 unit: unit.into(),
                 size: 1.0,
             };
@@ -86,7 +93,7 @@ impl Quantity {
         }
     }
 
-    /// Its name with a capital.
+    /// Name of the quantity with a capital.
     pub fn title(&self) -> String {
         sentence(&self.name)
     }
@@ -163,7 +170,11 @@ mod tests {
             ("velocity_x_m_per_s", 1.0, "Velocity x in m/s"),
             ("steps", 1.0, "Steps"),
             ("time_s", 1.0, "Time in s"),
-            ("newton_iterations_mean", 1.0, "Newton iterations mean"),
+            (
+                "newton_iterations_mean",
+                1.0,
+                "Mean Newton iterations per step",
+            ),
             ("contact.friction", 0.3, "Contact friction"),
             ("rods.beam.radius", 0.0055, "Radius of beam in mm"),
             ("rod.radius", 0.0016, "Radius in mm"),

@@ -10,9 +10,9 @@ use std::iter::repeat;
 
 /// A published case.
 pub(super) struct Benchmark {
-    /// Its name: `validation/` and the name of its folder.
+    /// Name of the benchmark: `validation/` and the name of its folder.
     pub name: &'static str,
-    /// Its title.
+    /// Title of the benchmark.
     pub title: &'static str,
     /// Description of the loads and of the comparison.
     pub about: &'static str,
@@ -34,7 +34,7 @@ pub(super) struct Benchmark {
 
 /// What is compared.
 pub(super) struct Quantity {
-    /// Its name, with its unit.
+    /// Name of the quantity, with its unit.
     pub name: &'static str,
     /// Published value, with half a unit of its last digit or its stated error.
     pub published: Option<(f64, f64)>,
@@ -192,30 +192,61 @@ pub(super) fn digits(value: f64) -> String {
     format!("{value:.*}", 6usize.saturating_sub(before))
 }
 
-/// Plots errors over the number of edges, one curve for each quantity.
+/// Plots errors over the number of edges, one curve for each quantity. Quantities with names such
+/// as "30°: twist" have a panel for each angle.
 pub(super) fn figures(rows: &[Row]) -> Vec<PageFigure> {
-    let mut names: Vec<&String> = rows.iter().map(|row| &row.quantity).collect();
-    names.sort();
-    names.dedup();
-    let curves = names.into_iter().map(|wanted| {
-        let own = rows.iter().filter(|row| row.quantity == *wanted);
-        let own = own.filter(|row| row.error != 0.0);
-        let point = |row: &Row| (row.edges as f64, row.error.abs());
-        curve(wanted, own, point).looking(Look::Marked)
-    });
+    let mut names: Vec<&str> = Vec::new();
+    for row in rows {
+        if !names.contains(&row.quantity.as_str()) {
+            names.push(&row.quantity);
+        }
+    }
+    let mut angles: Vec<Option<&str>> = names.iter().map(|name| angle(name)).collect();
+    angles.dedup();
+    let panel = |of: &Option<&str>| {
+        let own = || rows.iter().filter(|row| angle(&row.quantity) == *of);
+        let names = names.iter().filter(|name| angle(name) == *of);
+        let curves = names.map(|wanted| {
+            let rows = own().filter(|row| row.quantity == *wanted && row.error != 0.0);
+            let point = |row: &Row| (row.edges as f64, row.error.abs());
+            curve(legend(wanted), rows, point).looking(Look::Marked)
+        });
+        let label = match of {
+            Some(angle) => format!("Relative error, {angle}"),
+            None => "Relative error".to_owned(),
+        };
+        plot(label, curves.chain(second_order(own())))
+    };
+    let panels: Vec<_> = angles.iter().map(panel).collect();
     let style = PlotStyle {
         horizontal: AxisScale::Logarithmic,
-        vertical: vec![AxisScale::Logarithmic],
+        vertical: vec![AxisScale::Logarithmic; panels.len()],
         ..PlotStyle::default()
     };
-    let curves = curves.chain(second_order(rows));
-    let figure = styled_line_plots([plot("error", curves)], "edges of a rod", style);
-    let caption = "Error over the number of edges; dashed: convergence of second order";
+    let figure = styled_line_plots(panels, "Number of edges", style);
+    let caption = "Relative error over the number of edges; dashed: convergence of second order";
     vec![PageFigure::new("errors", caption, figure)]
 }
 
+/// Angle in the name of a quantity.
+fn angle(name: &str) -> Option<&str> {
+    name.split_once(": ").map(|(angle, _)| angle)
+}
+
+/// Name of a quantity in a legend: without its angle, and without its unit, which its relative
+/// error does not have.
+fn legend(name: &str) -> &str {
+    const UNITS: [&str; 8] = ["mm", "s", "degrees", "rad", "10⁻⁴", "√(g/L)", "x/L", "y/L"];
+    let name = name.split_once(": ").map_or(name, |(_, name)| name);
+    match name.rsplit_once(", ") {
+        Some((words, unit)) if UNITS.contains(&unit) => words,
+        _ => name,
+    }
+}
+
 /// A line of slope −2 from the largest error of the coarsest mesh over the range of the meshes.
-fn second_order(rows: &[Row]) -> Option<Curve> {
+fn second_order<'a>(rows: impl Iterator<Item = &'a Row>) -> Option<Curve> {
+    let rows: Vec<&Row> = rows.collect();
     let edges = || rows.iter().map(|row| row.edges);
     let (first, last) = (edges().min()?, edges().max()?);
     let of_first = rows.iter().filter(|row| row.edges == first);

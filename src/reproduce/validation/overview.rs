@@ -101,14 +101,14 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
         let point = |(place, case): (usize, &&String)| ((place + 1) as f64, error(case, mesh));
         curve(name, places, point).looking(Look::Marks)
     });
-    let plot = plot("largest error", curves);
+    let plot = plot("Largest relative error", curves);
     let style = PlotStyle {
         vertical: vec![AxisScale::Logarithmic],
         names: cases.iter().map(|case| (*case).clone()).collect(),
         ..PlotStyle::default()
     };
     let figure = styled_line_plots([plot], "", style);
-    let caption = "Largest error of each case at its three meshes";
+    let caption = "Largest relative error of each case at its three meshes";
     vec![PageFigure::new("errors", caption, figure)]
 }
 

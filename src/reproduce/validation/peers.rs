@@ -29,7 +29,7 @@ const FIND: &str =
 /// Another program.
 #[derive(Debug, PartialEq)]
 pub(super) struct Program {
-    /// Its name.
+    /// Name of the program.
     pub name: &'static str,
     /// The package that `pip` installs.
     pub package: &'static str,

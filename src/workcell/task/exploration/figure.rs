@@ -20,10 +20,10 @@ pub fn found_and_theory(rows: &[ExplorationRow]) -> Figure {
     let low = ends.clone().fold(f64::INFINITY, f64::min);
     let high = ends.fold(f64::NEG_INFINITY, f64::max);
     let plot = LinePlot::new(
-        "found",
+        "Distance ‖(κ, τ, ω)‖ found by the arm",
         [
-            Curve::new("the same", vec![(low, Some(low)), (high, Some(high))]),
-            Curve::new("directions", found).looking(Look::Marks),
+            Curve::new("found = theory", vec![(low, Some(low)), (high, Some(high))]),
+            Curve::new("explored directions", found).looking(Look::Marks),
         ],
     );
     line_plots([plot], "Distance ‖(κ, τ, ω)‖ of theory")
