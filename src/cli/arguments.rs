@@ -44,7 +44,7 @@ fn version() -> &'static str {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Run a scenario, or continue an interrupted run of it
+    /// Run a scenario, or resume its interrupted run
     Run(run::RunArguments),
     /// Validate scenarios and print derived numbers
     Check(check::CheckArguments),
@@ -62,13 +62,13 @@ pub enum Command {
     Guide(guide::GuideArguments),
     /// Solve a problem exactly; the answer is JSON on standard output
     Solve(solve::SolveArguments),
-    /// Measure the gravito-bending length, or identify the knot of a curve
+    /// Measure rods, sheets, markers and knots in photographs or curves
     Measure(measure::MeasureArguments),
     /// Differentiate probes of a scenario over its keys, exactly
     Sensitivity(sensitivity::SensitivityArguments),
     /// Fit keys of scenarios to measurements, or a rod that an arm holds
     Identify(identify::IdentifyArguments),
-    /// Find the natural shape of a rod for a wanted equilibrium
+    /// Find the natural shape that gives a rod a target equilibrium
     Design(design::DesignArguments),
     /// Compare the engine with theory, check by check
     Verify(verify::VerifyArguments),
@@ -80,7 +80,7 @@ pub enum Command {
     Train(train::TrainArguments),
     /// Compare a network with samples
     Evaluate(evaluate::EvaluateArguments),
-    /// Plan a trajectory: joint positions along poses of a hand
+    /// Plan the path of a gripper, or the joint positions of an arm
     Plan(plan::PlanArguments),
     /// Lay a rod along a pattern with an arm: plan, show, stream, see and score
     Deploy(Box<InCell<deploy::DeployArguments>>),

@@ -99,7 +99,7 @@ struct HandEyeArguments {
     /// The camera does not move and the hand holds the target
     #[arg(long)]
     fixed_camera: bool,
-    /// Accepted for uniformity: the result is always JSON
+    /// Has no effect: the result is always JSON
     #[arg(long)]
     json: bool,
 }

@@ -78,12 +78,12 @@ struct ServeArguments {
         allow_hyphen_values = true
     )]
     scene_place: Option<Place>,
-    /// Place on the table of the free end of a rod that is handed over: x,y in the cell, m
+    /// Position of the free end of a supplied rod on the table: x,y in the cell, m
     ///
     /// By default it is where the rod hangs freely; for a scene, it is the start of its pattern.
     #[arg(long, hide_short_help = true, value_name = "X,Y", value_parser = place, conflicts_with = "paper", allow_hyphen_values = true)]
     free_end: Option<[f64; 2]>,
-    /// Hand rods over in the air, with this length free, as `rodlab identify --rod` needs them
+    /// Supply rods that hang in the air with this free length, for `rodlab identify --rod`
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, requires = "rod", conflicts_with_all = ["free_end", "second_rod"])]
     hanging: Option<f64>,
     /// Rod for all arms except the first, as --rod [default: the same]
@@ -92,7 +92,7 @@ struct ServeArguments {
     /// Sheet file: TOML with [folding.paper], as in scenarios/papers
     #[arg(long, value_name = "FILE", conflicts_with = "rod", value_parser = file_or_preset(PresetKind::Paper), add = presets(PresetKind::Paper))]
     paper: Option<PathBuf>,
-    /// Lay the sheet with a corner ahead, to be folded along its diagonal
+    /// Place the sheet with a corner forward, for a fold along its diagonal
     #[arg(long, requires = "paper")]
     diagonal: bool,
     /// Place of the middle of the edge of the sheet on the table, m, and direction over the sheet, degrees

@@ -18,7 +18,7 @@ const EPISODES: u32 = 10;
 /// Options of `rodlab dataset` for demonstrations.
 #[derive(Debug, Args)]
 pub struct DemonstrationArguments {
-    /// Write demonstrations of a planner, as a part of the Python package
+    /// Write demonstrations of a planner; needs the Python package
     #[arg(long, value_name = "FORMAT", value_parser = named(&FORMATS), conflicts_with_all = [
         "overrides", "force", "dry_run", "vary", "jobs", "shard", "retry_failed", "fail_fast", "yes",
         "watch", "json", "timeout",
@@ -27,7 +27,7 @@ pub struct DemonstrationArguments {
     /// Number of episodes [default: 10]
     #[arg(long, value_name = "N", requires = "format", hide_short_help = true, value_parser = clap::value_parser!(u32).range(1..))]
     pub count: Option<u32>,
-    /// Seed of the first episode, from which the others count up [default: 0]
+    /// Seed of the first episode; each further episode uses the next integer [default: 0]
     #[arg(long, value_name = "N", requires = "format", hide_short_help = true, value_parser = clap::value_parser!(u32))]
     pub seed: Option<u32>,
     /// Record no pictures

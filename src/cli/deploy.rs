@@ -50,7 +50,7 @@ pub struct DeployArguments {
     /// Replan the rest of the path from a picture every 0.8 gravito-bending lengths
     #[arg(long, conflicts_with_all = ["simulate", "dry_run"])]
     correct: bool,
-    /// Let the arm identify the rod first, as `rodlab identify --rod`, and plan with the result
+    /// Identify the rod first, as `rodlab identify --rod` does, and plan with the result
     #[arg(long, conflicts_with_all = ["simulate", "dry_run"])]
     identify: bool,
     /// Rod of the simulated cell [default: --rod, for which the path is planned]

@@ -32,13 +32,13 @@ pub struct DesignArguments {
     /// The scenario with the rod, its clamps and its loads
     #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     pub scenario: PathBuf,
-    /// The wanted curve in equilibrium, a CSV file
+    /// CSV file of the target curve in equilibrium
     #[arg(long, value_name = "FILE")]
     pub shape: PathBuf,
     /// Keys to find: rods.NAME.natural_curvature, or numbers such as clamps.1.pose; repeatable
     #[arg(long, value_name = "KEY,...", required = true, value_delimiter = ',', add = keys(""))]
     pub vary: Vec<String>,
-    /// The rod whose shape is wanted, if the keys do not name it [default: the only one]
+    /// Name of the rod to design, if the keys do not name it [default: the only one]
     #[arg(long, value_name = "NAME")]
     pub rod: Option<String>,
     /// Directory for the results [default: results/<name of the scenario>-designed]
@@ -78,7 +78,7 @@ pub fn design(arguments: &DesignArguments) -> Result<(), Failure> {
     }
     match &found {
         Design::Numbers(found) if !found.converged => Err(Failure::Unreachable(
-            "the values have not converged; start nearer, by --set KEY=VALUE".into(),
+            "the values have not converged; give a start value closer to the solution by --set KEY=VALUE".into(),
         )),
         _ => Ok(()),
     }

@@ -86,7 +86,7 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<(), Failure> {
         });
     }
     let mut text = format!(
-        "{} samples; {out_of_range} out of range left out\n",
+        "{} samples, without {out_of_range} that are out of range\n",
         covered.rows()
     );
     for errors in &errors {

@@ -53,7 +53,7 @@ pub struct ExploreArguments {
     /// Name of the arm; optional if the cell has only one
     #[arg(long, value_name = "NAME")]
     arm: Option<String>,
-    /// Distance ‖(κ, τ, ω)‖ between pictures on the way out
+    /// Distance ‖(κ, τ, ω)‖ between pictures in the first approach
     #[arg(long, value_name = "DISTANCE", default_value_t = 0.5, value_parser = number(is_distance, DISTANCE))]
     step: f64,
     /// Distance between pictures in the second approach to an instability
@@ -65,13 +65,13 @@ pub struct ExploreArguments {
     /// Mean distance of the markers from the helix, over the rod length, that counts as unstable
     #[arg(long, value_name = "PART", default_value_t = 0.015, value_parser = positive)]
     deviation: f64,
-    /// Greatest speed of the hand on the way out, m/s
+    /// Largest speed of the hand while it deforms the rod, m/s
     #[arg(long, value_name = "SPEED", default_value_t = 0.05, value_parser = positive)]
     hand_speed: f64,
-    /// Greatest speed of the hand on the way back, m/s
+    /// Largest speed of the hand while it returns, m/s
     #[arg(long, hide_short_help = true, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
     return_speed: f64,
-    /// Greatest speed of the hand on the way to the straight rod, m/s
+    /// Largest speed of the hand as it approaches the straight rod, m/s
     #[arg(long, hide_short_help = true, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
     approach_speed: f64,
     /// Least distance of arm and rod to anything else, m

@@ -36,13 +36,13 @@ pub struct FoldArguments {
     pub paper: PathBuf,
     /// Target of the edge: `half`, `diagonal-strip`, or the distance by which it moves
     ///
-    /// `half`: onto the opposite edge. `diagonal-strip`: a corner of a square sheet onto the opposite one, planned and simulated as a
-    /// strip of one width.
+    /// `half`: onto the opposite edge. `diagonal-strip`: fold a corner of a square sheet onto the
+    /// opposite corner; plan and simulation assume a strip of uniform width.
     #[arg(long, value_name = "TARGET", value_parser = crease, default_value = "half")]
     pub crease: Crease,
     /// Algorithm that plans the path of the gripper
     ///
-    /// `held` holds the edge with the least moment that the friction allows.
+    /// `held` applies the smallest moment with which the friction holds the sheet.
     #[arg(long, default_value = "held", value_parser = PossibleValuesParser::new(ALGORITHMS.map(|(name, _)| name)))]
     pub algorithm: String,
     /// Fold in N parts and replan each from the measured slide of the sheet; at most 20 in a cell
@@ -68,10 +68,10 @@ pub struct FoldArguments {
         allow_hyphen_values = true
     )]
     pub place: Option<Place>,
-    /// Greatest speed of the hand while it folds, m/s
+    /// Largest speed of the hand while it folds, m/s
     #[arg(long, hide_short_help = true, value_name = "SPEED", default_value_t = 0.05, value_parser = positive)]
     pub hand_speed: f64,
-    /// Greatest speed of the hand on the way to the sheet, m/s
+    /// Largest speed of the hand as it approaches the sheet, m/s
     #[arg(long, hide_short_help = true, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
     pub approach_speed: f64,
     /// Least distance to anything else, m
@@ -142,7 +142,7 @@ impl FoldArguments {
     pub fn sheet(&self) -> Result<AskedSheet, Failure> {
         let file = PaperFile::read(&self.paper)?;
         let target = file.paper.target(self.crease).at("--crease")?;
-        if self.feedback.is_some() && !self.algorithm().is_planned_anew() {
+        if self.feedback.is_some() && !self.algorithm().can_replan() {
             let message = "--feedback: this algorithm cannot replan; use `held`, `optimal` or `least-friction`";
             return Err(Failure::Input(message.into()));
         }

@@ -63,7 +63,7 @@ pub struct IdentifyArguments {
     /// Measurements on this scenario, CSV files
     #[arg(long, value_name = "FILE,...", required_unless_present_any = ["rod", "cell"], value_delimiter = ',')]
     pub data: Vec<PathBuf>,
-    /// A further scenario with its measurements, which shares the keys; repeatable
+    /// Further scenario and measurements, fitted with the same keys; repeatable
     #[arg(long = "with", value_name = "SCENARIO:FILE,...")]
     pub others: Vec<String>,
     /// Keys to fit, such as rods.wire.stiffness.twisting
@@ -136,7 +136,7 @@ pub fn identify(arguments: &IdentifyArguments, common: &Common) -> Result<(), Fa
     match found.converged {
         true => Ok(()),
         false => Err(Failure::Unreachable(
-            "the fit has not converged; start nearer, by --set KEY=VALUE, or give --bounds".into(),
+            "the fit has not converged; give a start value closer to the solution by --set KEY=VALUE, or give --bounds".into(),
         )),
     }
 }

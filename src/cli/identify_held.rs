@@ -13,9 +13,11 @@ const FREE: [f64; 2] = [4.0, 40.0];
 /// Arguments of an identification in a cell.
 #[derive(Debug, Args)]
 pub struct HeldArguments {
-    /// Let an arm hold a rod in three poses; FILE is the expected rod
+    /// Identify a rod that an arm holds in three poses; FILE describes the expected rod
     ///
-    /// Its gravito-bending length and natural curvature are fitted to pictures. [deployment.rod] has gravito_bending_length, radius and length. The default is the rod of --cell.
+    /// The gravito-bending length and natural curvature of the rod are fitted to pictures.
+    /// [deployment.rod] has gravito_bending_length, radius and length. The default is the rod of
+    /// --cell.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scenario", "data", "others", "fit", "overrides", "markers", "bounds", "prior", "noise"], value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     pub rod: Option<PathBuf>,
     /// Length of the rod that hangs from the gripper

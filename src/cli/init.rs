@@ -19,7 +19,8 @@ pub struct InitArguments {
     /// Experiment for which to write a template, or other kind of file
     #[arg(value_name = "KIND", value_parser = beginnings())]
     beginning: Beginning,
-    /// Write the preset of this name instead [default of cells, rods and papers: that of the guide]
+    /// Write the preset of this name instead [default for cells, rods and papers: the preset used
+    /// in the guide]
     #[arg(long, value_name = "NAME", add = preset_names(&LIKE))]
     like: Option<String>,
 }
@@ -28,7 +29,7 @@ pub struct InitArguments {
 #[derive(Clone, Copy, Debug)]
 enum Beginning {
     Experiment(&'static dyn Kind),
-    /// A preset of a kind; the name is that of the default preset.
+    /// Another kind of file, with the name of its default preset.
     Preset(PresetKind, &'static str),
 }
 
@@ -88,7 +89,7 @@ pub fn init(arguments: &InitArguments) -> Result<(), Failure> {
             };
             match stated(&text, "experiment") {
                 Some(experiment) if experiment != kind.name() => Err(Failure::Input(format!(
-                    "`{name}` is of the experiment `{experiment}`: rodlab init {experiment} --like {name}"
+                    "`{name}` belongs to the experiment `{experiment}`; use `rodlab init {experiment} --like {name}`"
                 ))),
                 _ => print(&text),
             }

@@ -65,7 +65,9 @@ pub fn measure_knot(arguments: &KnotArguments) -> Result<(), Failure> {
     let (Some(crossings), Some(knot_determinant)) =
         (fewest_crossings(&joined), determinant_of_closed(&joined))
     else {
-        return Err(Failure::Input(format!("{place}: the curve meets itself")));
+        return Err(Failure::Input(format!(
+            "{place}: the curve intersects itself"
+        )));
     };
     let last = if closed { points.first() } else { None };
     let ends = points.iter().skip(1).chain(last);

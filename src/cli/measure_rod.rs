@@ -65,7 +65,7 @@ pub struct RodArguments {
     /// Directory for the images with the traced rod on them: overlay.png, overlay_2.png, ...
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Accepted for uniformity: the answer is always JSON
+    /// Has no effect: the answer is always JSON
     #[arg(long)]
     json: bool,
 }

@@ -41,7 +41,7 @@ pub struct SheetArguments {
     /// Directory for the images with the edges on them: sheet_1.png, sheet_2.png
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Accepted for uniformity: the answer is always JSON
+    /// Has no effect: the answer is always JSON
     #[arg(long)]
     json: bool,
 }

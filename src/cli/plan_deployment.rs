@@ -151,7 +151,7 @@ struct CrossingReport {
 
 /// A plan that was written to files.
 pub struct WrittenPlan {
-    /// Its numbers, as text.
+    /// Numbers of the plan, as text.
     pub report: Report,
     /// The rod.
     pub rod: DeployedRod,

@@ -15,8 +15,9 @@ pub struct FoldPlanArguments {
     paper: PathBuf,
     /// Target of the edge: `half`, `diagonal-strip`, or the distance by which it moves
     ///
-    /// `half`: onto the opposite edge. `diagonal-strip`: a corner of a square sheet onto the opposite one, planned as a strip of one
-    /// width, as in the thesis. A distance is the C of the thesis; the crease is pressed half way.
+    /// `half`: onto the opposite edge. `diagonal-strip`: fold a corner of a square sheet onto the
+    /// opposite corner; the plan assumes a strip of uniform width, as in the thesis. A distance is
+    /// the C of the thesis; the crease is pressed half way.
     #[arg(long, value_name = "TARGET", value_parser = crease)]
     crease: Crease,
     /// Directory for the results
@@ -128,7 +129,8 @@ impl FoldPlanArguments {
             let (planner, check) = request.planner(&sheet).at(self.model_name())?;
             if let Some(check) = check.filter(|check| !check.is_passed()) {
                 tracing::warn!(
-                    "{}: {} of {} folds that were compared with exact ones are wrong, and {} are not finite; the path is searched over exact folds",
+                    "{}: {} of {} folds differ from the exact ones and {} are not finite; the path is planned with \
+                     exact folds instead",
                     self.model_name(),
                     check.wrong,
                     check.compared,

@@ -30,7 +30,7 @@ pub struct ReproduceArguments {
     /// List what can be reproduced and its rough cost
     #[arg(long, conflicts_with = "artifact")]
     pub list: bool,
-    /// Simulate a short time only; the page states this, and has its own folder
+    /// Simulate only a short time; the page is in a separate folder and states this
     #[arg(long)]
     pub quick: bool,
     /// Directory for artefacts [default: results/reproduced, with --quick results/reproduced-quick]

@@ -64,7 +64,7 @@ pub struct RunArguments {
     /// Start no further case after one has failed
     #[arg(long, hide_short_help = true)]
     pub fail_fast: bool,
-    /// Run more than 100000 cases
+    /// Allow more than 100000 cases
     #[arg(long, hide_short_help = true)]
     pub yes: bool,
     /// Open the 3-D page of `rodlab view` in the browser, and update it until the run ends

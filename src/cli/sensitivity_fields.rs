@@ -13,11 +13,12 @@ const FIGURE: &str = "fields.svg";
 /// Fields, and when they change.
 #[derive(Debug, Args)]
 pub struct FieldArguments {
-    /// Fields of the derivatives: a derivative for every node, at the cost of one run
+    /// Differentiate with respect to a field: one derivative per node, at about the cost of one run
     #[arg(long = "field", value_name = "FIELD", value_delimiter = ',', conflicts_with_all = ["keys", "check"],
           value_parser = PossibleValuesParser::new(Field::ALL.map(Field::name)))]
     fields: Vec<String>,
-    /// Equal parts of the motion: derivatives for a change of the fields in each part alone
+    /// Divide the motion into N equal parts, and differentiate with respect to the fields of each
+    /// part
     #[arg(long, value_name = "N", default_value_t = 1, requires = "fields",
           value_parser = clap::value_parser!(u16).range(1..=1000))]
     parts: u16,

@@ -84,15 +84,15 @@ enum Problem {
 A rod of length 1 and bending stiffness 1, naturally straight, is held at both ends in the shape of
 a helix of curvature κ and torsion τ with the twisting moment ω. `critical` is the norm of (κ, τ, ω)
 along the direction at which it ceases to be stable (Borum & Bretl 2020): null if it is stable up to
-100. With --method der it is the norm for the discrete rod: null if this rod is stable up to half
-the number of its edges.")]
+100. With --method der, `critical` is that of the discrete rod. It is null if the rod is still
+stable at a norm of half its number of edges.")]
     Helix(HelixArguments),
     /// The size at which a tightened overhand knot inverts, by the model of a braid and a loop
     #[command(after_help = "\
 A braid of two helices and the loop between its ends (thesis 3.6), without friction.
 `length_normalized` is l̄_k = (L − l_c)/h, the length of braid and loop over the radius of the rod,
-at which the knot loses its equilibrium; then each end of the braid has turned back by
-`rotation_rad`. The defaults are φ = π/3 and ε = 0.7, as in the thesis.")]
+at which the knot loses its equilibrium. `rotation_rad` is the angle by which each end of the braid
+has turned back there. The defaults are φ = π/3 and ε = 0.7, as in the thesis.")]
     KnotInversion(KnotInversionArguments),
     /// The height of the loop of a heavy rod folded over onto itself on a table
     LoopHeight {

@@ -24,7 +24,7 @@ pub struct FoldArguments {
     /// Edges of the discrete rod
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = edges(EDGES))]
     edges: usize,
-    /// Return all solutions found, the gentle one first
+    /// Return all solutions found, starting with the one returned without --all
     #[arg(long)]
     all: bool,
 }

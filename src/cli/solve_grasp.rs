@@ -26,7 +26,7 @@ pub struct GraspArguments {
     /// Edges of the discrete rod
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = edges(GraspMethod::FEWEST_EDGES..=MOST_EDGES))]
     edges: usize,
-    /// Return all solutions found, the gentle one first
+    /// Return all solutions found, starting with the one returned without --all
     #[arg(long)]
     all: bool,
 }

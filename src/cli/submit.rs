@@ -69,7 +69,7 @@ pub struct SubmitArguments {
     /// Command that runs the program, such as "apptainer exec rodlab.sif"
     #[arg(long, value_name = "WORDS")]
     pub wrapper: Option<String>,
-    /// Submit more than 100000 cases
+    /// Allow more than 100000 cases
     #[arg(long)]
     pub yes: bool,
     /// Print the batch script instead of submitting it

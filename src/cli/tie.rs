@@ -63,7 +63,8 @@ pub struct TieArguments {
     second_pattern: Option<PathBuf>,
     /// Stroke of the second pattern, as --stroke [default: the only one]
     ///
-    /// Of an SVG: its number from 1, its id, or `longest`; of a CSV file: the number of its strand, from 1.
+    /// For an SVG file: number (from 1) or id of the stroke, or `longest`. For a CSV file: number
+    /// of the strand, from 1.
     #[arg(
         long,
         value_name = "STROKE",

@@ -53,7 +53,7 @@ pub struct TraceArguments {
         conflicts_with = "mask"
     )]
     pub colour: String,
-    /// Image of the same size, in which all pixels that are not black are rod
+    /// Mask of the same size: pixels that are not black belong to the rod
     #[arg(long, value_name = "FILE")]
     pub mask: Option<PathBuf>,
     /// File whose table [camera] gives coordinates in metres

@@ -65,16 +65,17 @@ pub struct TrainArguments {
     /// Number of samples in a batch at first
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub batch: u32,
-    /// Number of samples in the last batches, reached by doubling
+    /// Largest batch size, reached by doubling
     #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub last_batch: u32,
-    /// Rounds without a lower error after which Adam stops; a quarter of them for gradient descent
+    /// Number of rounds without improvement after which Adam stops; gradient descent stops after a
+    /// quarter of that
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
     pub patience: u32,
     /// Largest number of rounds over all samples, with --schedule cosine exact [default: 2000; 250]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub most_epochs: Option<u32>,
-    /// Schedule by which the steps get smaller
+    /// Schedule of the learning rate
     #[arg(long, default_value = "plateau", value_parser = named(&SCHEDULES))]
     pub schedule: Schedule,
     /// Rate of Adam at first [default: 0.001; with --schedule cosine 0.002]
