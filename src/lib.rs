@@ -80,7 +80,7 @@
 //! | [`run`] | the run loop on a results directory |
 //! | [`sweep`], [`verify`], [`reproduce`] | many cases; physics checks; tables and figures of the thesis |
 //! | [`identify`] | keys of scenarios from measurements, with error bars |
-//! | [`design`] | natural shapes, poses and loads for a wanted equilibrium |
+//! | [`design`] | natural shapes, poses and loads for a target equilibrium |
 //! | [`sensitivity`] | derivatives of what a scenario measures over its keys |
 //! | [`report`] | figures and pages of a results directory |
 //! | [`knot`] | knots from parameters, the knot determinant, theory of tightening |

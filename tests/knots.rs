@@ -98,7 +98,7 @@ fn curves_without_a_knot_to_measure_are_refused() {
         ("x,y,z\n0,0,0\n1,0,0\n0,0,0\n", "needs at least 3 points"),
         (
             "x,y,z\n0,0,0\n2,0,0\n2,1,0\n1,1,0\n1,-1,0\n",
-            "meets itself",
+            "intersects itself",
         ),
     ] {
         let directory = directory(curve);
@@ -161,7 +161,7 @@ fn bad_curves_exit_with_2_and_leave_nothing_behind() {
         (&open, "rod.radius=\"20 mm\"", "interpenetrate"),
         (&open, "time.end=100.0", "beyond the length of the rod"),
         (&open, "knot.curve=\"no.csv\"", "no.csv cannot be read"),
-        (&flat, "knot.length=1.0", "the curve meets itself"),
+        (&flat, "knot.length=1.0", "the curve intersects itself"),
         (&trefoil(0.0), "knot.length=1.0", "the curve is closed"),
         (
             &"x,y,z\n0,0,0\n1,0\n".to_owned(),

@@ -84,7 +84,7 @@ fn faults(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> 
             "$defs" | "$schema" | "title" | "description" | "format" | "default" | "examples" => {
                 true
             }
-            other => panic!("the keyword {other} is not known here"),
+            other => panic!("the keyword {other} is not supported by this test"),
         };
         if !is_met {
             found.push(format!("{at}: {keyword} {argument}"));
@@ -102,7 +102,7 @@ fn is_of(value: &Value, name: &str) -> bool {
         "null" => value.is_null(),
         "number" => value.is_number(),
         "integer" => value.is_i64() || value.is_u64(),
-        other => panic!("the type {other} is not known here"),
+        other => panic!("the type {other} is not supported by this test"),
     }
 }
 

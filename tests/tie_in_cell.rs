@@ -290,7 +290,7 @@ fn impossible_knots_are_rejected_before_anything_moves() {
     );
     refused(
         &cell,
-        "leaves the table, or the picture",
+        "off the table or outside the picture",
         &and(&["--place", "0.2,0,0"]),
     );
     refused(&gantry(), "takes two arms", &|_| {});

@@ -7,7 +7,7 @@
 //! | [`run`] | the run loop on a results directory |
 //! | [`sweep`] | many cases |
 //! | [`identify`] | keys of scenarios from measurements, with error bars |
-//! | [`design`] | natural shapes, poses and loads for a wanted equilibrium |
+//! | [`design`] | natural shapes, poses and loads for a target equilibrium |
 //! | [`report`] | figures and pages of a results directory |
 //! | [`sensitivity`] | derivatives of what a scenario measures over its keys |
 //! | [`cluster`] | Slurm job arrays |

@@ -37,7 +37,7 @@ impl PresetKind {
         Self::Pattern,
     ];
 
-    /// Its name.
+    /// Name of the kind.
     pub fn name(self) -> &'static str {
         match self {
             Self::Scenario => "scenario",
@@ -83,11 +83,11 @@ impl fmt::Display for PresetKind {
 /// A file embedded in the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Preset {
-    /// Its kind.
+    /// Kind of the preset.
     pub kind: PresetKind,
     /// The name of its file without the ending.
     pub name: &'static str,
-    /// Its text.
+    /// Text of the preset.
     pub text: &'static str,
     path: &'static str,
 }

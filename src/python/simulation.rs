@@ -464,8 +464,8 @@ impl Simulation {
         self.act(py)?;
         if self.intervened {
             return Err(bad_argument(
-                "gradient: the program has changed the motion, by an action or a call of find_equilibrium; there are derivatives only \
-                 of what the scenario does by itself",
+                "gradient: the program has changed the motion, by an action or a call of find_equilibrium; \
+                 derivatives exist only for the motion that the scenario prescribes",
             ));
         }
         let time = self.simulation().time();

@@ -14,7 +14,7 @@ pub struct Body {
     pub link: Option<usize>,
     /// Pose in the frame of that link.
     pub pose: Pose,
-    /// Its shape.
+    /// Shape of the body.
     pub shape: Shape,
 }
 

@@ -33,9 +33,9 @@ pub struct Joint {
 /// Type of motion of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointKind {
-    /// It turns; positions are in rad.
+    /// Revolute joint; positions are in rad.
     Revolute,
-    /// It slides; positions are in m.
+    /// Prismatic joint; positions are in m.
     Prismatic,
 }
 
@@ -91,7 +91,7 @@ impl Limits {
 /// A joint that mimics another, with its own limits.
 #[derive(Clone, Debug)]
 pub struct Follower {
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
     /// Index of the joint that it follows.
     pub joint: usize,
@@ -99,7 +99,7 @@ pub struct Follower {
     pub ratio: f64,
     /// Position at zero of the followed joint.
     pub offset: f64,
-    /// Its limits.
+    /// Limits of the joint.
     pub limits: Limits,
 }
 

@@ -22,13 +22,13 @@ const ALWAYS: f64 = 0.95;
 /// One of the arms of a cell.
 #[derive(Clone, Debug)]
 pub struct Member {
-    /// Its name.
+    /// Name of the member.
     pub name: String,
-    /// Its chain.
+    /// Chain of the member.
     pub chain: Chain,
     /// Pose of the base in the cell.
     pub base: Pose,
-    /// Its shapes.
+    /// Shapes of the member.
     pub bodies: Vec<Body>,
     /// Joint positions at rest.
     pub home: Vec<f64>,
@@ -39,7 +39,7 @@ pub struct Member {
 /// A fixed box.
 #[derive(Clone, Debug)]
 pub struct StandingBox {
-    /// Its name.
+    /// Name of the box.
     pub name: String,
     /// Pose of its centre in the cell.
     pub pose: Pose,
@@ -68,7 +68,7 @@ struct Pair {
 pub struct Approach {
     /// Distance, m; 0 or less if they overlap.
     pub distance: f64,
-    /// Their names.
+    /// Names of the two bodies.
     pub between: [String; 2],
 }
 

@@ -11,7 +11,7 @@ pub struct Posture {
     pub joints: Vec<f64>,
     /// Position of the hand in the base frame, m.
     pub position: [f64; 3],
-    /// Its quaternion w, x, y, z.
+    /// Quaternion of the orientation: w, x, y, z.
     pub quaternion: [f64; 4],
     /// Distance, m, or angle, rad, to the requested pose, whichever is larger.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -12,7 +12,7 @@ pub struct Rendered {
     pub html: String,
     /// Text for the search.
     pub words: String,
-    /// Its anchors.
+    /// Anchors of the page.
     pub anchors: BTreeSet<String>,
     /// Targets of links in the repository.
     pub links: Vec<Address>,

@@ -8,7 +8,7 @@ use std::fmt::Write;
 pub struct Expectation {
     /// The formula or equation.
     pub formula: &'static str,
-    /// Its source.
+    /// Source of the formula.
     pub source: &'static str,
 }
 
@@ -19,7 +19,7 @@ pub struct Check {
     pub name: String,
     /// The formula or equation behind the expected value.
     pub formula: String,
-    /// Its source.
+    /// Source of the formula.
     pub source: String,
     /// Theoretical value.
     pub expected: f64,

@@ -109,7 +109,7 @@ pub struct Camera {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Its lens.
+    /// Lens of the camera.
     pub lens: Lens,
     /// Pose of the camera's axes in the world, metres: x to the right of the image, y down, z
     /// along the view.

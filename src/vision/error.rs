@@ -82,9 +82,9 @@ pub enum VisionError {
     Size {
         /// Name of the image.
         what: String,
-        /// Its width.
+        /// Width of the image.
         found_width: usize,
-        /// Its height.
+        /// Height of the image.
         found_height: usize,
         /// Width of the image to which it belongs.
         width: usize,

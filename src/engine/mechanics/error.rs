@@ -115,16 +115,16 @@ pub enum JointError {
     /// The nodes are not at one point.
     #[error("its nodes are {distance:.6e} m apart, but must be at one point")]
     Apart {
-        /// Their distance, m.
+        /// Distance of the nodes, m.
         distance: f64,
     },
     /// A spring between nodes that are joined in one point.
-    #[error("other joints already unite its nodes in one point, where a spring cannot act")]
+    #[error(
+        "other joints already hold its nodes at one point, so a spring between them has no effect"
+    )]
     OnePoint,
     /// A spring between frames that rotate as one.
-    #[error(
-        "its nodes turn as one, because other joints unite them or neither can turn: a spring between them cannot act"
-    )]
+    #[error("its nodes cannot turn relative to each other, so a spring between them has no effect")]
     OneFrame,
     /// A spring that acts only in compression, of rest length 0.
     #[error(
@@ -136,7 +136,7 @@ pub enum JointError {
         "its nodes are at one point, where a spring of rest length {rest_length:e} m has no direction: set the rest length to 0, or place the nodes apart"
     )]
     NoDirection {
-        /// Its length without force, m.
+        /// Length of the spring without force, m.
         rest_length: f64,
     },
     /// A breakable joint whose force cannot be determined.

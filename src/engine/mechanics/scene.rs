@@ -393,7 +393,7 @@ pub struct Plane {
 pub struct Obstacle {
     /// Name in scenarios and results.
     pub name: String,
-    /// Its shape and place at time zero.
+    /// Shape of the obstacle and its place at time zero.
     pub body: RigidBody,
     /// Friction coefficient between obstacle and rods; overrides that of the contact model.
     pub friction: Option<f64>,

@@ -34,7 +34,7 @@ pub struct Curve {
     pub name: String,
     /// The points; the curve is interrupted at points without a value.
     pub points: Vec<(f64, Option<f64>)>,
-    /// Its style.
+    /// Style of the curve.
     pub look: Look,
     /// Index of its colour and its mark; by default its position among the curves.
     pub style_index: Option<usize>,
@@ -104,9 +104,9 @@ impl Curve {
 /// Appearance of a curve.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Style {
-    /// Its colour.
+    /// Colour of the style.
     pub color: Color,
-    /// Its mark.
+    /// Mark of the style.
     pub mark: Mark,
     /// Width of its line, em.
     pub width: f64,

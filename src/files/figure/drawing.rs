@@ -23,11 +23,11 @@ pub(super) enum Anchor {
 pub(super) struct Words<'a> {
     /// The text, see [`Line`].
     pub text: &'a str,
-    /// Its position: x and its base line, pixels.
+    /// Position of the text: x and its base line, pixels.
     pub at: [f64; 2],
     /// Height of the font, pixels.
     pub size: f64,
-    /// Its alignment.
+    /// Alignment of the text.
     pub anchor: Anchor,
     /// Whether the text is rotated, to be read upwards.
     pub upright: bool,
@@ -36,9 +36,9 @@ pub(super) struct Words<'a> {
 /// Style of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Stroke {
-    /// Its colour.
+    /// Colour of the stroke.
     pub color: Color,
-    /// Its width, pixels.
+    /// Width of the stroke, pixels.
     pub width: f64,
     /// Lengths of dashes and gaps, pixels; empty for a solid line.
     pub dashes: Vec<f64>,

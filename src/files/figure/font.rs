@@ -17,7 +17,7 @@ static FONT: LazyLock<Face<'static>> = LazyLock::new(|| {
 /// A letter of the font; lengths are in em.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Glyph {
-    /// Its number in the font.
+    /// Number of the glyph in the font.
     pub number: u16,
     /// Advance to the next letter.
     pub advance: f64,

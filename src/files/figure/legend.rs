@@ -40,7 +40,7 @@ impl Legend {
         }
     }
 
-    /// Its height, pixels.
+    /// Height of the legend, pixels.
     pub fn height(&self) -> f64 {
         ROW * self.em * self.rows as f64
     }

@@ -15,7 +15,7 @@ use std::ops::Range;
 /// A panel: shapes in a plane, m.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// Its title.
+    /// Title of the panel.
     pub title: String,
     /// The curves, in the order of the legend; a curve without points keeps its entry.
     pub curves: Vec<Curve>,

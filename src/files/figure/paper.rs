@@ -94,7 +94,7 @@ impl Format {
 /// Size and formats of figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FigureOptions {
-    /// Their size.
+    /// Size of the figures.
     pub paper: Paper,
     /// Formats in which each figure is written.
     pub formats: Vec<Format>,

@@ -21,9 +21,9 @@ const MACRON: char = '\u{304}';
 pub(super) struct Placed {
     /// Number of the letter in the font.
     pub glyph: u16,
-    /// Its start on the line.
+    /// Start of the text on the line.
     pub at: [f64; 2],
-    /// Its size relative to the line.
+    /// Size of the text relative to the line.
     pub size: f64,
 }
 

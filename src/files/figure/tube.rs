@@ -52,9 +52,9 @@ impl Placement {
 /// A piece of a tube between two nodes, a cubic curve with its shading; or a face of a body,
 /// sorted with them.
 pub(super) struct Piece {
-    /// Its nearness to the eye, m.
+    /// Nearness of the piece to the eye, m.
     pub nearness: f64,
-    /// Its elements.
+    /// Elements of the piece.
     pub svg: String,
 }
 

@@ -36,7 +36,7 @@ pub struct Table<'a> {
 /// A column of numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column {
-    /// Its index in a row, from 0.
+    /// Index of the column in a row, from 0.
     pub index: usize,
     /// The value of its unit in SI units.
     pub unit: f64,

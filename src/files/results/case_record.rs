@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 /// State and outcome of a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseRecord {
-    /// Its status.
+    /// Status of the case.
     pub status: CaseStatus,
-    /// Its outcome so far.
+    /// Outcome of the case so far.
     pub outcome: CaseOutcome,
     /// Wall time of all calls that worked on it, s.
     pub wall_time: f64,
@@ -60,7 +60,7 @@ impl CaseRecord {
         }
     }
 
-    /// Its cost.
+    /// Cost of the case.
     pub fn usage(&self) -> Usage {
         Usage {
             wall_time: duration(self.wall_time),

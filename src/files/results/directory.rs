@@ -77,7 +77,7 @@ impl ResultsDirectory {
         }))
     }
 
-    /// Its path.
+    /// Path of the directory.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -95,9 +95,9 @@ impl ResultsDirectory {
 
 /// The scenario whose results a directory is requested to hold.
 pub(super) struct Asked<'a> {
-    /// Its hash, including that of the files that it reads.
+    /// Hash of the scenario, including that of the files that it reads.
     pub hash: &'a str,
-    /// Its resolved TOML.
+    /// Resolved scenario as TOML.
     pub scenario: &'a str,
     /// Whether it reads files, whose contents are covered by the hash only.
     pub reads_files: bool,

@@ -64,7 +64,7 @@ pub enum ResultsError {
     NotOwn {
         /// The place.
         path: PathBuf,
-        /// Its kind.
+        /// Kind of the directory.
         what: &'static str,
     },
     /// Another process is writing to the directory.

@@ -26,7 +26,7 @@ pub const SERIES_FIGURE: &str = "series.svg";
 pub const SWEEP_FIGURE: &str = "sweep.svg";
 /// Points of a path of equilibria.
 pub const BRANCH: &str = "branch.csv";
-/// Its branches, drawn.
+/// Drawing of the branches.
 pub const BRANCH_FIGURE: &str = "branch.svg";
 /// The interactive page of the rods in motion.
 pub const PAGE: &str = "view.html";

@@ -27,13 +27,13 @@ pub struct Manifest {
     pub command_line: Vec<String>,
     /// Short name of the scenario.
     pub name: String,
-    /// Its experiment.
+    /// Experiment of the scenario.
     pub experiment: String,
-    /// Its title.
+    /// Title of the scenario.
     pub title: String,
     /// The resolved scenario as TOML.
     pub scenario: String,
-    /// Its hash, see [`scenario_hash`].
+    /// Hash of the scenario, see [`scenario_hash`].
     pub scenario_hash: String,
     /// The rods, in the order of the scene.
     pub rods: Vec<RodRecord>,

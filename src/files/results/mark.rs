@@ -101,7 +101,7 @@ impl MarkedFile {
         &self.marker
     }
 
-    /// Its bytes.
+    /// Bytes of the file.
     pub fn bytes(&self) -> u64 {
         self.marker.bytes()
     }

@@ -11,7 +11,7 @@ use std::path::Path;
 /// The surfaces of all obstacles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObstacleSurfaces {
-    /// Their positions at time zero, in the order of the obstacles.
+    /// Surfaces of the obstacles at time zero, in the order of the obstacles.
     pub surfaces: Vec<Surface>,
     /// Whether any of them moves.
     pub moving: bool,

@@ -16,7 +16,7 @@ use std::path::Path;
 pub struct SummaryRow {
     /// Id of the case.
     pub case: String,
-    /// Its status.
+    /// Status of the case.
     pub status: CaseStatus,
     /// Simulated time reached.
     pub simulated_time_s: f64,

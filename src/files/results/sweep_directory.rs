@@ -134,7 +134,7 @@ impl SweepDirectory {
         Ok(())
     }
 
-    /// Its path.
+    /// Path of the directory.
     pub fn path(&self) -> &Path {
         &self.path
     }

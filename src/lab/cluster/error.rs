@@ -19,7 +19,7 @@ pub enum ClusterError {
     Failed {
         /// The program.
         program: &'static str,
-        /// Its message.
+        /// Message of the command.
         message: String,
     },
     /// `sbatch` accepted a job and printed no job number (exit code 1).
@@ -27,7 +27,7 @@ pub enum ClusterError {
         "`sbatch` printed `{said}` instead of a job number; `squeue` shows whether the job exists"
     )]
     NoNumber {
-        /// Its output.
+        /// Output of the command.
         said: String,
     },
     /// A file of the results directory could not be read or written (exit code 1).

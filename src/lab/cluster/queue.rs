@@ -11,9 +11,9 @@ use std::process::Command;
 pub struct Task {
     /// The job.
     pub job: u64,
-    /// Its number, from 1.
+    /// Number of the task, from 1.
     pub number: usize,
-    /// Its state.
+    /// State of the task.
     pub state: TaskState,
     /// State and reason in Slurm's words, such as `PENDING (Resources)`.
     pub words: String,

@@ -74,7 +74,7 @@ pub struct DerivedNumbers {
 pub struct Creep {
     /// Slip tolerance, m/s.
     pub slip_tolerance: f64,
-    /// Speed of a contact that bears nine tenths of the largest friction, m/s.
+    /// Speed of a contact that transmits nine tenths of the largest friction, m/s.
     pub speed: f64,
     /// Distance covered at that speed in the whole run, m.
     pub way: f64,

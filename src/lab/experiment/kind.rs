@@ -56,7 +56,7 @@ pub trait Kind: ExperimentKeys {
         None
     }
 
-    /// Its own figures of a run; empty if the run wrote no data for them.
+    /// Figures of a run that only this experiment draws; empty if the run wrote no data for them.
     ///
     /// # Errors
     /// [`FigureError`] if files of the run cannot be read.

@@ -72,7 +72,7 @@ pub enum Measured {
 /// A measured number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Datum {
-    /// Its line in the file, from 1.
+    /// Line of the datum in the file, from 1.
     pub line: usize,
     /// Time, s; `None` in an equilibrium.
     pub time: Option<f64>,

@@ -25,7 +25,7 @@ pub const RESIDUALS: &str = "residuals.csv";
 pub const RESIDUALS_FIGURE: &str = "residuals.svg";
 /// The first scenario with the estimates.
 pub const FITTED: &str = "fitted.toml";
-/// Its rod, for `--rod`.
+/// Scenario file of the rod, for `--rod`.
 pub const ROD: &str = "rod.toml";
 /// Acceleration of free fall in the gravito-bending length, m/s².
 const GRAVITY: f64 = 9.81;

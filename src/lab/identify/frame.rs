@@ -44,9 +44,9 @@ pub fn check(problem: &Problem<'_>, predicted: &[f64]) -> Result<(), IdentifyErr
                     file: file.path.clone(),
                     line,
                     message: format!(
-                        "the axis {name} is mirrored: measured {measured} m where the scenario at \
-                         its start has {predicted:.4} m, and decreasing where it increases; \
-                         allowed: coordinates in the right-handed frame of the scenario (pixels \
+                        "the axis {name} is mirrored: measured {measured} m, predicted {predicted:.4} m at the start \
+                         values; measured values decrease where predicted ones increase; allowed: coordinates in the \
+                         right-handed frame of the scenario (pixels \
                          count downwards)"
                     ),
                 });

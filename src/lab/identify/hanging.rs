@@ -45,7 +45,7 @@ pub const CURVATURE_KEY: &str = "parameters.curvature";
 pub struct HangingRod<'a> {
     /// The photograph, for messages.
     pub picture: &'a Path,
-    /// Its centreline from the clamp to the free end, m.
+    /// Centreline of the rod from the clamp to the free end, m.
     pub points: &'a [[f64; 2]],
     /// Radius of the rod, m.
     pub radius: f64,
@@ -209,7 +209,7 @@ pub(super) struct Held<'a> {
     pub suffix: &'a str,
 }
 
-/// Its scenario.
+/// Scenario of a held rod.
 pub(super) fn held_rod(held: &Held<'_>) -> String {
     let Held {
         length,

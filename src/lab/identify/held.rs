@@ -32,7 +32,7 @@ const GRAVITY: f64 = 9.81;
 /// The free part of a rod that a hand holds.
 #[derive(Clone, Debug)]
 pub struct HeldRod {
-    /// Its name for readers.
+    /// Name of the rod for readers.
     pub title: String,
     /// Length of the free part, m.
     pub length: f64,

@@ -46,7 +46,7 @@ pub struct IdentifiedKey {
     pub value: f64,
     /// The SI unit; empty if the key has none.
     pub unit: String,
-    /// Its standard error; `None` if the data do not determine the key.
+    /// Standard error of the key; `None` if the data do not determine the key.
     pub standard_error: Option<f64>,
     /// Interval that contains the true value with a probability of 95 %; `None` if the data do not
     /// determine the key.
@@ -290,7 +290,7 @@ fn remarks(parameters: &[IdentifiedKey], noise: &[Noise], has_converged: bool) -
     let mut remarks = Vec::new();
     if !has_converged {
         remarks.push(
-            "the fit has not converged; start nearer, by --set KEY=VALUE, or give --bounds"
+            "the fit has not converged; give a start value closer to the solution by --set KEY=VALUE, or give --bounds"
                 .to_owned(),
         );
     }

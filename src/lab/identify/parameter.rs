@@ -25,7 +25,7 @@ pub struct Request {
 pub struct Parameter {
     /// The dotted key.
     pub key: String,
-    /// Its SI unit; empty if it has none.
+    /// SI unit of the parameter; empty if it has none.
     pub unit: String,
     /// Value at the start.
     pub start: f64,
@@ -58,7 +58,7 @@ impl Parameter {
         let start = stated.next().ok_or_else(|| {
             let names: Vec<&str> = scenarios.iter().map(CaseSet::name).collect();
             fault(format!(
-                "`{}` states no number there; give its start by --set {key}=VALUE",
+                "`{}` has no value for this key; give a start value by --set {key}=VALUE",
                 names.join("`, `")
             ))
         })?;

@@ -50,7 +50,7 @@ pub struct Group {
 /// correlation exp(−n/N).
 #[derive(Clone, Copy, Debug)]
 pub struct Shared {
-    /// Their standard deviation, in the unit of the numbers.
+    /// Standard deviation of the numbers, in their unit.
     pub deviation: f64,
     /// Ratio of N to the number of measurements of the experiment.
     pub length: f64,
@@ -59,9 +59,9 @@ pub struct Shared {
 /// A combination of keys that the data do not determine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Direction {
-    /// Its component in each coordinate; a unit vector.
+    /// Component of the direction in each coordinate; a unit vector.
     pub parts: Vec<f64>,
-    /// Its standard error; infinite if nothing depends on it.
+    /// Standard error of the direction; infinite if nothing depends on it.
     pub standard_error: f64,
 }
 

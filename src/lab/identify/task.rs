@@ -245,7 +245,8 @@ fn check(task: &Task) -> Result<(), IdentifyError> {
             experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
         if prepared.table.is_some() {
             return fault(format!(
-                "`{}` has no simulation to compare with; allowed: scenarios that move, rest or follow a path",
+                "`{}` has no simulation to compare with; allowed: scenarios with time.mode \"dynamic\", \"static\" or \
+                 \"continuation\"",
                 one.scenario.name()
             ));
         }

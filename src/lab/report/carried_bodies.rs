@@ -23,11 +23,11 @@ const POINT: f64 = 2.0;
 /// A body with a shape, or a point mass.
 #[derive(Clone, Debug)]
 pub struct CarriedBody {
-    /// Its node.
+    /// Node of the body.
     node: usize,
     /// The nodes before and after it along the rod, where they exist, among all nodes.
     between: [usize; 2],
-    /// Its surface in the frame of directors and tangent, m.
+    /// Surface of the body in the frame of directors and tangent, m.
     triangles: Vec<[Vector3; 3]>,
     /// Initial tangent and first director.
     placed: [Vector3; 2],

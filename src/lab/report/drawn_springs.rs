@@ -19,9 +19,9 @@ const THINNESS: f64 = 0.4;
 /// A spring between two nodes.
 #[derive(Clone, Debug)]
 pub struct DrawnSpring {
-    /// Its nodes, among all.
+    /// Nodes of the spring, among all.
     nodes: [usize; 2],
-    /// Its radius, m.
+    /// Radius of the spring, m.
     radius: f64,
 }
 

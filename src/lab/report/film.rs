@@ -23,9 +23,9 @@ pub struct FilmRequest {
 /// Summary of a film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WrittenFilm {
-    /// Its pictures.
+    /// Number of pictures of the film.
     pub pictures: usize,
-    /// Its duration, s.
+    /// Duration of the film, s.
     pub seconds: f64,
     /// Size of the file or of all files, bytes.
     pub bytes: usize,
@@ -74,7 +74,7 @@ pub enum MovieError {
     NotOwn {
         /// The folder.
         directory: PathBuf,
-        /// Its contents.
+        /// Contents of the folder.
         found: String,
     },
     /// The film could not be made.

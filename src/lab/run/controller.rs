@@ -19,7 +19,7 @@ use std::fmt::Debug;
 /// forces, factors of loads) is part of the state of the simulation. After a restart,
 /// [`Controller::act`] may be called again for the same time; it must then have no further effect.
 pub trait Controller: ControllerObject + Debug + Send + Sync {
-    /// Its name: a word for messages and checkpoints.
+    /// Name of the controller: a word for messages and checkpoints.
     fn name(&self) -> &str;
 
     /// Acts before a step.

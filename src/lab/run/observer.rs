@@ -49,7 +49,7 @@ pub enum Finding {
 /// of them. The times of its samples must not depend on those of outputs, so that results do not
 /// change with the output interval.
 pub trait Observer: ObserverObject + Debug + Send + Sync {
-    /// Its name: a word for messages and checkpoints.
+    /// Name of the observer: a word for messages and checkpoints.
     fn name(&self) -> &str;
 
     /// Names of the columns that the observer adds to `series.csv`, with the unit as suffix. They

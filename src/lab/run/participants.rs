@@ -51,7 +51,7 @@ impl Participants {
         due.map(|observer| observer.sample(sample)).collect()
     }
 
-    /// Their states now.
+    /// Current states of the participants.
     pub fn save(&self) -> SavedStates {
         let observers = self.observers.iter();
         let controllers = self.controllers.iter();

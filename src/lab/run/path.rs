@@ -16,7 +16,7 @@ pub struct PathAtWork {
     pub parameters: Vec<f64>,
 }
 
-/// Its part of a checkpoint.
+/// Part of a checkpoint that belongs to a path of equilibria.
 #[derive(Serialize, Deserialize)]
 pub struct PathCheckpoint {
     tracer: Tracer,

@@ -8,7 +8,7 @@ macro_rules! saved_object {
         pub trait $object {
             /// A copy in the same state.
             fn boxed(&self) -> Box<dyn $interface>;
-            /// Its state for a checkpoint.
+            /// State for a checkpoint.
             fn save(&self) -> Vec<u8>;
             /// Takes over a state.
             ///

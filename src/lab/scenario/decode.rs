@@ -270,7 +270,7 @@ impl<'de> de::Deserializer<'de> for &'de Node {
         };
         let Some(variant) = variants.iter().find(|variant| **variant == kind) else {
             let fault: Fault = de::Error::custom(format_args!(
-                "{kind:?} is not known here; allowed: {}",
+                "{kind:?} is not a valid value; allowed: {}",
                 variants.join(", ")
             ));
             let fault = fault.with_help(did_you_mean(kind, variants.iter().copied()));

@@ -13,7 +13,7 @@ use toml::de::{DeTable, DeValue};
 pub struct Node {
     /// The value.
     pub value: Value,
-    /// Its position. For a `[table]`, the position of its header.
+    /// Position of the value. For a `[table]`, the position of its header.
     pub span: Span,
 }
 

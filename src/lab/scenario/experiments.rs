@@ -81,7 +81,7 @@ impl Experiments {
         };
         self.named(name).ok_or_else(|| {
             fault(format!(
-                "{name:?} is not known here; allowed: {}",
+                "{name:?} is not a valid value; allowed: {}",
                 allowed()
             ))
             .with_help(did_you_mean(name, self.names()))

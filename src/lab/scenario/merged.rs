@@ -193,7 +193,10 @@ fn read_beside(
     if ancestors.contains(&canonical) {
         return Err(refuse(
             sources,
-            format!("{} {verb}s this file in turn: a circle", path.display()),
+            format!(
+                "{} {verb}s this file again: a circular reference",
+                path.display()
+            ),
         ));
     }
     if ancestors.len() >= MOST_ANCESTORS {

@@ -65,7 +65,7 @@ impl OwnTable {
         }
     }
 
-    /// Its schema, with its description.
+    /// Schema of the table, with its description.
     pub fn schema(&self, generator: &mut SchemaGenerator) -> Schema {
         let mut schema = (self.schema)(generator);
         schema.insert("description".to_owned(), self.description.into());
@@ -77,7 +77,7 @@ impl OwnTable {
         self.curve
     }
 
-    /// Its key.
+    /// Key of the table.
     pub fn key(&self) -> &'static str {
         self.key
     }

@@ -284,7 +284,7 @@ impl<'a> Section<'a> {
             {
                 corner.fault(
                     "0",
-                    format!("time {time:?} s does not come after {before:?} s; times must grow"),
+                    format!("time {time:?} s is not after {before:?} s; times must increase"),
                 );
             }
             let value = value(&corner, typed);

@@ -15,7 +15,7 @@ pub struct Source {
     /// Name in messages: the path of the file, the name of the table, or the option of the
     /// override.
     pub name: String,
-    /// Its text; a table in memory has none.
+    /// Text of the file; a table in memory has none.
     pub text: Option<Arc<str>>,
     /// The directory relative to which it names other files.
     pub directory: PathBuf,

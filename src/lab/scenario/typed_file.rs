@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// A file as typed, and the data to locate its keys.
 #[derive(Debug)]
 pub struct TypedFile<T> {
-    /// Its contents.
+    /// Contents of the file.
     pub typed: T,
     sources: Sources,
     document: Node,

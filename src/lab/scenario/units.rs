@@ -18,7 +18,7 @@ pub type Powers = [i32; 3];
 pub struct Unit {
     /// The symbol, without spaces, with `^` for powers.
     pub symbol: &'static str,
-    /// Its size in SI units.
+    /// Size of the unit in SI units.
     pub size: Size,
 }
 

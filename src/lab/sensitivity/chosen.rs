@@ -10,7 +10,7 @@ use rodlab_engine::mechanics::dynamics::{Exchange, Simulation};
 pub(super) struct Chosen {
     /// Indices of the columns among the columns of all probes.
     numbers: Vec<usize>,
-    /// Their names.
+    /// Names of the columns.
     pub(super) columns: Vec<String>,
 }
 

@@ -20,7 +20,7 @@ pub enum SensitivityError {
     /// A probe or column that the scenario does not have.
     #[error("there is no probe or column `{name}`; {known}")]
     Probe {
-        /// Its name.
+        /// Name of the probe.
         name: String,
         /// The existing ones.
         known: String,

@@ -44,7 +44,7 @@ impl Field {
         Self::InitialVelocity,
     ];
 
-    /// Its name.
+    /// Name of the field.
     pub fn name(self) -> &'static str {
         match self {
             Self::NaturalCurvature => "natural_curvature",
@@ -101,7 +101,7 @@ impl Field {
 pub struct FieldDerivatives {
     /// Columns of the probes.
     pub columns: Vec<String>,
-    /// Their values at the end.
+    /// Values at the end of the run.
     pub values: Vec<f64>,
     /// Components of the fields, each with its unit.
     pub components: Vec<(String, Option<&'static str>)>,

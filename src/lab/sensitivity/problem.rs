@@ -60,7 +60,7 @@ const DISPLACEMENT_TOLERANCE: f64 = 1e-8;
 pub struct Key {
     /// The dotted key.
     pub key: String,
-    /// Its value, in the SI unit.
+    /// Value of the key, in the SI unit.
     pub value: f64,
     /// The SI unit, where it has one.
     pub unit: Option<String>,

@@ -78,7 +78,7 @@ impl<'a> CaseTable<'a> {
         state.settled.insert(id.to_owned(), record);
     }
 
-    /// Forgets a case that is to be run again.
+    /// Removes a case that is to be run again.
     pub fn forget(&self, id: &str) {
         let mut state = self.state.lock().expect("no thread panics with this lock");
         state.settled.remove(id);

@@ -13,7 +13,7 @@ pub enum SweepError {
     /// Two cases are the same.
     #[error("the case `{id}` occurs twice; give each value once")]
     RepeatedCase {
-        /// Its id.
+        /// Id of the case.
         id: String,
     },
     /// A directory that does not hold a sweep.

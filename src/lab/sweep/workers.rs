@@ -27,7 +27,7 @@ const WAIT: Duration = Duration::from_millis(100);
 pub(super) struct Job {
     /// The case.
     pub case: Case,
-    /// Its index in the set of cases.
+    /// Index of the case in the set of cases.
     pub index: usize,
     /// The value of the searched key.
     pub searched: Option<f64>,

@@ -62,7 +62,7 @@ pub struct Task<'a> {
 /// Result of a training.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trained {
-    /// Its state at the end.
+    /// State of the training at its end.
     pub status: Status,
     /// Number of samples, held-out ones included.
     pub samples: usize,
@@ -129,7 +129,7 @@ pub enum TrainingError {
     TooFew {
         /// The file.
         path: PathBuf,
-        /// Its samples.
+        /// Number of samples.
         rows: usize,
     },
     /// The directory belongs to another training.
@@ -180,7 +180,7 @@ pub enum TrainingError {
     System {
         /// The file.
         path: PathBuf,
-        /// Its message.
+        /// Message of the system.
         error: std::io::Error,
     },
 }

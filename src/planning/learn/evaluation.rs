@@ -26,9 +26,9 @@ pub struct Errors {
 /// A quantity whose errors are reported: a number or a vector computed from inputs and outputs.
 #[derive(Clone, Copy, Debug)]
 pub struct Compared {
-    /// Its name, with its unit.
+    /// Name of the quantity, with its unit.
     pub quantity: &'static str,
-    /// Its components, computed from inputs and outputs; zeros if it has fewer than three.
+    /// Components of the quantity, computed from inputs and outputs; zeros if it has fewer than three.
     pub components: fn(&[f64], &[f64]) -> [f64; 3],
 }
 

@@ -91,15 +91,15 @@ pub enum ModelFault {
     /// The file is not a safetensors file, or is truncated.
     #[error("is not a whole safetensors file: {0}")]
     NotSafetensors(safetensors::SafeTensorError),
-    /// It is of another program.
+    /// The file belongs to another program.
     #[error(
         "holds weights, but is not a model of rodlab (no text `rodlab` in its metadata): train one with `rodlab train`"
     )]
     Foreign,
-    /// It is of another version.
+    /// The model has another version.
     #[error("is a model of version {0}; this program reads version {VERSION}: train it again")]
     Version(u32),
-    /// Its bytes were changed.
+    /// The bytes of the model were changed.
     #[error(
         "is damaged: its checksum is {found}, but {noted} was recorded when it was written; copy the file again, or train the model again \
          with `rodlab train`"
@@ -110,7 +110,7 @@ pub enum ModelFault {
         /// Checksum in the file.
         noted: String,
     },
-    /// Its metadata are inconsistent.
+    /// The metadata of the model are inconsistent.
     #[error("is inconsistent: {0}")]
     Contradiction(String),
     /// The file is a model of another kind.
@@ -124,7 +124,7 @@ pub enum ModelFault {
     /// The model was trained on other columns.
     #[error("predicts {found}; needed here: {wanted}")]
     Columns {
-        /// Its outputs and inputs.
+        /// Outputs and inputs of the model.
         found: String,
         /// Those that are needed.
         wanted: String,

@@ -18,7 +18,7 @@ impl Processor {
     /// Whether this program was built for GPUs.
     pub const KNOWS_GPUS: bool = cfg!(feature = "cuda");
 
-    /// Its device.
+    /// Device of the processor.
     ///
     /// # Errors
     /// [`ModelError::NoGpu`].

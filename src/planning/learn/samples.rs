@@ -49,7 +49,7 @@ pub enum SamplesError {
         line: u64,
         /// The column.
         column: String,
-        /// Its text.
+        /// Text of the cell.
         cell: String,
     },
 }

@@ -111,7 +111,7 @@ impl Trainer {
         Ok(())
     }
 
-    /// Its phases.
+    /// Phases of the trainer.
     pub fn phases(&self) -> Vec<Phase> {
         self.plan.phases()
     }

@@ -104,7 +104,7 @@ impl Phase {
 /// A round over all samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Epoch {
-    /// Its phase, from 0.
+    /// Phase of the epoch, from 0.
     pub phase: usize,
     /// Mean absolute error of the batches, before their steps.
     pub training: f64,

@@ -63,13 +63,13 @@ pub enum RequestError {
     /// The pattern is invalid.
     #[error(transparent)]
     Pattern(#[from] PatternError),
-    /// It cannot be laid.
+    /// The rod cannot be laid along the pattern.
     #[error(transparent)]
     Deployment(#[from] DeploymentError),
     /// No knot can be tied along the pattern.
     #[error(transparent)]
     Tying(#[from] TyingError),
-    /// It needs too many poses.
+    /// The path needs too many poses.
     #[error("a distance of {step} m cuts {length:.4} m into more than {MOST_POSES} poses")]
     TooManyPoses {
         /// Distance of poses, m.
@@ -91,9 +91,9 @@ pub struct PlannedDeployment {
     pub times: Vec<f64>,
     /// The largest demands of the pattern.
     pub feasibility: Feasibility,
-    /// Its friction demand at each point.
+    /// Friction demand of the pattern at each point.
     pub demands: Vec<f64>,
-    /// Its self-crossings.
+    /// Self-crossings of the pattern.
     pub crossings: Vec<Crossing>,
     /// For a knot, the whole pattern, including the path of the end of the rod, and its crossings.
     pub knot: Option<(Pattern, Vec<Passage>)>,
@@ -146,7 +146,7 @@ impl DeploymentRequest<'_> {
     /// The pattern with its lead-in.
     ///
     /// # Errors
-    /// It is invalid.
+    /// The pattern is invalid.
     pub fn pattern(
         &self,
         source: &PatternSource,
@@ -181,7 +181,7 @@ impl DeploymentRequest<'_> {
     /// The crossings of a knot of rods that are laid along whole patterns.
     ///
     /// # Errors
-    /// It cannot be tied.
+    /// The knot cannot be tied.
     pub fn passages(&self, rods: &[(&DeployedRod, &Pattern)]) -> Result<Vec<Passage>, TyingError> {
         let tied = rods.iter().map(|(rod, curve)| TiedRod { rod, curve });
         passages(&tied.collect::<Vec<_>>(), &self.knot)

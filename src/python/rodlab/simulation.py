@@ -265,7 +265,7 @@ class Simulation:
         ------
         ScenarioError
             For a key that is not a number or changes the steps, for a scenario without derivatives,
-            and after an action: derivatives are those of what the scenario does by itself.
+            and after an action: derivatives exist only for the motion that the scenario prescribes.
         """
         found = self._core.gradient(names(to), names(of))
         rows = found["derivatives"][-1]

@@ -56,7 +56,7 @@ def grasp(
     method
         ``"theory"`` (the default), or ``"der"``: by the discrete rod with `edges` edges.
     all
-        Whether all ``solutions`` are returned, the gentle one first.
+        Whether all ``solutions`` are returned, starting with the one returned otherwise.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def fold(
     method
         ``"theory"`` (the default), or ``"der"``: by the discrete rod with `edges` edges.
     all
-        Whether all ``solutions`` are returned, the gentle one first.
+        Whether all ``solutions`` are returned, starting with the one returned otherwise.
 
     Returns
     -------

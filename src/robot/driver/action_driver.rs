@@ -42,7 +42,7 @@ impl<Id: Clone> Goal<Id> {
         }
     }
 
-    /// Its name.
+    /// Id of the goal.
     pub(super) fn id(&self) -> &Id {
         &self.id
     }

@@ -10,7 +10,7 @@ pub(super) const LARGEST_PICTURE: usize = 64 << 20;
 /// A received picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CameraPicture {
-    /// Its pixels.
+    /// Pixels of the picture.
     Pixels(RgbImage),
     /// A PNG or JPEG file.
     File(Vec<u8>),

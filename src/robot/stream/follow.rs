@@ -56,7 +56,7 @@ pub(super) struct Follower {
 pub(super) enum Motion {
     /// The arm follows, or has not started yet.
     Follows,
-    /// Its controller has paused; returned once per pause.
+    /// The controller of the arm has paused; returned once per pause.
     Pauses,
     /// The arm moves again after a pause.
     Resumes,
@@ -79,7 +79,7 @@ pub(super) struct Circumstances<'a> {
     pub keeps_clock: bool,
     /// Setpoint of the controller, if reported.
     pub setpoint: Option<&'a JointState>,
-    /// Its bounds.
+    /// Bounds of the motion.
     pub bounds: &'a StreamBounds,
 }
 

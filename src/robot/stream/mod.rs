@@ -62,11 +62,11 @@ const NOTICED_LAG: f64 = 1.0;
 
 /// An arm or axis of a stream.
 pub struct Part {
-    /// Its name.
+    /// Name of the part.
     pub name: String,
-    /// Its driver.
+    /// Driver of the part.
     pub driver: Box<dyn Driver>,
-    /// Its motion.
+    /// Motion of the part.
     pub trajectory: PartTrajectory,
     /// Kind of each joint.
     pub kinds: Vec<JointKind>,
@@ -308,7 +308,7 @@ fn advance(
                 Ok(Progress::Running) => {}
                 Ok(Progress::Done) if watched.sent < watched.pieces.len() => {
                     return Err(Ending::Failed(format!(
-                        "{}: its controller reports the end of the motion before the next piece of it was sent",
+                        "{}: its controller reported the end of the motion before the next piece was sent",
                         part.name
                     )));
                 }

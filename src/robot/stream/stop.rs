@@ -16,9 +16,9 @@ const REPEAT: Duration = Duration::from_millis(200);
 /// Final state of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Left {
-    /// Its joints were observed at rest, or it reports no joints and receives no further points.
+    /// The joints of the arm were observed at rest, or it reports no joints and receives no further points.
     Still,
-    /// Its joints still move.
+    /// The joints of the arm still move.
     Moving,
     /// No report has arrived since the stop request.
     Unseen,
@@ -126,7 +126,9 @@ impl Stopping {
             Left::Still if self.fault.is_none() && part.driver.reports_state() => {
                 (true, format!("{name} holds: its joints are at rest"))
             }
-            Left::Still if self.fault.is_none() => (true, format!("{name} gets no further points")),
+            Left::Still if self.fault.is_none() => {
+                (true, format!("no further points are sent to {name}"))
+            }
             Left::Still => (
                 false,
                 format!("{name} {request}; its joints are at rest now: watch the arm"),

@@ -76,7 +76,7 @@ pub struct PlanRequest {
 pub struct Plan {
     /// The joint trajectory.
     pub trajectory: JointTrajectory,
-    /// Its numbers.
+    /// Numbers of the plan.
     pub report: PlanReport,
 }
 
@@ -93,7 +93,7 @@ pub struct PlanReport {
     pub points: usize,
     /// Position of the frame of the path in the cell.
     pub place_position: [f64; 3],
-    /// Its quaternion w, x, y, z.
+    /// Quaternion of the frame: w, x, y, z.
     pub place_quaternion: [f64; 4],
     /// Largest step of a joint between points of the path, rad or m.
     pub largest_jump: f64,

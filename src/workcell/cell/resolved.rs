@@ -34,9 +34,9 @@ pub struct Cell {
 /// An arm.
 #[derive(Clone, Debug)]
 pub struct Arm {
-    /// Its name.
+    /// Name of the arm.
     pub name: String,
-    /// Its joints and links, tool included.
+    /// Joints and links of the arm, tool included.
     pub chain: Chain,
     /// Pose of its base in the cell.
     pub base: Pose,
@@ -48,7 +48,7 @@ pub struct Arm {
     pub may_touch: Vec<[Option<usize>; 2]>,
     /// Driver that moves it.
     pub driver: Option<Driver>,
-    /// Its gripper.
+    /// Gripper of the arm.
     pub gripper: Option<Gripper>,
 }
 
@@ -71,7 +71,7 @@ pub struct Gripper {
 /// An external axis, such as the motor that twists a rod's end.
 #[derive(Clone, Debug)]
 pub struct Axis {
-    /// Its name.
+    /// Name of the axis.
     pub name: String,
     /// Limits of its angle, velocity and acceleration.
     pub limits: Limits,
@@ -94,18 +94,18 @@ pub struct Chuck {
 pub struct Table {
     /// Pose in the cell of the centre of its top, z out of the table.
     pub top: Pose,
-    /// Its sides along x and y and its thickness, m.
+    /// Sides of the table along x and y and its thickness, m.
     pub size: [f64; 3],
 }
 
 /// A box that arms must not touch.
 #[derive(Clone, Debug)]
 pub struct Obstacle {
-    /// Its name.
+    /// Name of the obstacle.
     pub name: String,
     /// Pose of its centre in the cell.
     pub pose: Pose,
-    /// Its sides, m.
+    /// Sides of the obstacle, m.
     pub size: [f64; 3],
 }
 

@@ -150,7 +150,7 @@ impl Resolver<'_> {
             let words = words.join(", ");
             self.fault(
                 path,
-                format!("{given:?} is not known here; allowed: {words}"),
+                format!("{given:?} is not a valid value; allowed: {words}"),
             );
         }
         found.unwrap_or(&known[0]).1

@@ -13,8 +13,8 @@ use std::path::PathBuf;
 pub struct TaskArguments {
     /// Place of the pattern in the cell: x,y,z in metres, a turn about z in degrees; or `auto`
     ///
-    /// `auto` selects the best place on the table for the arm that lays. By default the middle of the pattern is in the middle of the
-    /// table.
+    /// `auto` selects the best place on the table for the arm that lays the rod. By default the
+    /// middle of the pattern is in the middle of the table.
     #[arg(
         long,
         hide_short_help = true,
@@ -22,10 +22,10 @@ pub struct TaskArguments {
         allow_hyphen_values = true
     )]
     place: Option<Place>,
-    /// Greatest speed of a hand that holds the rod, m/s
+    /// Largest speed of a hand that holds the rod, m/s
     #[arg(long, hide_short_help = true, value_name = "SPEED", default_value_t = 0.03, value_parser = positive)]
     pub hand_speed: f64,
-    /// Greatest speed of a hand that holds nothing, m/s
+    /// Largest speed of a hand that holds nothing, m/s
     #[arg(long, hide_short_help = true, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
     pub approach_speed: f64,
     /// Least distance of the arms from each other and from anything else, m

@@ -75,7 +75,7 @@ pub struct Way<'a> {
 pub struct Planning<'a> {
     /// The cell.
     pub cell: &'a Cell,
-    /// Its file.
+    /// File of the cell.
     pub file: &'a Path,
     /// Whether this process simulates the cell, each time from its initial state.
     pub is_virtual: bool,

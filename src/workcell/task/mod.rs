@@ -6,7 +6,7 @@
 //! | `tie` | a knot tied by two arms |
 //! | `fold` | a sheet folded by an arm, with the camera |
 //! | `exploration` | the stability of helical rods, explored along a list of directions |
-//! | `identification` | the gravito-bending length of a rod, held before the camera in three poses |
+//! | `identification` | the gravito-bending length of a rod, held in front of the camera in three poses |
 //! | `motion` | the motions of a deployment, planned and checked before anything moves |
 //! | `room` | the room for a rod on the table and in the picture |
 //! | `correction` | its path, replanned from pictures of the camera while it is laid |

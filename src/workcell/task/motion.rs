@@ -32,7 +32,7 @@ const SPARE_PARTS: [f64; 3] = [1.0, 0.5, 0.0];
 pub struct DeployMotion {
     /// Joint trajectory while the rod is laid.
     pub laying: JointTrajectory,
-    /// Its numbers.
+    /// Numbers of the plan.
     pub report: PlanReport,
     /// The frame of the pattern in the cell.
     pub frame: Pose,

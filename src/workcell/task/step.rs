@@ -15,7 +15,7 @@ type Act<T> = Box<dyn Fn(&mut T, &Workplace<'_>) -> Result<(), WorkError>>;
 
 /// A step of a task.
 pub struct Step<T: ?Sized> {
-    /// Its stage.
+    /// Stage of the step.
     pub stage: Stage,
     act: Act<T>,
 }

@@ -62,7 +62,7 @@ impl Refusal {
 
 /// An arm in motion or at rest.
 pub struct SimulatedArm {
-    /// Its name.
+    /// Name of the arm.
     pub name: String,
     chain: Chain,
     base: Pose,
@@ -137,7 +137,7 @@ impl SimulatedArm {
         let times = &trajectory.times;
         if times.is_empty() || times[0] < 0.0 || times.windows(2).any(|pair| !(pair[0] < pair[1])) {
             return Err(Refusal::invalid(
-                "points with growing times from 0 are needed",
+                "the times of the points must start at 0 and increase",
             ));
         }
         for (index, joint) in self.chain.joints.iter().enumerate() {

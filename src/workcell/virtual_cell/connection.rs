@@ -68,7 +68,7 @@ enum Link {
 
 /// A client.
 pub struct Connection {
-    /// Its number.
+    /// Number of the client.
     pub id: u64,
     link: Link,
     since: Instant,

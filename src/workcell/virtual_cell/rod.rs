@@ -279,8 +279,8 @@ impl RodSupply {
         let most = most_lengths * self.rod.gravito_bending_length;
         if !(distance <= most && angle <= most_angle) {
             return Err(format!(
-                "a rod of {:.3} m hangs with its end {:.3} m above the table; the hand is {distance:.3} m and {angle:.2} rad away \
-                 from there; allowed: {most:.3} m and {most_angle} rad",
+                "the hand is {distance:.3} m and {angle:.2} rad from the place where a rod of {:.3} m is supplied, {:.3} m above the \
+                 table; allowed: {most:.3} m and {most_angle} rad",
                 self.rod.length, self.end.translation.z
             ));
         }

@@ -18,7 +18,7 @@ pub const GRIP: usize = 1;
 
 /// Names of an arm, or of an axis.
 pub struct ArmTopics {
-    /// Its own.
+    /// Name of the arm or axis.
     pub name: String,
     /// Version of ROS.
     pub version: RosVersion,

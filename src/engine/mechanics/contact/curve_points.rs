@@ -11,9 +11,10 @@
 //! of the polyline ripples by 18 %. Control points beyond a free end are reflections, p_{−1} =
 //! 2 p_0 − p_1, so that the curve begins at the end.
 //!
-//! Contact acts on m = [`PER_EDGE`] chords for each edge, from c(u) to c(u + 1/m). With edges of
-//! length ℓ their middles lie κ ℓ²/(8 m²) inside a bend of curvature κ, two thirds of that in the
-//! mean, so a = ⅛ + 1/(12 m²), with which chords lie on both sides of it.
+//! Contact acts on m = [`PER_EDGE`] chords for each edge, from c(u) to c(u + 1/m). For edges of
+//! length ℓ, the middle of a chord lies κ ℓ²/(8 m²) inside a bend of curvature κ, and the chord
+//! lies two thirds of that inside on average. With a = ⅛ + 1/(12 m²) the average is zero, so chords
+//! lie on both sides of the bend.
 //!
 //! These contact points y = W x are linear in the nodes with constant weights W. So all of contact
 //! applies to y in place of x: closest points, laws, friction, collision detection, certificates.
@@ -36,7 +37,7 @@ const FILTER: f64 = 0.125 + 1.0 / (12 * PER_EDGE * PER_EDGE) as f64;
 /// A rod as a row of nodes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RowOfNodes {
-    /// Its first node.
+    /// First node of the row.
     pub first_node: usize,
     /// Number of nodes.
     pub nodes: usize,

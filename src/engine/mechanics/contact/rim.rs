@@ -69,7 +69,7 @@ pub(super) struct RodPiece {
     pub side: i8,
     /// Edge of the rod that identifies it.
     pub edge: usize,
-    /// Its nodes.
+    /// Nodes of the piece.
     pub nodes: [usize; 3],
 }
 

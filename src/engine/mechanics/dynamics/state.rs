@@ -9,7 +9,7 @@ pub(super) struct State {
     pub time: f64,
     /// Unknowns, 4 per node: m and rad.
     pub unknowns: Vec<f64>,
-    /// Their velocities, m/s and rad/s.
+    /// Velocities of the unknowns, m/s and rad/s.
     pub velocity: Vec<f64>,
     /// The states at the starts of the last steps, for predictors and multistep schemes.
     pub history: History,

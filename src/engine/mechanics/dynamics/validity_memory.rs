@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// The largest strain of a kind, and since when the bound has been exceeded.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LargeStrain {
-    /// Its size; signed for a stretch.
+    /// Size of the strain; signed for a stretch.
     pub size: f64,
     /// Node of the whole scene.
     pub node: usize,

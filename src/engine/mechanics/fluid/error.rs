@@ -16,15 +16,14 @@ pub enum FluidError {
     Singular,
     /// A node that is not held is at the wall of the flow, or behind it.
     #[error(
-        "{name} is at the wall of the flow or behind it (height {height:.3e} m): a [contact] table and shorter \
-         time steps keep rods in front of it"
+        "{name} is at the wall of the flow or behind it (height {height:.3e} m); add a [contact] table or use shorter time steps"
     )]
     BehindWall {
         /// Node of the scene.
         node: usize,
-        /// Its name.
+        /// Name of the node.
         name: String,
-        /// Its height over the wall, m.
+        /// Height of the node over the wall, m.
         height: f64,
     },
     /// The iterative solution did not reach its tolerance.
@@ -49,7 +48,7 @@ pub enum FluidError {
         first: String,
         /// Name of the second node.
         second: String,
-        /// Their distance over the smaller regularisation length.
+        /// Distance of the nodes over the smaller regularisation length.
         regularizations: f64,
     },
     /// The logarithm of the slender-body coefficients is not positive.

@@ -49,9 +49,9 @@ pub struct Place {
     pub arc_length: f64,
     /// x, z, θ and θ'.
     pub state: State,
-    /// Their derivatives by H.
+    /// Derivatives of the state by H.
     pub by_horizontal: State,
-    /// Their derivatives by V.
+    /// Derivatives of the state by V.
     pub by_vertical: State,
 }
 

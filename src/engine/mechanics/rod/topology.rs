@@ -14,7 +14,7 @@ pub const STRIDE: usize = 4;
 /// Range of one rod in the numbering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RodRange {
-    /// Its first node.
+    /// First node of the rod.
     pub first_node: usize,
     /// Number of nodes.
     pub nodes: usize,

@@ -58,7 +58,7 @@ pub struct EdgeFrame {
     pub tangent: Vector3,
     /// Length l, m; infinite for a ghost edge, whose direction is prescribed.
     pub length: f64,
-    /// Its inverse, 1/m.
+    /// Inverse of the length of the edge, 1/m.
     pub inverse_length: f64,
     /// First material director m₁.
     pub director_1: Vector3,

@@ -14,7 +14,7 @@ pub struct Actuation {
     /// Start and end of the actuated part, in m of the natural length without actuation; an
     /// infinite end is the end of the rod.
     pub part: [f64; 2],
-    /// Its size.
+    /// Size of the strain.
     pub course: Course,
 }
 

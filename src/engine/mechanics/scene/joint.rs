@@ -145,7 +145,7 @@ pub struct HingeSpring {
 pub struct Body {
     /// Name in scenarios and messages.
     pub name: String,
-    /// Its node.
+    /// Node that carries the body.
     pub at: RodNode,
     /// Mass, kg.
     pub mass: f64,

@@ -72,7 +72,7 @@ pub enum DesignError {
     Crushed {
         /// The edge.
         edge: usize,
-        /// Its strain.
+        /// Strain of the edge.
         strain: f64,
     },
     /// The corrections leave a residual.

@@ -62,7 +62,7 @@ pub struct SmallMotions {
     pub unstable: Unstable,
     /// Rate at which the fastest of them grows, 1/s; 0 if none does.
     pub growth_rate: f64,
-    /// Its frequency, or the lowest of all if none grows, Hz.
+    /// Frequency of the fastest growing motion, or the lowest frequency if none grows, Hz.
     pub frequency: f64,
 }
 

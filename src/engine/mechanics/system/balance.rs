@@ -60,7 +60,7 @@ impl Tolerances {
 struct RodTolerance {
     /// Tolerance of the residual, N; infinite for a rod that is held.
     force: f64,
-    /// Rounding error of it, N.
+    /// Rounding error of the residual, N.
     rounding: f64,
     /// Weight of the residual of the rod among all rods: 1 for the rod with the least tolerance.
     weight: f64,

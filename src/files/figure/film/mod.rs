@@ -150,7 +150,7 @@ impl<'a> Film<'a> {
         self.timeline.pictures
     }
 
-    /// Its duration, s.
+    /// Duration of the film, s.
     pub fn seconds(&self) -> f64 {
         self.pictures() as f64 / self.pictures_per_second
     }

@@ -22,7 +22,7 @@ pub(super) struct Samples {
     pub height: usize,
     /// Nearness of the visible surface to the eye; [`NOTHING`] if there is none.
     pub depth: Vec<f32>,
-    /// Its material and normal, see [`packed`].
+    /// Material and normal of the sample, see [`packed`].
     pub surface: Vec<u32>,
     /// Columns of each row that may be used: first, and one beyond the last.
     spans: Vec<[usize; 2]>,

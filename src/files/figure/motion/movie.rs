@@ -22,7 +22,7 @@ pub struct Movie {
 pub struct MovieCase {
     /// Id of the case.
     pub name: String,
-    /// Its differences from the other cases, as (key, value).
+    /// Differences of the case from the other cases, as (key, value).
     pub distinction: Vec<(String, String)>,
     /// The scenario, as (dotted key, value).
     pub parameters: Vec<(String, String)>,
@@ -48,9 +48,9 @@ pub struct MovieCase {
 /// A number of the whole scene at each frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MovieSeries {
-    /// Its name for people.
+    /// Display name.
     pub name: String,
-    /// Its unit.
+    /// Unit of the series.
     pub unit: String,
     /// Values by frame.
     pub values: Vec<Option<f64>>,
@@ -59,7 +59,7 @@ pub struct MovieSeries {
 /// A rod of a movie.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MovieRod {
-    /// Its name.
+    /// Name of the rod.
     pub name: String,
     /// Number of nodes.
     pub nodes: usize,
@@ -71,7 +71,7 @@ pub struct MovieRod {
     pub radii: Vec<f64>,
     /// Whether it is an obstacle, which does not move.
     pub held: bool,
-    /// Its cross-section if rectangular; `None` for a circle.
+    /// Cross-section of the rod if rectangular; `None` for a circle.
     pub strip: Option<Strip>,
 }
 
@@ -120,9 +120,9 @@ pub struct MovieFrame {
 /// A number at each node, by which rods can be coloured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
-    /// Its name for people.
+    /// Display name.
     pub name: String,
-    /// Its unit.
+    /// Unit of the field.
     pub unit: String,
     /// Whether its sign is meaningful: zero then has the middle colour.
     pub signed: bool,

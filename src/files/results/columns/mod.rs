@@ -21,9 +21,9 @@ use tables::{
 /// A column of a table, or a key of a JSON file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Its name in the header, with its unit at the end.
+    /// Name of the column in the header, with its unit at the end.
     pub name: &'static str,
-    /// Its meaning.
+    /// Meaning of the column.
     pub meaning: &'static str,
 }
 

@@ -299,7 +299,7 @@ mod tests {
         insta::assert_snapshot!(fault("pattern = { points = [[0, 0], [0, 0]] }"), @"laid.toml:3:11: `deployment.pattern`: it has no length");
         insta::assert_snapshot!(fault(&format!("{ARC}\nlength_error = -1")), @"laid.toml:4:16: `deployment.length_error`: -1.0 is out of range; allowed: -0.9 to 0.9");
         insta::assert_snapshot!(fault(&format!("{ARC}\nseed = -2")), @"laid.toml:4:8: `deployment.seed`: -2 is out of range; allowed: 0 and above");
-        insta::assert_snapshot!(fault(&format!("{ARC}\ncorrection = {{ every = 0.03, return_length = 0.05 }}")), @"laid.toml:4:46: `deployment.correction.return_length`: 0.05 m is too short: the rod would swing about its pattern; allowed: at least 3 times `every` and the gravito-bending length, 0.0900 m");
+        insta::assert_snapshot!(fault(&format!("{ARC}\ncorrection = {{ every = 0.03, return_length = 0.05 }}")), @"laid.toml:4:46: `deployment.correction.return_length`: 0.05 m is too short, so that the rod would swing about its pattern; allowed: at least 0.0900 m, which is 3 times the larger of `every` and the gravito-bending length");
         insta::assert_snapshot!(fault(&format!("{ARC}\ncorrection = {{ every = 0.001 }}")), @"laid.toml:4:24: `deployment.correction.every`: 0.001 m is less than an edge of the rod, 0.0045 m (`rod.edges`)");
         insta::assert_snapshot!(fault(&format!("{ARC}\nscheme = \"intuitive\"\ncorrection = {{}}")), @r#"laid.toml:5:14: `deployment.correction`: the intuitive scheme cannot be corrected; use "optimal""#);
         insta::assert_snapshot!(fault(&format!("{ARC}\nseed = {}", i64::MIN)), @"laid.toml:4:8: `deployment.seed`: -9223372036854775808 is out of range; allowed: 0 and above");
@@ -322,7 +322,7 @@ mod tests {
         insta::assert_snapshot!(clips("at = [0.02], width = 0.003, radius = 0.004, height = 0.006"), @"laid.toml:4:32: `deployment.clips.width`: 0.003 m is too narrow; allowed: at least 0.0032 m, the thickness of the rod");
         insta::assert_snapshot!(clips("width = 0.008, radius = 0.004, height = 0.006"), @r#"laid.toml:4:9: `deployment.clips`: missing key `at` (arc lengths of the pattern, ["2 cm", "8 cm"])"#);
         insta::assert_snapshot!(fault("pattern = { kind = \"line\", length = 0.1 }\nknot = { crossings = [\"over\"] }"), @r#"laid.toml:4:22: `deployment.knot.crossings`: crossings of the pattern: 0; passes given: 1; give "over" or "under" for each crossing, in the order of the second passes"#);
-        insta::assert_snapshot!(fault(&format!("{ARC}\nknot = {{ crossings = [\"beside\"] }}")), @r#"laid.toml:4:23: `deployment.knot.crossings.0`: "beside" is not known here; allowed: over, under"#);
+        insta::assert_snapshot!(fault(&format!("{ARC}\nknot = {{ crossings = [\"beside\"] }}")), @r#"laid.toml:4:23: `deployment.knot.crossings.0`: "beside" is not a valid value; allowed: over, under"#);
         insta::assert_snapshot!(fault(&format!("{ARC}\nknot = {{ lift = 0.02 }}")), @r#"laid.toml:4:8: `deployment.knot`: missing key `crossings` ("over" or "under" for each crossing, as ["over", "under", "over"])"#);
         let second = |keys: &str| {
             fault(&format!(
@@ -335,7 +335,7 @@ mod tests {
         insta::assert_snapshot!(second(&format!("pattern = {{ kind = \"line\", length = 0.5 }}, {rod}")), @r#"laid.toml:4:22: `deployment.second.pattern`: the pattern is 0.5000 m long, and the rod 0.4 m: the rod must be at least 0.5018 m long, so that the gripper can still hold it at the end"#);
         insta::assert_snapshot!(second(&format!("pattern = {{ kind = \"line\", length = 0.1 }}, seed = 3, {rod}")), @r#"laid.toml:4:55: `deployment.second.seed`: unknown key (its keys are: pattern, rod, scheme, lead_in)"#);
         insta::assert_snapshot!(fault(&format!("{SECOND}\nknot = {{ crossings = [\"over\", \"over\"] }}")), @r#"laid.toml:5:22: `deployment.knot.crossings`: crossings of the rods: 1; passes given: 2; give "over" or "under" for each crossing, in the order of the second passes: first the second rod as it is laid, then its end, then the end of the first rod"#);
-        insta::assert_snapshot!(fault(&format!("{SECOND}\nknot = {{ crossings = [\"over\"] }}")), @r#"laid.toml:5:22: `deployment.knot.crossings`: neither pattern is longer than its rod: the rest of a pattern is the path of the end of its rod, which passes under a strand of the other rod; without it the second rod only lies on the first, and no knot is tied"#);
+        insta::assert_snapshot!(fault(&format!("{SECOND}\nknot = {{ crossings = [\"over\"] }}")), @r#"laid.toml:5:22: `deployment.knot.crossings`: neither pattern is longer than its rod, so no end is led under the other rod and no knot is tied; extend a pattern beyond the length of its rod"#);
         insta::assert_snapshot!(fault(&format!("{SECOND}\ncorrection = {{}}")), @r#"laid.toml:5:14: `deployment.correction`: this key is for one rod: leave it, or `second`, out"#);
         insta::assert_snapshot!(fault(&format!("{ARC}\nrelease = 70")), @"laid.toml:4:11: `deployment.release`: 70.0 s is out of range; allowed: less than the time in which the rod is laid, 60.0 s (`time.end`)");
         insta::assert_snapshot!(scenario(ARC, "[material]\ndensity = 1").unwrap_err(), @"laid.toml:12:1: `material`: [deployment.rod] defines the rod of a deployment and its material");

@@ -24,7 +24,7 @@ pub struct Landing<'a> {
     pub request: &'a DeploymentRequest<'a>,
     /// Length of its lead-in, m.
     pub lead_in: f64,
-    /// Its duration, s.
+    /// Duration of the landing, s.
     pub duration: f64,
 }
 

@@ -21,9 +21,9 @@ pub struct WatchedRod {
     pub marks: Vec<PatternMark>,
     /// Times (s) and the length laid by then, m.
     pub laid: Vec<(f64, f64)>,
-    /// Its length, m.
+    /// Length of the rod, m.
     pub length: f64,
-    /// Its nodes.
+    /// Nodes of the rod.
     pub nodes: Range<usize>,
     /// Height of a node below which it lies on the table, m.
     pub lying_height: f64,

@@ -17,7 +17,7 @@ use thiserror::Error;
 
 /// A cable and its pegs.
 pub struct Placement {
-    /// Its name for readers.
+    /// Name of the placement for readers.
     pub title: String,
     /// The resolved scenario as text.
     text: String,
@@ -35,7 +35,7 @@ pub enum PlacementError {
     /// It is faulty.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// Its pattern is invalid.
+    /// The pattern of the placement is invalid.
     #[error(transparent)]
     Pattern(#[from] PatternError),
     /// The scenario cannot be used for placement.

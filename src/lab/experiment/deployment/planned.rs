@@ -14,26 +14,24 @@ pub enum PathError {
     /// The pattern is invalid.
     #[error(transparent)]
     Pattern(#[from] PatternError),
-    /// It cannot be laid.
+    /// The rod cannot be laid along the pattern.
     #[error(transparent)]
     Deployment(#[from] DeploymentError),
     /// No knot can be tied along the pattern.
     #[error(transparent)]
     Tying(#[from] TyingError),
     /// There is no time left.
-    #[error(
-        "tying takes {tying_s:.1} s after the rod is laid, and the whole run takes {end_s:?} s: `time.end` must be later"
-    )]
+    #[error("tying alone takes {tying_s:.1} s, but `time.end` is {end_s:?} s: increase `time.end`")]
     NoTime {
         /// Time of tying, s.
         tying_s: f64,
-        /// Time of all, s.
+        /// Duration of the run, s.
         end_s: f64,
     },
     /// There is no time to bring the second rod.
     #[error(
-        "bringing the second rod takes {brought_s} s after the first one is laid, and laying both must take {end_s:.1} s in all: `time.end` must \
-         be later"
+        "bringing the second rod alone takes {brought_s} s, but only {end_s:.1} s are left for laying both rods: \
+         increase `time.end`"
     )]
     NoTimeForSecond {
         /// Time of bringing, s.
@@ -41,7 +39,7 @@ pub enum PathError {
         /// Time until both are laid, s.
         end_s: f64,
     },
-    /// It takes too many poses.
+    /// The path needs too many poses.
     #[error("its gripper would need {0:.1e} poses; allowed: {MOST_POSES:.0e}")]
     TooManyPoses(f64),
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 /// A rod by its file.
 #[derive(Clone, Debug)]
 pub struct RodFile {
-    /// Its name for readers.
+    /// Name of the rod for readers.
     pub title: String,
     /// The rod.
     pub rod: DeployedRod,

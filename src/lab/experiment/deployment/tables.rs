@@ -7,7 +7,7 @@ use crate::scenario::Scenario;
 use serde::Serialize;
 use std::sync::OnceLock;
 
-/// Everything that this experiment reads.
+/// Keys that this experiment reads.
 #[derive(Serialize)]
 pub struct DeploymentTables {
     /// Rods, patterns and grippers.

@@ -87,7 +87,7 @@ pub enum Head {
     Edge,
 }
 
-/// Everything that this experiment reads.
+/// Keys that this experiment reads.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FlagellaTables {
     /// Material of the flagella.

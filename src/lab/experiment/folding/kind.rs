@@ -296,7 +296,7 @@ mod tests {
         insta::assert_snapshot!(fault("crease = \"30 cm\"", A4), @"fold.toml:3:10: `folding.crease`: 0.3 m: the sheet is 0.297 m long, and its edge cannot go beyond the opposite one");
         assert!(fault("crease = \"diagonal\"", A4).contains("is a triangle"));
         insta::assert_snapshot!(fault("crease = \"diagonal-strip\"", A4), @"fold.toml:3:10: `folding.crease`: the sheet is 0.297 m by 0.21 m; only a square sheet is folded along its diagonal");
-        insta::assert_snapshot!(fault("algorithm = \"best\"", A4), @r#"fold.toml:3:13: `folding.algorithm`: "best" is not known here; allowed: optimal, least-friction, held, circle, step-by-step"#);
+        insta::assert_snapshot!(fault("algorithm = \"best\"", A4), @r#"fold.toml:3:13: `folding.algorithm`: "best" is not a valid value; allowed: optimal, least-friction, held, circle, step-by-step"#);
         insta::assert_snapshot!(fault("algorithm = \"circle\"\nfeedback = {}", A4), @r#"fold.toml:4:12: `folding.feedback`: this algorithm cannot replan; use "optimal", "least-friction" or "held""#);
         insta::assert_snapshot!(fault("feedback = { parts = 1 }", A4), @"fold.toml:3:22: `folding.feedback.parts`: 1 is out of range; allowed: 2 to 1000");
         insta::assert_snapshot!(fault("length_error = 2", A4), @"fold.toml:3:16: `folding.length_error`: 2.0 is out of range; allowed: -0.9 to 0.9");

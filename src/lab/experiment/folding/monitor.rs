@@ -15,7 +15,7 @@ const SAMPLES: f64 = 1000.0;
 pub struct Watched {
     /// Nodes of the sheet, the free end first.
     pub nodes: usize,
-    /// Its length, m.
+    /// Length of the sheet, m.
     pub length: f64,
     /// Target of the edge, m.
     pub target: f64,

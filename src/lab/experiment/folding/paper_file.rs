@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// A sheet by its file.
 pub struct PaperFile {
-    /// Its name for readers.
+    /// Name of the sheet for readers.
     pub title: String,
     /// The sheet.
     pub paper: Paper,

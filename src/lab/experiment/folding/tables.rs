@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-/// Everything that this experiment reads.
+/// Keys that this experiment reads.
 #[derive(Serialize)]
 pub struct FoldingTables {
     /// Sheet, crease and gripper.

@@ -46,7 +46,7 @@ pub static INVERSION: PulledKnot = PulledKnot {
 /// Numbers of a knot.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DerivedKnot {
-    /// Its determinant.
+    /// Determinant of the knot.
     pub determinant: u64,
     /// Speed at which each end is pulled, m/s.
     pub pull_speed: f64,

@@ -95,7 +95,7 @@ pub fn determinant_of_kind(kind: KnotKind) -> u64 {
 /// Rejects a curve that is not a knot of this kind, or whose knot cannot be identified.
 fn refuse_other_knots(nodes: &[Vector3], kind: Option<KnotKind>) -> Result<(), String> {
     let Some(found) = determinant(nodes) else {
-        return Err("the curve meets itself".to_owned());
+        return Err("the curve intersects itself".to_owned());
     };
     match kind.map(determinant_of_kind) {
         Some(expected) if expected != found => Err(format!(
@@ -277,7 +277,7 @@ mod tests {
         let flat = curve(|_, _| 0.0);
         let low = curve(|height, _| 0.5 * height);
         insta::assert_snapshot!(refusal(&knotted, &["knot.unknotting_number=1"]), @"curve.toml:16:9: `knot.curve`: the curve is another knot: its determinant is 5, that of the knot asked for is 3");
-        insta::assert_snapshot!(refusal(&flat, &[]), @"curve.toml:16:9: `knot.curve`: the curve meets itself");
+        insta::assert_snapshot!(refusal(&flat, &[]), @"curve.toml:16:9: `knot.curve`: the curve intersects itself");
         insta::assert_snapshot!(refusal(&low, &[]), @"curve.toml:16:9: `knot.curve`: edge 62 of rod `knot` and edge 168 of rod `knot` interpenetrate: distance 2.991735e-3 m, allowed is at least 3.200000e-3 m");
     }
 }

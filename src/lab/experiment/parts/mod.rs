@@ -25,7 +25,7 @@ trait ScenePart: Part {
 
 macro_rules! parts {
     ($($part:ty),* $(,)?) => {
-        /// Their tables.
+        /// Tables of the parts.
         pub static TABLES: &[OwnTable] = &[$(OwnTable::of_part::<$part>()),*];
 
         /// Places the parts of a scenario; reports those that cannot be placed.

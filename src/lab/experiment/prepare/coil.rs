@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 /// A flat coil.
 #[derive(Clone, Copy, Debug)]
 pub struct Coil {
-    /// Its middle, m.
+    /// Middle of the coil, m.
     pub centre: Vector3,
     /// Unit vectors in its plane: the one from which angles are measured, and the one at a right
     /// angle to it, in the sense of winding.

@@ -24,7 +24,7 @@ pub fn refuse_countless_pairs(scene: &Scene) -> Result<(), (usize, String)> {
         let pairs = neighbouring_pairs(rod);
         if pairs > MOST_PAIRS {
             let why = format!(
-                "the {} nodes of rod `{}` are so much closer together than its diameter of {} m",
+                "The {} nodes of rod `{}` are much closer together than its diameter of {} m",
                 rod.centreline.len(),
                 rod.name,
                 2.0 * rod.radius,
@@ -35,7 +35,7 @@ pub fn refuse_countless_pairs(scene: &Scene) -> Result<(), (usize, String)> {
     let (rod, pairs) = pairs_between_rods(scene, contact.distance_tolerance);
     if pairs > MOST_PAIRS {
         let why = format!(
-            "the edges of different rods, of `{}` above all, are so short and so many of them close together",
+            "Many short edges of different rods, mainly of `{}`, are close together",
             scene.rods[rod].name
         );
         return Err((rod, too_many(&why, pairs)));
@@ -45,8 +45,8 @@ pub fn refuse_countless_pairs(scene: &Scene) -> Result<(), (usize, String)> {
 
 fn too_many(why: &str, pairs: f64) -> String {
     format!(
-        "{why} that contact has {pairs:.1e} pairs of edges to check, which take {:.1} GB; allowed: {MOST_PAIRS:.0e}. Take fewer \
-         nodes, or contact.model = \"none\"",
+        "contact has {pairs:.1e} pairs of edges to check, which take {:.1} GB; allowed: {MOST_PAIRS:.0e}. {why}: take fewer nodes, \
+         or contact.model = \"none\"",
         1e-9 * PAIR * pairs,
     )
 }

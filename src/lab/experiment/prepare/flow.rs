@@ -32,8 +32,8 @@ pub(super) fn wall(scene: &Scene, scenario: &Scenario) -> Result<Option<usize>, 
         None => Ok(first),
         Some(second) => Err(Issue::new(
             key(second - built),
-            "the flow can have one wall only, since the image of a wall is exact for one plane: set wall = false for all planes \
-             but one; the flow then passes through those",
+            "only one plane can be a wall of the flow, because images are exact for a single plane; set wall = false \
+             for the other planes, which the flow then passes through",
         )),
     }
 }

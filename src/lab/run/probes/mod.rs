@@ -21,7 +21,7 @@ pub struct Probe {
     pub name: String,
     /// The measured quantity.
     pub quantity: Quantity,
-    /// Its statistic in the summary; `None` for none.
+    /// Statistic of the probe in the summary; `None` for none.
     pub summary: Option<Summary>,
 }
 

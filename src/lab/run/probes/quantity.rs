@@ -22,7 +22,7 @@ pub enum Quantity {
     Displacement {
         /// The node.
         node: usize,
-        /// Its placed position, m.
+        /// Placed position of the node, m.
         from: Vector3,
     },
     /// Velocity of a node, m/s.

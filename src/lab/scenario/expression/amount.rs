@@ -24,7 +24,7 @@ impl Amount {
         Self { value, ..self }
     }
 
-    /// Its dimension in words, such as "a length".
+    /// Dimension of the amount in words, such as "a length".
     pub fn dimension(&self) -> String {
         units::dimension_of(self.powers)
     }

@@ -13,7 +13,7 @@ pub type Uniform<'a> = &'a mut dyn FnMut() -> f64;
 
 /// A function of expressions.
 pub struct Described {
-    /// Its syntax.
+    /// Syntax of the function.
     pub usage: &'static str,
     /// Description of its value.
     pub meaning: &'static str,
@@ -175,7 +175,7 @@ impl Function {
         FUNCTIONS.iter().map(name_of)
     }
 
-    /// Its syntax.
+    /// Syntax of the function.
     pub fn usage(self) -> &'static str {
         FUNCTIONS[self.0].usage
     }

@@ -35,7 +35,7 @@ pub const PI: &str = "pi";
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expression {
     operation: Operation,
-    /// Its bytes in the text.
+    /// Bytes of the expression in the text.
     bytes: Range<usize>,
 }
 

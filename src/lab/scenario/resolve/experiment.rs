@@ -7,7 +7,7 @@ use crate::scenario::section::Section;
 
 /// A kind of experiment as scenario files see it.
 pub trait ExperimentKeys: Sync {
-    /// Its name in scenario files.
+    /// Name of the experiment in scenario files.
     fn name(&self) -> &'static str;
 
     /// Description of the simulation, one sentence.

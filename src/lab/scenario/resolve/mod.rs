@@ -35,7 +35,7 @@ use super::typed::ScenarioFile;
 use std::cell::RefCell;
 use std::path::PathBuf;
 
-/// Inputs of resolving in addition to the keys of the file.
+/// Inputs of the resolution besides the keys of the file.
 pub struct Context<'a> {
     /// Stem of the scenario file.
     pub name: &'a str,

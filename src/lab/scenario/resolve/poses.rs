@@ -89,7 +89,7 @@ fn read(path: &Path) -> Result<Vec<Pose>, String> {
 }
 
 fn late(time: f64, before: f64) -> String {
-    format!("time {time:?} s does not come after {before:?} s; times must grow")
+    format!("time {time:?} s is not after {before:?} s; times must increase")
 }
 
 /// Normalises a quaternion that is nearly a unit quaternion. If it is one already, up to
@@ -140,7 +140,7 @@ mod tests {
         let fault = |rows: &str| read_text(&format!("time,x,y,z,qw,qx,qy,qz\n{rows}")).unwrap_err();
         insta::assert_snapshot!(fault(""), @"poses.csv has no rows; a gripper needs at least one pose");
         insta::assert_snapshot!(fault("-1,0,0,0,1,0,0,0\n"), @"poses.csv, line 2: time -1.0 s is before 0");
-        insta::assert_snapshot!(fault("1,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"), @"poses.csv, line 3: time 1.0 s does not come after 1.0 s; times must grow");
+        insta::assert_snapshot!(fault("1,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"), @"poses.csv, line 3: time 1.0 s is not after 1.0 s; times must increase");
         insta::assert_snapshot!(fault("0,0,0,0,1,1,0,0\n"), @"poses.csv, line 2: the quaternion qw, qx, qy, qz = [1.0, 1.0, 0.0, 0.0] has the norm 1.4142; allowed: unit quaternions");
         insta::assert_snapshot!(read_text("time,x,y,z\n0,0,0,0\n").unwrap_err(), @"poses.csv, line 1: no column `qw`; the header must name time, x, y, z, qw, qx, qy and qz");
     }

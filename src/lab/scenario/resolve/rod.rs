@@ -34,7 +34,7 @@ pub fn rods(
             section.below(&index.to_string()).fault(
                 "name",
                 format!(
-                    "rod {first} is called `{}` too; names must differ",
+                    "rod {first} has the same name, `{}`; names must be unique",
                     rod.name
                 ),
             );
@@ -104,11 +104,11 @@ fn rod(
 
 /// One of several rods of the same kind.
 pub struct Member {
-    /// Its name.
+    /// Name of the member.
     pub name: String,
     /// Number of edges.
     pub edges: usize,
-    /// Its placed shape.
+    /// Placed shape of the member.
     pub shape: Shape,
 }
 

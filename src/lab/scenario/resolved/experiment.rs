@@ -50,7 +50,7 @@ impl Experiment {
         }
     }
 
-    /// Its name in scenario files.
+    /// Name of the experiment in scenario files.
     pub fn name(&self) -> &'static str {
         self.name
     }
@@ -60,13 +60,13 @@ impl Experiment {
         self.smallest_radius
     }
 
-    /// Its tables, with the type in which its kind resolved them.
+    /// Tables of the experiment, with the type in which its kind resolved them.
     pub fn own<T: Any>(&self) -> &T {
         let tables = self.tables();
         tables.expect("the tables of this experiment")
     }
 
-    /// Its tables; `None` if they are of another type.
+    /// Tables of the experiment; `None` if they are of another type.
     pub fn tables<T: Any>(&self) -> Option<&T> {
         self.typed.downcast_ref()
     }

@@ -6,13 +6,13 @@ use serde::Serialize;
 /// A rigid body that rods may touch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Obstacle {
-    /// Its name.
+    /// Name of the obstacle.
     pub name: String,
-    /// Its shape at time zero.
+    /// Shape of the obstacle at time zero.
     pub shape: ObstacleShape,
     /// Friction coefficient; `None` takes that of the contact model.
     pub friction: Option<f64>,
-    /// Its motion.
+    /// Motion of the obstacle.
     #[serde(flatten)]
     pub movement: Movement,
 }
@@ -30,9 +30,9 @@ pub enum ObstacleShape {
     },
     /// All points within a radius of a segment.
     Capsule {
-        /// Its first end, m.
+        /// First end of the capsule, m.
         start: [f64; 3],
-        /// Its last end, m.
+        /// Last end of the capsule, m.
         end: [f64; 3],
         /// The radius, m.
         radius: f64,
@@ -50,14 +50,14 @@ pub enum ObstacleShape {
     Cylinder {
         /// A point of the line, m.
         point: [f64; 3],
-        /// Its direction, a unit vector.
+        /// Direction of the cylinder, a unit vector.
         direction: [f64; 3],
         /// The radius, m.
         radius: f64,
     },
     /// A box.
     Box {
-        /// Its centre, m.
+        /// Centre of the box, m.
         centre: [f64; 3],
         /// Lengths of its sides, m.
         size: [f64; 3],
@@ -70,7 +70,7 @@ pub enum ObstacleShape {
     },
     /// A triangle mesh.
     Mesh {
-        /// Its vertices, m.
+        /// Vertices of the mesh, m.
         vertices: Vec<[f64; 3]>,
         /// Three vertices of each triangle.
         triangles: Vec<[usize; 3]>,

@@ -127,7 +127,7 @@ pub enum Handedness {
     /// Like an ordinary screw.
     #[default]
     Right,
-    /// Its mirror image.
+    /// Mirror image of a right-handed helix.
     Left,
 }
 

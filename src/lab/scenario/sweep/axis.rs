@@ -24,7 +24,7 @@ pub struct Axis {
 pub struct SweptKey {
     /// The dotted key.
     pub key: String,
-    /// Its place.
+    /// Place of the key.
     pub span: Span,
 }
 

@@ -24,9 +24,9 @@ pub struct Portable {
 /// A copy of a file that a sweep reads.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputFile {
-    /// Its name in the folder [`INPUTS`], with components separated by `/`.
+    /// Name of the file in the folder [`INPUTS`], with components separated by `/`.
     pub name: String,
-    /// Its contents.
+    /// Contents of the file.
     pub contents: Vec<u8>,
 }
 

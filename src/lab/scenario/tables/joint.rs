@@ -21,13 +21,13 @@ keys! {
         /// Node of each rod: "start", "end", or a number, as in ["end", 4]. The second node of a
         /// slide is the place where the slide begins.
         at: places("a node of each rod, such as [\"end\", \"start\"]") required,
-        /// Largest force that the joint can bear, in a dynamic run. It breaks if the force is
+        /// Largest force that the joint withstands, in a dynamic run. It breaks if the force is
         /// larger at the end of a step. The nodes of balls, hinges and rigid joints that can break
         /// must not belong to other joints. Default: it never breaks.
         break_at: number(Force, POSITIVE) optional,
     }
     also {
-        /// Largest moment that the joint can bear, including the moment of its spring; otherwise
+        /// Largest moment that the joint withstands, including the moment of its spring; otherwise
         /// like `break_at`.
         break_at_moment: number(Moment, POSITIVE) optional,
     }
@@ -184,7 +184,7 @@ fn check(section: &Section<'_>, joint: &Joint, is_dynamic: bool) {
                 ("break_at", joint.break_at.is_some()),
                 ("break_at_moment", joint.break_at_moment.is_some()),
             ],
-            "a joint breaks at some time, which only a dynamic run has; allowed: time.mode = \"dynamic\"",
+            "joints break only in dynamic runs; allowed: time.mode = \"dynamic\"",
         );
     }
 }

@@ -188,7 +188,7 @@ pub fn probes(top: &Section<'_>, typed: &[ProbeKeys]) -> Vec<Probe> {
         check(&section, &probe.kind);
         if !probe.name.is_empty() && probes.iter().any(|other| other.name == probe.name) {
             let message = format!(
-                "another probe is called `{}`; names must differ",
+                "another probe has the name `{}`; names must be unique",
                 probe.name
             );
             section.fault("name", message);

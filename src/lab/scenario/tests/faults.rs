@@ -40,7 +40,7 @@ beam.toml:3:53: `helix_stability.directions.points.1`: a direction cannot be [0,
 beam.toml:3:14: `helix_stability.directions`: missing key `azimuthal` (a whole number, 1 to 10000000)
 beam.toml:3:39: `helix_stability.directions.polar`: 0 is out of range; allowed: 1 to 10000000
 "##);
-    insta::assert_snapshot!(faults_of_helices("search = \"slow\"\n"), @r##"beam.toml:3:10: `helix_stability.search`: "slow" is not known here; allowed: fast, path"##);
+    insta::assert_snapshot!(faults_of_helices("search = \"slow\"\n"), @r##"beam.toml:3:10: `helix_stability.search`: "slow" is not a valid value; allowed: fast, path"##);
     insta::assert_snapshot!(read("experiment = \"helix-stability\"\n").unwrap_err().to_string(), @r##"beam.toml:1:1: missing key `helix_stability` (a table [helix_stability])"##);
 }
 
@@ -54,7 +54,7 @@ fn faults_of_poses_name_what_is_allowed() {
     let pose = "poses = [[0, [0, 0, 0], [1, 0, 0, 0]]]";
     insta::assert_snapshot!(clamped("poses = []"), @"beam.toml:18:9: `clamps.0.poses`: a gripper needs at least one pose");
     insta::assert_snapshot!(clamped("poses = [[1, [0, 0, 0], [1, 0, 0, 0]], [1, [0, 0, 0], [2, 0, 0, 0]]]"), @r##"
-beam.toml:18:41: `clamps.0.poses.1.0`: time 1.0 s does not come after 1.0 s; times must grow
+beam.toml:18:41: `clamps.0.poses.1.0`: time 1.0 s is not after 1.0 s; times must increase
 beam.toml:18:55: `clamps.0.poses.1.2`: the quaternion qw, qx, qy, qz = [2.0, 0.0, 0.0, 0.0] has the norm 2.0000; allowed: unit quaternions
 "##);
     insta::assert_snapshot!(clamped("follow = \"nowhere.csv\""), @"beam.toml:18:10: `clamps.0.follow`: nowhere.csv cannot be read: No such file or directory (os error 2)");
@@ -129,11 +129,11 @@ fn faults_name_file_line_column_key_and_range() {
     insta::assert_snapshot!(faults("edges = 50", "edges = 50.5"), @"beam.toml:12:9: `rods.0.edges`: expected a whole number, found a number");
     insta::assert_snapshot!(faults("edges = 50", "edges = 99999999999999999999"), @"beam.toml:12:9: `rods.0.edges`: expected a whole number, found a number");
     insta::assert_snapshot!(faults("poissons_ratio = 0.5", "poissons_ratio = 0.6"), @"beam.toml:6:18: `material.poissons_ratio`: 0.6 is out of range; allowed: greater than -1 and at most 0.5");
-    insta::assert_snapshot!(faults("kind = \"straight\"", "kind = \"strait\""), @r#"beam.toml:13:18: `rods.0.shape.kind`: "strait" is not known here; allowed: straight, helix, arc, ring, catenary, slack, coil, points (did you mean `straight`?)"#);
+    insta::assert_snapshot!(faults("kind = \"straight\"", "kind = \"strait\""), @r#"beam.toml:13:18: `rods.0.shape.kind`: "strait" is not a valid value; allowed: straight, helix, arc, ring, catenary, slack, coil, points (did you mean `straight`?)"#);
     insta::assert_snapshot!(faults("end = [1, 0, 0]", "end = [1, 0]"), @"beam.toml:13:55: `rods.0.shape.end`: expected an array of 3 values, found 2");
     insta::assert_snapshot!(faults("end = [1, 0, 0]", "end = [0, 0, 0]"), @"beam.toml:13:55: `rods.0.shape.end`: the line has no length: `start` and `end` are the same");
     insta::assert_snapshot!(faults("kind = \"straight\", ", ""), @"beam.toml:13:9: `rods.0.shape`: missing key `kind`; allowed: straight, helix, arc, ring, catenary, slack, coil, points");
-    insta::assert_snapshot!(faults("kind = \"gravity\"", "kind = \"gravitation\""), @r#"beam.toml:20:8: `loads.0.kind`: "gravitation" is not known here; allowed: gravity, force, moment, distributed, drag (did you mean `gravity`?)"#);
+    insta::assert_snapshot!(faults("kind = \"gravity\"", "kind = \"gravitation\""), @r#"beam.toml:20:8: `loads.0.kind`: "gravitation" is not a valid value; allowed: gravity, force, moment, distributed, drag (did you mean `gravity`?)"#);
     insta::assert_snapshot!(faults("at = \"start\"", "at = \"middle\""), @r#"beam.toml:17:6: `clamps.0.at`: invalid value: string "middle", expected "start", "end" or a number counted from zero"#);
     insta::assert_snapshot!(faults("at = \"start\"", "at = -1"), @"beam.toml:17:6: `clamps.0.at`: -1 is out of range; allowed: 0 and up");
     insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"continuation\""), @"beam.toml:1:1: missing key `continuation` (a table [continuation] with the end of the parameter, `to`)");
@@ -174,7 +174,7 @@ beam.toml:30:18: `contact.slip_tolerance`: 0.0 is out of range; allowed: greater
     insta::assert_snapshot!(faults("nodes = true", "nodes = 1979-05-27"), @"beam.toml:27:9: `output.nodes`: expected `true` or `false`, found a date");
     insta::assert_snapshot!(faults("nodes = true", "nodes = "), @"beam.toml:27:9: not TOML: string values must be quoted, expected literal string");
     insta::assert_snapshot!(faults("experiment = \"scene\"\n", ""), @r#"beam.toml:1:1: missing key `experiment` ("scene", "flagella", "knot-tightening", "knot-inversion" or "helix-stability")"#);
-    insta::assert_snapshot!(faults("experiment = \"scene\"\n", "experiment = \"folding\"\n"), @r#"beam.toml:1:14: `experiment`: "folding" is not known here; allowed: scene, flagella, knot-tightening, knot-inversion, helix-stability"#);
+    insta::assert_snapshot!(faults("experiment = \"scene\"\n", "experiment = \"folding\"\n"), @r#"beam.toml:1:14: `experiment`: "folding" is not a valid value; allowed: scene, flagella, knot-tightening, knot-inversion, helix-stability"#);
     insta::assert_snapshot!(read("").unwrap_err().to_string(), @r###"
 beam.toml:1:1: `time`: missing key `end` (a time, greater than 0)
 beam.toml:1:1: missing key `experiment` ("scene", "flagella", "knot-tightening", "knot-inversion" or "helix-stability")
@@ -222,7 +222,7 @@ beam.toml:28:10: `actuation.0.values`: no values; give [[time, strain], ...]
     insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\namplitude = 1\nfrequency = 1"), @r##"beam.toml:30:13: `actuation.0.frequency`: a static run has no time, so nothing changes in it (give one value, such as values = [[0, 5]]; or follow the equilibria with time.mode = "continuation", whose parameter replaces the time; or run dynamically)"##);
     insta::assert_snapshot!(fault("kind = \"length\"\nrod = \"beam\"\nvalues = [[0, -0.5]]\n[[actuation]]\nkind = \"length\"\nrod = \"beam\"\namplitude = 0.5"), @r##"beam.toml:33:13: `actuation.1.amplitude`: the rod would be shorter by 1.0 of its length at once; allowed: at most 0.9"##);
     insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\nvalues = [[0, 1]]\nfrom = 0.3\nto = 0.2"), @r##"beam.toml:31:6: `actuation.0.to`: 0.2 m is out of range; allowed: greater than `from` = 0.3 m"##);
-    insta::assert_snapshot!(fault("kind = \"bend\"\nrod = \"beam\""), @r##"beam.toml:27:8: `actuation.0.kind`: "bend" is not known here; allowed: curvature, twist, length"##);
+    insta::assert_snapshot!(fault("kind = \"bend\"\nrod = \"beam\""), @r##"beam.toml:27:8: `actuation.0.kind`: "bend" is not a valid value; allowed: curvature, twist, length"##);
 }
 
 #[test]
@@ -271,7 +271,7 @@ fn faults_are_shown_in_their_lines() {
 #[test]
 fn names_of_rods_are_checked() {
     let two = "[[rods]]\nname = \"beam\"\nradius = 1\nedges = 3\nshape = { kind = \"ring\", centre = [0, 0, 0], radius = 9 }\n\n[[clamps]]";
-    insta::assert_snapshot!(faults("[[clamps]]", two), @"beam.toml:16:8: `rods.1.name`: rod 0 is called `beam` too; names must differ");
+    insta::assert_snapshot!(faults("[[clamps]]", two), @"beam.toml:16:8: `rods.1.name`: rod 0 has the same name, `beam`; names must be unique");
     insta::assert_snapshot!(faults("name = \"beam\"", "name = \"a.b\""), @r#"beam.toml:10:8: `rods.0.name`: "a.b" cannot be a name; allowed: letters, digits, `_` and `-`, not digits alone"#);
 }
 

@@ -48,7 +48,7 @@ fn a_scenario_extends_another() {
     assert_eq!(scenario.rods[0].material.youngs_modulus, 1e8);
     let fault = |name| load_from(&directory, name, &[]).unwrap_err();
     insta::assert_snapshot!(fault("broken.toml"), @"broken.toml:3:11: `material.density`: -1.0 is out of range; allowed: greater than 0");
-    insta::assert_snapshot!(fault("circle.toml"), @"circle.toml:1:11: `extends`: circle.toml extends this file in turn: a circle");
+    insta::assert_snapshot!(fault("circle.toml"), @"circle.toml:1:11: `extends`: circle.toml extends this file again: a circular reference");
     insta::assert_snapshot!(fault("lost.toml"), @"lost.toml:1:11: `extends`: nowhere.toml cannot be read: No such file or directory (os error 2)");
     insta::assert_snapshot!(fault("none.toml"), @"none.toml cannot be read: No such file or directory (os error 2)");
 }
@@ -105,7 +105,7 @@ fn included_files_add_to_a_scenario() {
     let scenario = load_from(&directory, "extending.toml", &[]).unwrap();
     assert_eq!(names(&scenario), ["other", "curve"]);
     let fault = |name| load_from(&directory, name, &[]).unwrap_err();
-    insta::assert_snapshot!(fault("circle.toml"), @"parts/circle.toml:1:11: `extends`: parts/../circle.toml extends this file in turn: a circle");
+    insta::assert_snapshot!(fault("circle.toml"), @"parts/circle.toml:1:11: `extends`: parts/../circle.toml extends this file again: a circular reference");
     insta::assert_snapshot!(fault("wrong.toml"), @"wrong.toml:1:26: `include`: expected the name of a file, or a list of them, found a whole number");
     insta::assert_snapshot!(fault("lost.toml"), @"lost.toml:1:11: `include`: nowhere.toml cannot be read: No such file or directory (os error 2)");
     let set = load_from(&directory, "one.toml", &["include=other.toml"]);

@@ -138,12 +138,12 @@ pub fn long_enough(rod: &DeployedRod, pattern: &Pattern) -> Result<(), Deploymen
 pub struct Feasibility {
     /// Least radius of curvature, m; infinite for a straight line.
     pub least_radius_m: f64,
-    /// Its position, m from the start.
+    /// Position of the least radius, m from the start.
     pub least_radius_at_m: f64,
     /// Largest friction demand, of the lying rod or at the contact node.
     #[serde(rename = "largest_friction_demand")]
     pub largest_demand: f64,
-    /// Its position, m from the start.
+    /// Position of the largest friction demand, m from the start.
     #[serde(rename = "largest_friction_demand_at_m")]
     pub largest_demand_at_m: f64,
     /// Largest friction demand of the lying rod alone (thesis Eq. 5.2).

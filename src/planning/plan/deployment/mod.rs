@@ -123,7 +123,7 @@ pub enum DeploymentError {
     TooSharp {
         /// Least radius of curvature, m.
         radius_m: f64,
-        /// Its position, m from the start.
+        /// Position of the least radius, m from the start.
         s_m: f64,
         /// Radius of the rod, m.
         rod_m: f64,
@@ -131,16 +131,15 @@ pub enum DeploymentError {
     /// A lead is bent more sharply than allowed.
     #[error(
         "the {lead} bends to a radius of {radius_m:.2e} m at {s_m:.4} m; allowed: at least three \
-         radii of the rod, {least_m:.4} m. The drawing is not the cause: shorten the {lead}, or \
-         leave it out ({})",
+         radii of the rod, {least_m:.4} m. The {lead} is too tight, not the drawing: shorten it, or leave it out ({})",
         lead.without()
     )]
     SharpLead {
         /// Which.
         lead: Lead,
-        /// Its least radius of curvature, m.
+        /// Least radius of curvature of the lead, m.
         radius_m: f64,
-        /// Its position, m from the start.
+        /// Position of the least radius, m from the start.
         s_m: f64,
         /// The smallest allowed radius, m.
         least_m: f64,

@@ -12,11 +12,11 @@ pub type Cell = [usize; 2];
 /// A queued cell with its predecessor. The cheapest cell comes first; equal costs are ordered by
 /// cell.
 pub struct Waiting<From = ()> {
-    /// Its cost.
+    /// Cost of the cell.
     pub cost: f64,
     /// The cell.
     pub cell: Cell,
-    /// Its predecessor.
+    /// Predecessor of the cell.
     pub from: From,
 }
 

@@ -109,7 +109,7 @@ pub enum FoldError {
     /// No moment at the gripper is sufficient for a given friction.
     #[error(
         "no moment at the gripper brings the edge to x̄ = {target:.4} with a friction demand of at \
-         most {friction:.4}: so tight a fold pushes or pulls the lying part"
+         most {friction:.4}: a fold this tight needs more friction"
     )]
     NotHeld {
         /// C̄.

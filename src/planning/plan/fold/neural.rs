@@ -68,9 +68,9 @@ pub enum NeuralFoldError {
 impl NeuralFolds {
     /// The kind of its samples.
     pub const SAMPLES: &str = "fold-samples";
-    /// Its input columns.
+    /// Input columns of the network.
     pub const INPUTS: [&str; 2] = ["x", "z"];
-    /// Its output columns.
+    /// Output columns of the network.
     pub const OUTPUTS: [&str; 3] = ["force_inclination", "alpha", "suspended_length"];
     /// Weights of the errors of the outputs. Without weights, the errors of α and l̄_s would be
     /// larger in their units.

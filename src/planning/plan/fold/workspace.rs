@@ -51,7 +51,7 @@ impl Workspace {
         })
     }
 
-    /// Its outline, in four parts: taut sheets from the shortest to the longest suspended length,
+    /// Outline of the workspace, in four parts: taut sheets from the shortest to the longest suspended length,
     /// the longest sheet to its end, the ends back to the shortest sheet, and the shortest sheet.
     pub fn outline(&self) -> &[[f64; 2]] {
         &self.outline

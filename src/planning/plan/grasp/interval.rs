@@ -55,7 +55,7 @@ impl State {
 pub struct Interval {
     /// s at its start.
     pub start: f64,
-    /// Its length.
+    /// Length of the interval.
     pub length: f64,
     /// t at the stages.
     pub tangents: [Vector3; STAGES],

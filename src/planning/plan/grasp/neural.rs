@@ -23,7 +23,7 @@ pub struct NeuralGrasps {
 pub struct LearnedGrasp {
     /// Position of the gripper.
     pub position: Vector3,
-    /// Its rotation.
+    /// Rotation of the gripper.
     pub rotation: UnitQuaternion,
 }
 
@@ -49,9 +49,9 @@ impl NeuralGrasps {
     /// The kind of its samples.
     pub const SAMPLES: &str = "grasp-samples";
 
-    /// Its input columns.
+    /// Input columns of the network.
     pub const INPUTS: [&str; 3] = ["log_length", "curvature", "stretch_compliance"];
-    /// Its output columns.
+    /// Output columns of the network.
     pub const OUTPUTS: [&str; 6] = [
         "x",
         "y_per_curvature",

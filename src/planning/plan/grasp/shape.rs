@@ -22,7 +22,7 @@ const DIVERGED: f64 = 1e4;
 /// A suspended rod in equilibrium, EI = L_gb = 1.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// Its problem.
+    /// Problem of the grasp.
     pub problem: GraspProblem,
     /// The intervals, from the contact node to the gripper.
     pub intervals: Vec<Interval>,

@@ -17,7 +17,7 @@ const TOUCH: f64 = 1e-9;
 /// curvature turns towards +ŷ.
 #[derive(Clone, Debug)]
 pub struct Grasp {
-    /// Its problem.
+    /// Problem that the grasp solves.
     pub problem: GraspProblem,
     /// q_M.
     pub position: Vector3,

@@ -33,7 +33,7 @@ const LEAST_COMPLIANCE: f64 = 1e-12;
 /// Data of an element for the second variation, at its middle.
 #[derive(Clone, Copy, Debug)]
 pub struct Element {
-    /// Its length.
+    /// Length of the element.
     pub length: f64,
     /// t.
     pub tangent: Vector3,

@@ -21,7 +21,7 @@ pub struct Crossing {
     pub first: f64,
     /// Arc length of the second pass, on the other pattern if there is one, m.
     pub second: f64,
-    /// Its position, m.
+    /// Position of the crossing, m.
     pub position: Point,
 }
 

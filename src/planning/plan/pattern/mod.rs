@@ -60,7 +60,7 @@ pub enum PatternError {
     /// There are several strokes.
     #[error("it has {count} strokes that do not join; choose one, `stroke` 1 to {count}{list}")]
     SeveralStrokes {
-        /// Their number.
+        /// Number of strokes.
         count: usize,
         /// The longest of them, one per line.
         list: String,

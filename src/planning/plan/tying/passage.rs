@@ -61,7 +61,7 @@ pub struct Passage {
     pub first: Place,
     /// Position of the second pass, by the same rod or another.
     pub second: Place,
-    /// Its position, m.
+    /// Position of the crossing, m.
     pub place: Point,
     /// Over or under, at the second pass.
     pub pass: Pass,
@@ -95,9 +95,8 @@ pub enum TyingError {
     },
     /// No end is moved.
     #[error(
-        "neither pattern is longer than its rod: the rest of a pattern is the path of the end of \
-         its rod, which passes under a strand of the other rod; without it the second rod only \
-         lies on the first, and no knot is tied"
+        "neither pattern is longer than its rod, so no end is led under the other rod and no knot is tied; extend a \
+         pattern beyond the length of its rod"
     )]
     NothingIsLed,
     /// There is no path for the end.

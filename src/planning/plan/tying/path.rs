@@ -35,7 +35,7 @@ pub struct LiftPath {
     pub rod: usize,
     /// Times of grasp and release, s.
     pub held: [f64; 2],
-    /// Its poses; the x axis is the tangent of the strand as drawn.
+    /// Poses of the gripper; the x axis is the tangent of the strand as drawn.
     pub poses: GripperPoses,
 }
 

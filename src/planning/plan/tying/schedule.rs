@@ -83,7 +83,7 @@ impl Schedule {
         schedule
     }
 
-    /// Its duration, s.
+    /// Duration of the schedule, s.
     pub fn duration(&self) -> f64 {
         self.end.last().map_or(0.0, |(time, _)| *time)
     }

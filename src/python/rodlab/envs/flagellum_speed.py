@@ -35,7 +35,7 @@ class FlagellumSpeed(RodEnv):
         With `control="curvature"` also the natural curvatures that are added, over 20 1/m (8).
 
     Action (3, and 11 with `control="curvature"`), from -1 to 1
-        Wanted rate of rotation about the axis, times Ω; the rate follows with at most 100 rad/s² (1). Rates at which the axis
+        Target rate of rotation about the axis, times Ω; the rate follows with at most 100 rad/s² (1). Rates at which the axis
         turns about x and y, times 1 rad/s (2). With `control="curvature"` also the natural curvatures κ₁ and κ₂ about the
         material directors that are wanted in addition to those of the helix, times 20 1/m, at 4 places evenly spread from
         head to tail (8); between the places they are linear, and they follow with at most 100 1/m each second.

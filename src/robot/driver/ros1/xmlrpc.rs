@@ -135,7 +135,7 @@ pub fn call(uri: &str, method: &str, parameters: &[Value]) -> io::Result<Value> 
     match value.as_array() {
         Some([Value::Integer(1), _, result]) => Ok(result.clone()),
         Some([_, Value::Text(message), ..]) => Err(broken(message.as_str())),
-        _ => Err(broken("the answer is not an answer of ROS")),
+        _ => Err(broken("the answer is not a ROS response")),
     }
 }
 
@@ -143,7 +143,7 @@ pub fn call(uri: &str, method: &str, parameters: &[Value]) -> io::Result<Value> 
 pub struct Call {
     /// The method.
     pub method: String,
-    /// Its parameters.
+    /// Parameters of the call.
     pub parameters: Vec<Value>,
 }
 

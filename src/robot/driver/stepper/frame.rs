@@ -41,11 +41,11 @@ pub fn encode(sequence: u8, kind: u8, data: &[u8]) -> Vec<u8> {
 /// A received frame.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Frame {
-    /// Its sequence number.
+    /// Sequence number of the frame.
     pub sequence: u8,
-    /// Its kind.
+    /// Kind of the frame.
     pub kind: u8,
-    /// Its data.
+    /// Data of the frame.
     pub data: Vec<u8>,
 }
 

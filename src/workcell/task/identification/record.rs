@@ -31,7 +31,7 @@ pub struct IdentificationRecord {
 
 impl TaskRecord for IdentificationRecord {
     fn report(&self, head: &TaskHead, directory: &Path) -> Report {
-        let mut report = Report::new(&format!("{}, held before the camera", self.rod));
+        let mut report = Report::new(&format!("{}, held in front of the camera", self.rod));
         report.row("cell", self.cell.as_str());
         report.row("arm", self.arm.as_str());
         report.head(head);

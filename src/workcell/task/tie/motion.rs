@@ -73,8 +73,8 @@ fn in_room(request: &TieMotionRequest<'_>, frame: &Pose, knot: &KnotPlan) -> Res
     let outside = points.find(|point| !is_in_room(request.cell, frame, *point));
     outside.map_or(Ok(()), |point| {
         Err(PlanError::Input(format!(
-            "at {:.3},{:.3} the pattern leaves the table, or the picture of the camera, which must \
-             show its knot: --place moves it, --size makes it smaller",
+            "at {:.3},{:.3} the pattern is off the table or outside the picture of the camera; move it by --place, or \
+             make it smaller by --size",
             point.x, point.y
         )))
     })

@@ -49,8 +49,8 @@ impl StokesletDrag {
         }
         if self.wall.is_some() {
             return Err(FluidError::BadInput(
-                "the flow has a wall or spheres, not both, since the images of spheres are missing: set planes.wall = false, which lets \
-                 the fluid pass through the plane, or give the bodies another shape than a sphere, which leaves them out of the flow"
+                "the flow supports a wall or spheres, but not both; set planes.wall = false (the fluid then passes \
+                 through the plane), or give the bodies another shape (they are then not part of the flow)"
                     .into(),
             ));
         }

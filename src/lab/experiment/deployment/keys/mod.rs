@@ -150,7 +150,8 @@ fn resolve_correction(
         section.fault(
             "return_length",
             format!(
-                "{return_length:?} m is too short: the rod would swing about its pattern; allowed: at least {SHORTEST_RETURN} times `every` and the gravito-bending length, {shortest:.4} m"
+                "{return_length:?} m is too short, so that the rod would swing about its pattern; allowed: at least {shortest:.4} m, \
+                 which is {SHORTEST_RETURN} times the larger of `every` and the gravito-bending length"
             ),
         );
         return None;

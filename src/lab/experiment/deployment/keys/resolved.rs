@@ -92,7 +92,7 @@ pub struct Knot {
 pub struct Peg {
     /// Place of its axis, m.
     pub position: [f64; 2],
-    /// Its radius, m.
+    /// Radius of the peg, m.
     pub radius: f64,
     /// Height of its top, m.
     pub height: f64,
@@ -133,7 +133,7 @@ pub enum Pattern {
     },
     /// A straight line along x.
     Line {
-        /// Its length.
+        /// Length of the line.
         length: f64,
     },
     /// A circle.
@@ -143,9 +143,9 @@ pub enum Pattern {
     },
     /// A sine.
     Sine {
-        /// Its amplitude.
+        /// Amplitude of the sine.
         amplitude: f64,
-        /// Its wavelength.
+        /// Wavelength of the sine.
         wavelength: f64,
         /// The number of waves.
         waves: f64,
@@ -212,7 +212,7 @@ impl Pattern {
 }
 
 impl Rod {
-    /// Its data for planning.
+    /// Data of the rod for planning.
     pub fn deployed(&self) -> DeployedRod {
         DeployedRod {
             gravito_bending_length: self.gravito_bending_length,

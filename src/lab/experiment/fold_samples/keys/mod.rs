@@ -25,10 +25,10 @@ const SPACINGS: [f64; 2] = [0.005, 0.5];
 const LENGTHS: [f64; 2] = [0.5, 6.84];
 const PENALTY: f64 = 0.958;
 
-/// Everything that this experiment reads.
+/// Keys that this experiment reads.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SampleTables {
-    /// The places.
+    /// Places of the gripper.
     pub fold_samples: FoldSamples,
 }
 

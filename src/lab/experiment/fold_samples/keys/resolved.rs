@@ -6,7 +6,7 @@ use serde::Serialize;
 /// Folds at many positions of the gripper.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FoldSamples {
-    /// The places.
+    /// Places of the gripper.
     pub points: Points,
     /// Suspended lengths, L_gb.
     pub suspended_length: Span,

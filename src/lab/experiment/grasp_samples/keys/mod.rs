@@ -21,7 +21,7 @@ pub static TABLES: [OwnTable; 1] = [OwnTable::new::<typed::GraspSamples>(
 /// Most points.
 const MOST_SAMPLES: usize = 10_000_000;
 
-/// Everything that this experiment reads.
+/// Keys that this experiment reads.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SampleTables {
     /// The points.

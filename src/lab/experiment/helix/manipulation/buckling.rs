@@ -79,7 +79,7 @@ impl Buckling {
         }
     }
 
-    /// Its kind as a word.
+    /// Kind of the buckling as a word.
     pub fn kind(&self) -> &'static str {
         match (self.deviates, self.snaps) {
             (None, _) => "none",

@@ -25,7 +25,7 @@ const STEP: f64 = 5e-3;
 /// A straight, round, uniform rod of an isotropic material, clamped at both ends, with markers along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClampedRod {
-    /// Its name for readers.
+    /// Name of the rod for readers.
     pub title: String,
     /// Length between the clamps, m.
     pub length: f64,

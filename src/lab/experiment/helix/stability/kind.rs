@@ -11,7 +11,7 @@ use crate::experiment::kind::Page;
 use crate::scenario::Experiment;
 use std::sync::Arc;
 
-/// Its name in scenario files.
+/// Name of the experiment in scenario files.
 const NAME: &str = "helix-stability";
 
 /// Stability limits of clamped helical rods.

@@ -11,11 +11,11 @@ use std::path::Path;
 pub enum Part {
     /// The surface.
     Surface,
-    /// Its section ω = 0.
+    /// Section ω = 0 of the boundary.
     KappaTau,
-    /// Its section τ = 0.
+    /// Section τ = 0 of the boundary.
     KappaOmega,
-    /// Its section κ = 0: straight rods.
+    /// Section κ = 0 of the boundary: straight rods.
     TauOmega,
 }
 
@@ -23,11 +23,11 @@ pub enum Part {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// It loses stability.
+    /// The rod loses stability.
     Buckles,
-    /// It touches itself before it loses stability.
+    /// The rod touches itself before it loses stability.
     TouchesItself,
-    /// It is stable up to the largest distance.
+    /// The rod is stable up to the largest distance.
     Stable,
     /// No equilibrium was found next to the helix.
     NoConvergence,

@@ -205,7 +205,7 @@ mod tests {
         insta::assert_snapshot!(fault(&format!("kind = \"reef\"\nunknotting_number = 1\n{size}")), @"knot.toml:4:21: `knot.unknotting_number`: it distinguishes only overhand knots; leave the key out");
         insta::assert_snapshot!(fault(&format!("kind = \"overhand\"\nunknotting_number = 7\n{size}")), @"knot.toml:4:21: `knot.unknotting_number`: 7 is out of range; allowed: 1 to 6");
         insta::assert_snapshot!(fault(&format!("kind = \"overhand\"\n{size}")), @"knot.toml:2:1: `knot`: missing key `unknotting_number` (a whole number, 1 to 6)");
-        insta::assert_snapshot!(fault(&format!("kind = \"bowline\"\n{size}")), @r#"knot.toml:3:8: `knot.kind`: "bowline" is not known here; allowed: overhand, figure-eight, reef, granny, surgeon, fisherman"#);
+        insta::assert_snapshot!(fault(&format!("kind = \"bowline\"\n{size}")), @r#"knot.toml:3:8: `knot.kind`: "bowline" is not a valid value; allowed: overhand, figure-eight, reef, granny, surgeon, fisherman"#);
         insta::assert_snapshot!(fault(&format!("{ANGLE}kind = \"reef\"")), @r#"knot.toml:4:8: `knot.kind`: a curve is one rod, and this knot has two; allowed with a curve: "overhand", "figure-eight""#);
         insta::assert_snapshot!(fault(&format!("{ANGLE}end_to_end = 0.3")), @"knot.toml:4:14: `knot.end_to_end`: the ends of the curve are 0.5 m apart; leave the key out");
         insta::assert_snapshot!(fault(&format!("{ANGLE}pull_speed = 0.2\nsettling_time = 1")), @"knot.toml:15:7: `time.end`: the ends would be pulled 1.3000 m apart, beyond the length of the rod; allowed: less than 1.5000 s");

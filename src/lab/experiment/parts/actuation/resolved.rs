@@ -10,7 +10,7 @@ pub struct Actuation {
     pub kind: ActuationKind,
     /// Name of the rod.
     pub rod: String,
-    /// Its size.
+    /// Size of the strain.
     #[serde(flatten)]
     pub course: Course,
     /// Start of the strained part along the rod, m.

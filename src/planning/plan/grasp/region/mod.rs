@@ -48,7 +48,7 @@ pub struct PlanarGrasp {
 pub struct FreeGrasp {
     /// The grasp.
     pub grasp: PlanarGrasp,
-    /// Its response to a push.
+    /// Response of the grasp to a push.
     pub answer: SidewaysAnswer,
 }
 

@@ -117,9 +117,9 @@ fn view_box(root: Node, notes: &mut Vec<String>) -> Result<Option<[f64; 4]>, Fau
 pub enum Side {
     /// The width of the viewport.
     Across,
-    /// Its height.
+    /// Height of the viewport.
     Up,
-    /// Its diagonal over √2.
+    /// Diagonal of the viewport over √2.
     Both,
 }
 

@@ -36,7 +36,7 @@ const SINGLE: f64 = 1e-5;
 
 /// A visible shape.
 pub struct Seen {
-    /// Its index among all elements of [`shapes`].
+    /// Index of the shape among all elements of [`shapes`].
     pub shape: usize,
     /// Transformation of its coordinates to user units of the page.
     pub place: Affine,

@@ -21,7 +21,7 @@ const MOST_DIRECTIONS: usize = 10_000_000;
 /// Radius over length of the rod of the thesis (section 6.3.4).
 const RADIUS: f64 = 0.781e-3;
 
-/// Everything that this experiment reads.
+/// Keys that this experiment reads.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HelixTables {
     /// Rod and directions.
