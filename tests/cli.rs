@@ -663,7 +663,7 @@ fn presets_replace_missing_files() {
     assert_eq!(code, 0, "{stdout}");
     let (code, _, stderr) = outcome(&["run", "flagela_quick"]);
     assert_eq!(
-        (code, stderr.contains("did you mean `flagella_quick`")),
+        (code, stderr.contains("preset is `flagella_quick`")),
         (2, true),
         "{stderr}"
     );

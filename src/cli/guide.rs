@@ -79,6 +79,12 @@ mod tests {
         ])
     }
 
+    /// Whether the only fault of a command line is a file that only its reader has.
+    fn lacks_a_file(error: &clap::Error) -> bool {
+        error.kind() == ErrorKind::ValueValidation
+            && error.to_string().contains("there is no such file")
+    }
+
     #[test]
     fn command_lines_of_the_guide_parse() {
         let mut count = 0;
@@ -86,6 +92,7 @@ mod tests {
             if line.starts_with("rodlab ") {
                 let error = Arguments::try_parse_from(words(line)).err();
                 let error = error.filter(|error| error.kind() != ErrorKind::DisplayHelp);
+                let error = error.filter(|error| !lacks_a_file(error));
                 assert!(error.is_none(), "{line}: {}", error.unwrap());
                 count += 1;
             }
@@ -106,7 +113,8 @@ mod tests {
                         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand,
                         ErrorKind::MissingSubcommand,
                     ];
-                    assert!(named.contains(&error.kind()), "{span}: {error}");
+                    let is_fine = named.contains(&error.kind()) || lacks_a_file(&error);
+                    assert!(is_fine, "{span}: {error}");
                 }
             }
         }

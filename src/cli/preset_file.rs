@@ -108,7 +108,7 @@ fn advice(kind: PresetKind, path: &Path) -> Option<String> {
     let found = match (other, nearest_preset(kind, &stem)) {
         (Some(other), _) => format!("there is no such file, and `{stem}` is a {other} preset"),
         (None, Some(name)) => {
-            format!("there is no such file; did you mean the {kind} preset `{name}`?")
+            format!("there is no such file; the most similar {kind} preset is `{name}`")
         }
         (None, None) => format!("there is no such file, and no {kind} preset of this name"),
     };

@@ -126,12 +126,12 @@ mod tests {
 
     #[test]
     fn an_unknown_name_is_rejected_with_the_similar_one_or_the_list() {
-        let error = |name, kind| found(name, kind).unwrap_err().to_string();
+        let error = |name, kind| found(name, kind).unwrap_err().in_words(false);
         let misspelt = error("flagela_quick", None);
         assert!(misspelt.contains("`flagella_quick`"), "{misspelt}");
         let of_kind = error("pendulum", Some(PresetKind::Scenario));
         assert!(of_kind.contains("no scenario preset is called `pendulum`"));
         assert!(of_kind.contains("`rodlab presets scenario` lists them"));
-        assert!(error("nope", None).ends_with("`rodlab presets` lists them"));
+        assert!(error("nope", None).ends_with("`rodlab presets` lists them\n"));
     }
 }

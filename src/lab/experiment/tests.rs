@@ -58,8 +58,16 @@ fn keys_of_each_kind_are_in_the_schema_and_explained() {
         for table in kind.tables() {
             let words = explain(table.key()).unwrap();
             assert!(words.lines().count() > 2, "{words}");
-            let keys = words.lines().find_map(|line| line.strip_prefix("  keys: "));
-            for key in keys.unwrap().split(", ") {
+            let (_, keys) = words.split_once("  keys: ").unwrap();
+            // Further lines of the list begin with four spaces.
+            let lines = keys
+                .lines()
+                .take_while(|line| !line.starts_with("  ") || line.starts_with("    "));
+            let keys: String = lines
+                .map(str::trim_start)
+                .map(|line| format!("{line} "))
+                .collect();
+            for key in keys.trim_end().split(", ") {
                 let words = explain(&format!("{}.{key}", table.key())).unwrap();
                 assert!(words.lines().count() > 1, "{words}");
             }

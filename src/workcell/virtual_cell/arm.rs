@@ -365,7 +365,7 @@ mod tests {
         type Change = fn(&mut PartTrajectory);
         let cases: [(f64, Change, i64, &str); 4] = [
             (2.0, |given| given.joints[0] = "head".into(), -2, "joints"),
-            (2.0, |given| given.times[7] = given.times[6], -1, "growing"),
+            (2.0, |given| given.times[7] = given.times[6], -1, "increase"),
             (0.01, |_| {}, -1, "speed"),
             (2.0, |given| given.points[100][0] = f64::NAN, -1, "position"),
         ];

@@ -112,6 +112,8 @@ mod rolling_tests;
 #[cfg(test)]
 mod section_contact_tests;
 #[cfg(test)]
+mod section_tests;
+#[cfg(test)]
 mod slide_tests;
 #[cfg(test)]
 mod smooth_contact_tests;

@@ -18,6 +18,8 @@ const THIN: f64 = 3e-3;
 const STEP: f64 = 0.1;
 const TOLERANCE: f64 = 5e-5;
 const EDGES: usize = 10;
+/// Largest gap, m, of rods that touch; with the radius of the other part it is off by 5 mm.
+const TOUCHING: f64 = 2.0 * TOLERANCE;
 
 /// A soft rod along x, 20 cm long and thinner beyond its middle.
 fn stepped(height: f64) -> RodDescription {
@@ -84,10 +86,10 @@ fn rods_touch_each_part_of_a_stepped_rod_at_its_radius() {
     for model in MODELS {
         for (place, radius) in [(0.053, THICK), (0.151, THIN)] {
             let scene = pressed_on(place, radius, contact(model, TOLERANCE));
-            let simulation = run_with(&scene, &fixed(2e-3), 0.4);
+            let simulation = run_with(&scene, &fixed(2e-3), 1.0);
             let gap = simulation.minimum_distance() - radius - THIN;
             println!("{model:?} at {place}: gap {gap:.2e} m");
-            assert!(gap.abs() < TOLERANCE, "{model:?}, {place}: {gap:e}");
+            assert!(gap.abs() < TOUCHING, "{model:?}, {place}: {gap:e}");
             assert!(simulation.mean_gap().is_some(), "it touches");
         }
     }
@@ -102,9 +104,12 @@ fn smooth_contact_has_the_local_radius() {
                 ..contact(model, TOLERANCE)
             };
             let scene = pressed_on(place, radius, smooth);
-            let simulation = run_with(&scene, &fixed(2e-3), 0.4);
-            let gap = simulation.minimum_distance() - radius - THIN;
-            assert!(gap.abs() < TOLERANCE, "{model:?}, {place}: {gap:e}");
+            let simulation = run_with(&scene, &fixed(2e-3), 1.0);
+            // The stiff bar is nearly straight between its nodes on both sides of the held rod.
+            let [before, after] = [4, 5].map(|node| simulation.positions()[EDGES + 1 + node]);
+            let share = before.y / (before.y - after.y);
+            let gap = before.z + share * (after.z - before.z) - radius - THIN;
+            assert!(gap.abs() < TOUCHING, "{model:?}, {place}: {gap:e}");
         }
     }
 }

@@ -264,7 +264,3 @@ impl RodDescription {
             .unwrap_or(self.stiffness.stretching)
     }
 }
-
-#[cfg(test)]
-#[path = "section_tests.rs"]
-mod tests;

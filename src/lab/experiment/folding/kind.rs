@@ -318,6 +318,6 @@ mod tests {
             prepare(&scenario).unwrap_err().0[0].message.clone()
         };
         assert!(refused("crease = \"1 cm\"").contains("targets from"));
-        assert!(refused("crease = \"12 cm\"\nalgorithm = \"held\"").contains("so tight a fold"));
+        assert!(refused("crease = \"12 cm\"\nalgorithm = \"held\"").contains("a fold this tight"));
     }
 }

@@ -61,7 +61,7 @@ fn faults_of_probes_name_their_keys_and_what_is_allowed() {
         name = "a"; kind = "distance"; to_rod = "beam" => probes.0.to_rod`: a rod has no distance from itself
         name = "a"; kind = "arc_length"; summary = "first" => probes.0.summary`
         name = "min_distance"; kind = "arc_length" => probes.0.name`: series.csv has a column `min_distance_m` already
-        name = "a"; kind = "arc_length"; [[probes]]; name = "a"; kind = "writhe" => probes.1.name`: another probe is called `a`
+        name = "a"; kind = "arc_length"; [[probes]]; name = "a"; kind = "writhe" => probes.1.name`: another probe has the name `a`
         name = "a"; kind = "arc_length"; [[probes]]; name = "a_m"; kind = "writhe" => probes.1.name`: series.csv has a column `a_m` already
         name = "a"; kind = "arc_length"; [stop_when]; probe = "b"; above = 1 => stop_when.probe`: no probe has a column `b`
         name = "a"; kind = "arc_length"; [stop_when]; probe = "a" => stop_when`: missing key `above`

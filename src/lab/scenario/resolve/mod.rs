@@ -3,6 +3,7 @@
 mod clamp;
 mod columns;
 mod continuation;
+mod cross_section;
 mod experiment;
 mod model;
 mod movement;

@@ -251,7 +251,13 @@ fn begin(section: &Section<'_>, typed: &typed::Time, file: &ScenarioFile) -> Beg
     if chosen == typed::Begin::Placed {
         return Begin::Placed;
     }
-    let moves = |rod: &typed::Rod| rod.velocity.is_some() || rod.angular_velocity.is_some();
+    // The resolved scenario of a run has all keys, zero velocities too.
+    let moves = |rod: &typed::Rod| {
+        let velocity = rod.velocity.iter().flatten();
+        let mut turning = rod.angular_velocity.iter().flatten();
+        velocity.map(|part| part.si()).any(|part| part != Ok(0.0))
+            || turning.any(|part| part.si() != Ok(0.0))
+    };
     let contact = file.contact.as_ref().and_then(|contact| contact.model);
     let refusals = [
         (

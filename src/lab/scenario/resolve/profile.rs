@@ -3,7 +3,7 @@
 
 use super::Context;
 use super::columns::read_columns;
-use super::sections::check_wall;
+use super::cross_section::check_wall;
 use crate::scenario::quantity::Quantity;
 use crate::scenario::resolved::{CrossSection, Rod, RodSection};
 use crate::scenario::section::{NON_NEGATIVE, POSITIVE, Section};

@@ -1,11 +1,12 @@
 //! Resolving rods.
 
-use super::sections::{check_wall, sections};
+use super::cross_section::{check_wall, cross_section_of};
+use super::sections::sections;
 use super::{Context, model, shape};
 use crate::scenario::resolved::{
     CrossSection, Inertia, Material, NaturalShape, Rod, Shape, Stiffness,
 };
-use crate::scenario::section::{POSITIVE, Section};
+use crate::scenario::section::Section;
 use crate::scenario::typed::{self, ScenarioFile};
 
 /// Maximum number of edges: larger numbers are taken for typing errors.
@@ -326,23 +327,6 @@ pub fn material(section: &Section<'_>, typed: &typed::Material) -> Material {
         viscosity: viscosity(section, typed, youngs_modulus).unwrap_or(0.0),
         relaxing_modulus,
         relaxation_time,
-    }
-}
-
-/// Resolves the shape of a cross-section.
-pub fn cross_section_of(
-    section: &Section<'_>,
-    typed: Option<&typed::CrossSection>,
-) -> CrossSection {
-    match typed {
-        None | Some(typed::CrossSection::Circle {}) => CrossSection::Circle,
-        Some(typed::CrossSection::Tube { wall }) => CrossSection::Tube {
-            wall: section.required("wall", wall, POSITIVE),
-        },
-        Some(typed::CrossSection::Rectangle { width, thickness }) => CrossSection::Rectangle {
-            width: section.required("width", width, POSITIVE),
-            thickness: section.required("thickness", thickness, POSITIVE),
-        },
     }
 }
 

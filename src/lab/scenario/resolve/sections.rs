@@ -1,6 +1,6 @@
 //! Resolving sections of rods.
 
-use super::rod::cross_section_of;
+use super::cross_section::{check_wall, cross_section_of};
 use super::{Context, profile};
 use crate::scenario::resolved::{CrossSection, NaturalShape, Rod, RodSection, Shape};
 use crate::scenario::section::Section;
@@ -131,18 +131,6 @@ fn resolved(
         density: typed.density(section).unwrap_or(rod.material.density),
         natural_curvature: typed.natural_curvature(section),
         natural_twist: typed.natural_twist(section),
-    }
-}
-
-/// Checks that the wall of a tube is not thicker than its radius, m.
-pub fn check_wall(section: &Section<'_>, cross_section: &CrossSection, radius: f64) {
-    if let CrossSection::Tube { wall } = cross_section
-        && *wall > radius
-    {
-        let allowed = format_args!("at most the radius, {radius:?} m");
-        section
-            .below("cross_section")
-            .out_of_range("wall", format_args!("{wall:?} m"), allowed);
     }
 }
 

@@ -28,9 +28,9 @@ pub use movement::{Movement, Pose};
 pub use network::{HeldEnds, NetworkJoint};
 pub use obstacle::{Obstacle, ObstacleShape};
 pub use parts::Parts;
-pub use rod::{CrossSection, Handedness, Inertia, Material, NaturalShape, Rod, Shape, Strains};
+pub use rod::{Handedness, Inertia, Material, NaturalShape, Rod, Shape, Strains};
 pub use run::{Begin, Scheme, Step, Time};
-pub use section::RodSection;
+pub use section::{CrossSection, RodSection};
 pub use start::Start;
 
 use serde::Serialize;

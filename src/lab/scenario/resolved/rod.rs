@@ -1,6 +1,6 @@
 //! Resolved rods: material, cross-section, shape.
 
-use super::section::RodSection;
+use super::section::{CrossSection, RodSection};
 use crate::scenario::tables::Stiffness;
 use schemars::JsonSchema;
 use serde::ser::SerializeMap;
@@ -96,27 +96,6 @@ impl Material {
     pub fn retardation_time(&self) -> f64 {
         self.viscosity / self.youngs_modulus
     }
-}
-
-/// Shape of a cross-section.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum CrossSection {
-    /// A full circle with the rod's radius.
-    Circle,
-    /// A hollow circle with the rod's radius.
-    Tube {
-        /// Thickness of its wall, m.
-        wall: f64,
-    },
-    /// A full rectangle; `width` is measured along the first material director, `thickness` along
-    /// the second.
-    Rectangle {
-        /// Extent along the first director, m.
-        width: f64,
-        /// Extent along the second director, m.
-        thickness: f64,
-    },
 }
 
 /// Sense of a helix.

@@ -1,7 +1,27 @@
 //! Resolved sections of rods.
 
-use super::rod::CrossSection;
 use serde::Serialize;
+
+/// Shape of a cross-section.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum CrossSection {
+    /// A full circle with the rod's radius.
+    Circle,
+    /// A hollow circle with the rod's radius.
+    Tube {
+        /// Thickness of its wall, m.
+        wall: f64,
+    },
+    /// A full rectangle; `width` is measured along the first material director, `thickness` along
+    /// the second.
+    Rectangle {
+        /// Extent along the first director, m.
+        width: f64,
+        /// Extent along the second director, m.
+        thickness: f64,
+    },
+}
 
 /// A part of a rod with its own cross-section, material and natural curvature.
 #[derive(Clone, Debug, PartialEq, Serialize)]

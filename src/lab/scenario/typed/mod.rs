@@ -23,8 +23,8 @@ pub use model::{
 pub use movement::{Pose, TypedMovement};
 pub use network::{Boundary, Network, NetworkShape};
 pub use obstacle::{Capsule, Cuboid, Heights, Mesh, Obstacle, ObstacleShape};
-pub use rod::{CrossSection, InertiaChoice, Material, Rod};
-pub use section::{Profile, RodSection};
+pub use rod::{InertiaChoice, Material, Rod};
+pub use section::{CrossSection, Profile, RodSection};
 pub use shape::{
     Arc, Catenary, Coil, Helix, NaturalShape, Points, Ring, Shape, Slack, Straight, Strains,
 };

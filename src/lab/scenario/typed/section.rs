@@ -1,11 +1,11 @@
 //! Sections of rods as typed.
 
-use super::rod::CrossSection;
+use super::kinds::allow_text;
 use crate::scenario::declaration::keys;
 use crate::scenario::quantity::Quantity;
 use crate::scenario::section::{FINITE, NON_NEGATIVE, POISSONS_RATIO, POSITIVE};
 use crate::scenario::units::{Curvature, Density, Dimensionless, Length, Pressure, Twist};
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 
 keys! {
@@ -60,4 +60,37 @@ pub struct Profile {
     pub arc_length: Option<Vec<Quantity<Length>>>,
     /// Radii, greater than 0.
     pub radius: Option<Vec<Quantity<Length>>>,
+}
+
+/// Shape of a cross-section.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(
+    tag = "kind",
+    deny_unknown_fields,
+    rename = "cross_section",
+    transform = plain_cross_sections
+)]
+pub enum CrossSection {
+    /// A full circle of the rod's radius: A = πr², I = πr⁴/4, J = πr⁴/2.
+    Circle {},
+    /// A hollow circle of the rod's radius r with a wall: the inner radius is q = r − wall, A =
+    /// π(r² − q²), I = π(r⁴ − q⁴)/4, J = π(r⁴ − q⁴)/2.
+    Tube {
+        /// Thickness of the wall, at most the radius.
+        wall: Option<Quantity<Length>>,
+    },
+    /// A full rectangle: I₁ = width · thickness³/12 for bending about the first material director m₁ (an axis along the
+    /// width), I₂ = thickness · width³/12 for bending about the second one, m₂.
+    Rectangle {
+        /// Side along the first material director.
+        width: Option<Quantity<Length>>,
+        /// Side along the second material director.
+        thickness: Option<Quantity<Length>>,
+    },
+}
+
+/// Adds the cross-sections that need no further keys, as text.
+fn plain_cross_sections(schema: &mut Schema) {
+    allow_text(schema, &["circle"]);
 }

@@ -1,7 +1,10 @@
-use super::*;
+//! Stretch, twist, bending and mass of rods whose section varies.
+
+use super::{IntegrationParameters, Simulation};
 use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{IntegrationParameters, Simulation};
-use crate::mechanics::scene::{Inertia, RodDescription, Scene};
+use crate::mechanics::scene::{
+    EdgeSection, Inertia, RodDescription, Scene, Section, Stiffness, edge_sections,
+};
 use crate::mechanics::test_support::{assert_close, assert_close_in, clamp, line, simulation_of};
 
 const YOUNG: f64 = 1e9;
