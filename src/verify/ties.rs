@@ -33,7 +33,7 @@ fn bungee() -> Result<Vec<Check>, GroupError> {
     let period =
         2.0 * speed / GRAVITY + 2.0 / frequency * (PI - libm::atan(speed * frequency / GRAVITY));
     let sag = GRAVITY / (frequency * frequency);
-    let deepest = sag + sag.hypot(speed / frequency);
+    let deepest = sag + libm::hypot(sag, speed / frequency);
     let (mut lowest, mut tops) = (0.0_f64, Vec::new());
     let mut before = (0.0, 0.0);
     while simulation.time() < 0.6 {
