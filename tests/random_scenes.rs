@@ -108,7 +108,7 @@ impl Case {
         let edges = random.one_of(&[8, 16, 24]);
         // Drawn apart, so that other scenes are as they were.
         let mut of_sections = Random(!seed);
-        let has_sections = seed % SECTIONED == 0 && !FOUND_BROKEN.contains(&seed);
+        let has_sections = seed.is_multiple_of(SECTIONED) && !FOUND_BROKEN.contains(&seed);
         let mut rod = |name: &str, shape: String, more: String| {
             let _ = write!(
                 text,

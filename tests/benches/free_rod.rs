@@ -47,6 +47,7 @@ fn scene() -> Scene {
             end_tangents: [None, None],
             first_director: None,
             twist: 0.0,
+            sections: Vec::new(),
             natural_shape: NaturalShape::Straight,
             pretension: 0.0,
             stiffness: Stiffness {
