@@ -301,7 +301,13 @@ mod tests {
         let mechanics::NaturalShape::Strains(natural) = rod.natural_shape else {
             panic!("{:?}", rod.natural_shape);
         };
-        let length = |node: usize| if node % 4 == 0 { 0.0625 } else { 0.125 };
+        let length = |node: usize| {
+            if node.is_multiple_of(4) {
+                0.0625
+            } else {
+                0.125
+            }
+        };
         let total: f64 = (0..5).map(|node| natural.twist[node] * length(node)).sum();
         assert!((total - (0.3 + 0.6)).abs() < 1e-12, "{total}");
         // Node 2 has 0.1875 to 0.3125.
