@@ -92,12 +92,13 @@ const EXPERIMENT: Table = &[
 const MECHANICS: Table = &[
     ("rod", &[]),
     ("contact", &["rigid_body", "rotation"]),
-    ("fluid", &[]),
+    ("fluid", &["piecewise"]),
     ("error", &["rod", "fluid"]),
     ("kirchhoff", &[]),
     ("rigid_body", &[]),
     ("rotation", &[]),
-    ("scene", &["contact", "fluid", "rigid_body", "rotation"]),
+    ("piecewise", &["rotation"]),
+    ("scene", &["contact", "fluid", "piecewise", "rigid_body"]),
     ("system", &["rod", "contact", "error", "scene", "rotation"]),
     ("statics", &["rod", "system"]),
     (

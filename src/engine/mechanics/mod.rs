@@ -8,6 +8,7 @@ pub mod dynamics;
 mod error;
 pub mod fluid;
 pub mod kirchhoff;
+mod piecewise;
 pub mod rigid_body;
 pub mod rod;
 pub mod rotation;

@@ -11,6 +11,7 @@
 //! position x·g along a direction g, and constant beyond its ends. The flow turns the fluid at
 //! half its curl. A particle of the fluid accelerates by ∂U/∂t + (∇U) U.
 
+use crate::mechanics::piecewise::{piecewise_linear, piecewise_slope};
 use crate::mechanics::{Matrix3, Vector3};
 
 /// The flow of the fluid without rods.
@@ -78,7 +79,7 @@ impl FlowKind {
                 direction,
                 along,
                 speeds,
-            } => direction * value_of(speeds, x.dot(along)).unwrap_or(0.0),
+            } => direction * piecewise_linear(speeds, x.dot(along)).unwrap_or(0.0),
         }
     }
 
@@ -100,35 +101,9 @@ impl FlowKind {
                 direction,
                 along,
                 speeds,
-            } => direction * along.transpose() * slope(speeds, x.dot(along)),
+            } => direction * along.transpose() * piecewise_slope(speeds, x.dot(along)),
         }
     }
-}
-
-/// Value of a piecewise linear function, constant outside of its corners; `None` without corners.
-fn value_of(corners: &[(f64, f64)], at: f64) -> Option<f64> {
-    let (first, last) = (corners.first()?, corners.last()?);
-    let after = corners.partition_point(|corner| corner.0 <= at);
-    if after == 0 {
-        return Some(first.1);
-    }
-    if after == corners.len() {
-        return Some(last.1);
-    }
-    let ((x0, y0), (x1, y1)) = (corners[after - 1], corners[after]);
-    let fraction = (at - x0) / (x1 - x0);
-    Some(y0 * (1.0 - fraction) + y1 * fraction)
-}
-
-/// Slope of a piecewise linear function to the left of a place; 0 outside of its corners. An
-/// implicit step that ends at a corner has the slope of the step.
-fn slope(corners: &[(f64, f64)], at: f64) -> f64 {
-    let after = corners.partition_point(|corner| corner.0 < at);
-    if after == 0 || after == corners.len() {
-        return 0.0;
-    }
-    let ([x0, y0], [x1, y1]) = (corners[after - 1].into(), corners[after].into());
-    (y1 - y0) / (x1 - x0)
 }
 
 impl BackgroundFlow {
@@ -142,7 +117,7 @@ impl BackgroundFlow {
 
     /// s(t).
     fn factor(&self, time: f64) -> f64 {
-        value_of(&self.schedule, time).unwrap_or(1.0)
+        piecewise_linear(&self.schedule, time).unwrap_or(1.0)
     }
 
     /// Velocity at a place and time (s), m/s.
@@ -163,7 +138,7 @@ impl BackgroundFlow {
 
     /// Acceleration of the fluid, m/s², and its derivative with respect to the place, 1/s².
     pub fn acceleration(&self, x: &Vector3, time: f64) -> (Vector3, Matrix3) {
-        let (factor, rate) = (self.factor(time), slope(&self.schedule, time));
+        let (factor, rate) = (self.factor(time), piecewise_slope(&self.schedule, time));
         let (velocity, gradient) = (self.kind.velocity(x), self.kind.gradient(x));
         (
             velocity * rate + gradient * velocity * (factor * factor),
@@ -199,7 +174,7 @@ impl BackgroundFlow {
             } => {
                 let fastest = speeds.iter().map(|(_, speed)| speed.abs());
                 let fastest = fastest.fold(0.0, f64::max);
-                let speed = value_of(speeds, point.dot(along)).unwrap_or(0.0);
+                let speed = piecewise_linear(speeds, point.dot(along)).unwrap_or(0.0);
                 fastest == 0.0
                     || is_along(along)
                         && direction.dot(normal).abs() < ROUNDING
