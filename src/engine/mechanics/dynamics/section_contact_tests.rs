@@ -160,6 +160,30 @@ fn resistive_drag_has_the_local_radius() {
 }
 
 #[test]
+fn quadratic_drag_has_the_local_radius() {
+    // A node that moves across at 1 m/s bears ½ ρ 2h Cₙ per length of the half edge.
+    let (density, normal) = (1000.0, 1.2);
+    let mut rod = stepped(0.0);
+    rod.velocity = Vector3::z();
+    let scene = Scene {
+        rods: vec![rod],
+        fluid: Some(FluidModel::Quadratic {
+            density,
+            normal,
+            tangential: 0.0,
+            added_mass: 0.0,
+        }),
+        ..Scene::default()
+    };
+    let simulation = simulation_of(&scene);
+    let forces = simulation.fluid_forces();
+    for (node, radius) in [(0, THICK), (EDGES, THIN)] {
+        let expected = density * radius * normal * 0.1 / EDGES as f64;
+        assert_close_in(radius, -forces[node].z, expected, 1e-12);
+    }
+}
+
+#[test]
 fn what_needs_one_radius_refuses_others() {
     let stokeslets = Scene {
         rods: vec![stepped(0.0)],

@@ -253,14 +253,16 @@ impl Term for CrossFlow {
             return Ok(Self::default());
         };
         let edges = assembly.rods.edges.iter().filter_map(|edge| {
-            let rod = &scene.rods[assembly.locate(edge.start).0];
+            let (number, along) = assembly.locate(edge.start);
+            let rod = &scene.rods[number];
+            let radius = rod.section(along).radius;
             let half = 0.5 * edge.natural_length;
             (!rod.held).then_some(EdgeDrag {
                 start: edge.start,
                 end: edge.end,
-                normal: density * rod.radius * normal * half,
-                tangential: density * PI * rod.radius * tangential * half,
-                added_mass: added_mass * density * PI * rod.radius * rod.radius * half,
+                normal: density * radius * normal * half,
+                tangential: density * PI * radius * tangential * half,
+                added_mass: added_mass * density * PI * radius * radius * half,
             })
         });
         Ok(Self {
