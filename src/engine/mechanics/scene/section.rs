@@ -139,22 +139,23 @@ impl Sums {
     }
 }
 
+/// The pieces of an edge between its ends, its middle and the joints inside it, in order.
+pub fn pieces([start, end]: [f64; 2], joints: &[f64]) -> Vec<[f64; 2]> {
+    let joints = joints.iter().copied();
+    let inside = joints.filter(|joint| start < *joint && *joint < end);
+    let mut places: Vec<f64> = inside.chain([start, 0.5 * (start + end), end]).collect();
+    places.sort_by(f64::total_cmp);
+    places.windows(2).map(|ends| [ends[0], ends[1]]).collect()
+}
+
 fn edge_section(
     [start, end]: [f64; 2],
     joints: &[f64],
     at: &dyn Fn(f64) -> Section,
 ) -> EdgeSection {
-    let (length, middle) = (end - start, 0.5 * (start + end));
-    let inside = joints
-        .iter()
-        .filter(|joint| start < **joint && **joint < end);
-    let mut places: Vec<f64> = inside.copied().collect();
-    places.push(middle);
-    places.sort_by(f64::total_cmp);
-    places.push(end);
+    let length = end - start;
     let mut sums = Sums::default();
-    let mut from = start;
-    for to in places {
+    for [from, to] in pieces([start, end], joints) {
         let (centre, half) = (0.5 * (from + to), 0.5 * (to - from));
         for (point, weight) in GAUSS {
             for place in [centre - half * point, centre + half * point] {
@@ -162,7 +163,6 @@ fn edge_section(
                 sums.add(&at(place), along, weight * half / length);
             }
         }
-        from = to;
     }
     EdgeSection {
         stretching: 1.0 / sums.stretching,

@@ -4,7 +4,7 @@ use super::curve::sample;
 use crate::scenario::{Issue, KeyPath, Material, NaturalShape, Rod, RodSection, Shape};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::scene::{
-    EdgeSection, NaturalStrains, Section, Stiffness, edge_sections,
+    EdgeSection, NaturalStrains, Section, Stiffness, edge_sections, pieces,
 };
 
 /// Edges with which the length of a curve is measured: its relative error is below 1e-6.
@@ -40,9 +40,7 @@ pub(super) fn lay_out(rod: &Rod, nodes: &[Vector3], path: &KeyPath) -> Result<La
     joints.dedup();
     let base = rod.cross_section.stiffness(rod.radius, &rod.material);
     let at = |place: f64| {
-        let own = sections
-            .iter()
-            .find(|one| one.span[0] <= place && place < one.span[1]);
+        let own = section_at(&sections, place);
         section(rod, &base, own.map(|one| (one.section, one.part(place))))
     };
     let bent = rod.sections.iter().any(RodSection::is_naturally_bent);
@@ -64,6 +62,12 @@ impl Placed<'_> {
     fn part(&self, place: f64) -> f64 {
         (place - self.span[0]) / (self.span[1] - self.span[0])
     }
+}
+
+/// The section at an arc length, m; `None` between sections.
+fn section_at<'a>(sections: &'a [Placed<'a>], place: f64) -> Option<&'a Placed<'a>> {
+    let is_at = |one: &&Placed<'_>| one.span[0] <= place && place < one.span[1];
+    sections.iter().find(is_at)
 }
 
 fn lengths(nodes: &[Vector3], closed: bool) -> Vec<f64> {
@@ -160,9 +164,7 @@ fn natural_strains(
         _ => ([0.0; 2], 0.0),
     };
     let at = |place: f64| {
-        let own = sections
-            .iter()
-            .find(|one| one.span[0] <= place && place < one.span[1]);
+        let own = section_at(sections, place);
         let own = own.map(|one| (one.section.natural_curvature, one.section.natural_twist));
         let (own_curvature, own_twist) = own.unwrap_or_default();
         (
@@ -175,15 +177,7 @@ fn natural_strains(
         (vec![[0.0; 2]; nodes], vec![0.0; nodes], vec![0.0; nodes]);
     for (edge, ends) in places.windows(2).enumerate() {
         let (start, end) = (ends[0], ends[1]);
-        let middle = 0.5 * (start + end);
-        let inside = joints
-            .iter()
-            .filter(|joint| start < **joint && **joint < end);
-        let mut breaks: Vec<f64> = inside.copied().chain([middle]).collect();
-        breaks.sort_by(f64::total_cmp);
-        breaks.push(end);
-        let mut from = start;
-        for to in breaks {
+        for [from, to] in pieces([start, end], joints) {
             let centre = 0.5 * (from + to);
             let (curvature, twist) = at(centre);
             let along = (centre - start) / (end - start);
@@ -193,7 +187,6 @@ fn natural_strains(
                 }
             }
             twists[edge + usize::from(along > 0.5)] += twist * (to - from);
-            from = to;
         }
         halves[edge] += 0.5 * (end - start);
         halves[edge + 1] += 0.5 * (end - start);
