@@ -1,7 +1,7 @@
 //! Derivatives with respect to fields in motions with frictional contact, compared with
 //! differences of whole runs and with the forward mode.
 
-use super::tests::{Course, SCHEMES, check_at, course, results};
+use super::comparison::{Course, SCHEMES, check_at, course, results};
 use super::{LARGEST_TRACE, Recording};
 use crate::mechanics::contact::{ContactModel, FrictionAt, Geometry};
 use crate::mechanics::dynamics::sensitivity::{Sensitivity, Variation};

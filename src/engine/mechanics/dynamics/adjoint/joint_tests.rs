@@ -2,8 +2,8 @@
 //! differences of whole runs.
 
 use super::LARGEST_TRACE;
+use super::comparison::{Course, SCHEMES, check_at, check_shares, course};
 use super::contact_tests::against_forward;
-use super::tests::{Course, SCHEMES, check_at, check_shares, course};
 use crate::mechanics::dynamics::Scheme;
 use crate::mechanics::dynamics::sensitivity::joint_tests::{
     arms, breakable, breaking, sliding, sprung, tumbling,

@@ -311,6 +311,8 @@ fn refuse(
 }
 
 #[cfg(test)]
+mod comparison;
+#[cfg(test)]
 mod contact_tests;
 #[cfg(test)]
 mod joint_tests;
