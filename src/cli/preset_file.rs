@@ -110,7 +110,13 @@ fn advice(kind: PresetKind, path: &Path) -> Option<String> {
         (None, Some(name)) => {
             format!("there is no such file; the most similar {kind} preset is `{name}`")
         }
-        (None, None) => format!("there is no such file, and no {kind} preset of this name"),
+        (None, None) => {
+            let files = match kind {
+                PresetKind::Pattern => ".svg or .csv",
+                _ => ".toml",
+            };
+            format!("there is no such {files} file, and no {kind} preset of this name")
+        }
     };
     Some(format!("{found}; `rodlab presets {kind}` lists them"))
 }
