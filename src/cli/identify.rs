@@ -34,7 +34,6 @@ Examples:
   rodlab identify swing.toml --data swing.csv --fit parameters.ei,material.viscosity
   rodlab identify loop.toml --data a.csv --with twist.toml:b.csv --fit parameters.ei,parameters.gj
   rodlab identify --rod green_vps --simulated-rod mine.toml    by an arm, in a virtual cell
-  rodlab identify --rod green_vps --cell cell.toml --out held
   rodlab identify swing.toml --data swing.csv --markers markers.csv --fit parameters.ei \\
     --prior \"parameters.ei=2e-3+-5e-4\" --noise \"position=0.5 mm\" --loss huber",
     "\
