@@ -238,7 +238,7 @@ fn impossible_plans_are_rejected_and_leave_no_files() {
             vec!["--pattern", "line:0.1", "--size", "1", "--rod", GREEN],
             "--size",
         ),
-        (vec!["--pattern", "B", "--rod", GREEN], ".svg file"),
+        (vec!["--pattern", "B", "--rod", GREEN], ".svg or .csv file"),
         (
             vec!["--pattern", "missing.svg", "--rod", GREEN],
             "missing.svg",
