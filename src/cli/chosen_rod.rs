@@ -29,8 +29,8 @@ pub fn rod_for(pattern: f64) -> Result<PathBuf, Failure> {
         rod.gravito_bending_length
     });
     let reason = match softest {
-        Some(_) => "the softest preset that is long enough",
-        None => "the longest preset",
+        Some(_) => "the softest preset that is long enough for a pattern of",
+        None => "the longest preset, for a pattern of",
     };
     let longest = || least(rods.iter(), |rod| -rod.length);
     Ok(chosen(softest.or_else(longest), reason, pattern))
@@ -46,8 +46,8 @@ pub fn rod_for_knot(pattern: f64) -> Result<PathBuf, Failure> {
     let shorter = rods.iter().filter(|rod| rod.length < pattern);
     let longest = least(shorter, |rod| -rod.length);
     let reason = match longest {
-        Some(_) => "the longest preset that is shorter",
-        None => "the shortest preset",
+        Some(_) => "the longest preset that is shorter than its pattern of",
+        None => "the shortest preset, for a pattern of",
     };
     let shortest = || least(rods.iter(), |rod| rod.length);
     Ok(chosen(longest.or_else(shortest), reason, pattern))
@@ -81,7 +81,7 @@ fn least<'a>(
 fn chosen(rod: Option<&PresetRod>, reason: &str, pattern: f64) -> PathBuf {
     let rod = rod.expect("there are preset rods");
     tracing::warn!(
-        "no --rod: using `{}` ({:.2} m long), {reason} for a pattern of {pattern:.2} m",
+        "no --rod: using `{}` ({:.2} m long), {reason} {pattern:.2} m",
         rod.name,
         rod.length
     );

@@ -62,7 +62,7 @@ pub struct ExploreArguments {
     /// Distance at which a search ends
     #[arg(long, value_name = "DISTANCE", default_value_t = 14.0, value_parser = number(is_distance, DISTANCE))]
     farthest: f64,
-    /// Mean distance of the markers from the helix, over the rod length, that counts as unstable
+    /// Distance of the markers from the helix, over the rod length, above which the rod is unstable
     #[arg(long, value_name = "PART", default_value_t = 0.015, value_parser = positive)]
     deviation: f64,
     /// Largest speed of the hand while it deforms the rod, m/s

@@ -42,7 +42,7 @@ pub struct FoldArguments {
     pub crease: Crease,
     /// Algorithm that plans the path of the gripper
     ///
-    /// `held` applies the smallest moment with which the friction holds the sheet.
+    /// `held` applies the smallest moment at which friction holds the sheet.
     #[arg(long, default_value = "held", value_parser = PossibleValuesParser::new(ALGORITHMS.map(|(name, _)| name)))]
     pub algorithm: String,
     /// Fold in N parts and replan each from the measured slide of the sheet; at most 20 in a cell

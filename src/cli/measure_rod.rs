@@ -27,8 +27,8 @@ right-handed about the direction in which the rod leaves the clamp, from 0 where
 curvature is in the plane of the photograph; they are assumed to be accurate to a degree. The answer
 is JSON: gravito-bending length L_gb, m, radius, m, and natural curvature, 1/m, positive to the left
 as seen from the held end. Standard errors follow from the scatter of the traced points and, for the
-length, from the ends, which are seen to half the radius. The bending stiffness is 2 L_gb³ times the
-weight per length."
+length, from the ends, whose uncertainty is half the radius. The bending stiffness is 2 L_gb³ times
+the weight per length."
 );
 
 /// Arguments of `rodlab measure rod`.

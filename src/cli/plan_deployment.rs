@@ -55,8 +55,9 @@ pub struct DeploymentPlan {
     source: PatternArguments,
     /// Rod file: TOML with [deployment.rod] [default: that of the cell, otherwise a preset]
     ///
-    /// [deployment.rod] has gravito_bending_length, radius and length. The default preset is the softest one that is long enough, for
-    /// a knot the longest one that is shorter than the pattern.
+    /// [deployment.rod] has gravito_bending_length, radius and length. The default preset is the
+    /// softest one that is long enough. For a knot it is the longest one that is shorter than the
+    /// pattern.
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     rod: Option<PathBuf>,
     #[arg(skip)]
@@ -98,7 +99,7 @@ pub struct DeploymentPlan {
     /// Friction of the table, to compare with the demand: a number, or a name in the rod file
     #[arg(long, value_name = "FRICTION")]
     friction: Option<String>,
-    /// Tie a knot: `over` or `under` for each crossing, in the order in which the pattern reaches it again
+    /// Tie a knot: `over` or `under` for each crossing, in the order of the second passes
     ///
     /// The part of the pattern beyond the length of the rod is the path of its end.
     #[arg(long, value_name = "PASS,...", value_delimiter = ',', value_parser = named(&PASSES))]

@@ -31,7 +31,7 @@ pub struct FoldPlanArguments {
     /// The folds of the plan are always exact.
     #[arg(long, default_value = "exact")]
     solver: SolverName,
-    /// The network of --solver neural: model.safetensors of `rodlab train`
+    /// Network of --solver neural: model.safetensors from `rodlab train`
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Static friction of the table, to compare with the demand [default: that of the sheet file]

@@ -135,7 +135,7 @@ struct HelixArguments {
     /// Method of solution
     #[arg(long, default_value = "theory")]
     method: HelixMethod,
-    /// Edges of the discrete rod; a rod with twice as many is solved for the error estimate
+    /// Edges of the discrete rod; a second solution with twice as many gives the error estimate
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = edges(HelixStability::FEWEST_EDGES..=MOST_EDGES))]
     edges: usize,
 }

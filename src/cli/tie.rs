@@ -23,11 +23,11 @@ Examples:
     "\
 Two arms tie a knot in one rod, or in two. The pattern crosses itself and is longer than the rod:
 one arm lays the rod along it and leads the end of the rod along the rest, under the strands that
-the other arm lifts meanwhile, and over others. --knot states how the rod passes each crossing the
-second time; where the rod crosses itself as it is laid, it passes over. With two rods each arm lays
-one, the second over the first, and then leads its end, first that of the second rod. --knot then
-lists the crossings of the second rod as it is laid, then those of its end, then those of the end of
-the first rod.
+the other arm lifts meanwhile, and over others. --knot states for each crossing whether the second
+pass is over or under; it is over where the rod crosses itself as it is laid. With two rods each arm
+lays one, the second over the first, and then leads its end, first that of the second rod. --knot
+then lists the crossings of the second rod as it is laid, then those of its end, then those of the
+end of the first rod.
 
 Then both grippers open and the camera of the cell file takes a picture. The knot in the picture,
 identified by its determinant and signature, is compared with that of the pattern: `score.tied` is
@@ -90,8 +90,8 @@ impl TaskCommand for TieArguments {
     fn check(&self) -> Result<(), Failure> {
         if !self.plan.ties_knot() {
             return Err(Failure::Input(
-                "--knot is required: over or under for each crossing, in the order in which the pattern reaches it again, as in \
-                 --knot over,under,over"
+                "--knot is required: over or under for each crossing, in the order of the second passes, \
+                 as in --knot over,under,over"
                     .into(),
             ));
         }

@@ -62,7 +62,7 @@ pub struct TrainArguments {
     /// Seed of the initial weights, of the samples held back, and of their order
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
-    /// Number of samples in a batch at first
+    /// Initial number of samples in a batch
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub batch: u32,
     /// Largest batch size, reached by doubling
@@ -78,7 +78,7 @@ pub struct TrainArguments {
     /// Schedule of the learning rate
     #[arg(long, default_value = "plateau", value_parser = named(&SCHEDULES))]
     pub schedule: Schedule,
-    /// Rate of Adam at first [default: 0.001; with --schedule cosine 0.002]
+    /// Initial rate of Adam [default: 0.001; with --schedule cosine 0.002]
     #[arg(long, value_name = "RATE", value_parser = number(is_rate, "a number above 0 and up to 1 is needed"))]
     pub rate: Option<f64>,
     /// Device for the training; a GPU needs a program that was built with `--features cuda`

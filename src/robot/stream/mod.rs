@@ -381,7 +381,7 @@ impl Watch<'_> {
             Motion::Follows => {}
             Motion::Pauses => {
                 log.event(&format!("{name} is paused"));
-                tracing::warn!("{name} is paused on its way; Ctrl-C ends the motion");
+                tracing::warn!("{name} is paused before its last point; Ctrl-C ends the motion");
             }
             Motion::Resumes => log.event(&format!("{name} moves again")),
         }

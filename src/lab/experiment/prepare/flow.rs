@@ -32,8 +32,9 @@ pub(super) fn wall(scene: &Scene, scenario: &Scenario) -> Result<Option<usize>, 
         None => Ok(first),
         Some(second) => Err(Issue::new(
             key(second - built),
-            "only one plane can be a wall of the flow, because images are exact for a single plane; set wall = false \
-             for the other planes, which the flow then passes through",
+            "only one plane can be a wall of the flow, because images \
+             are exact for a single plane; set wall = false for the other planes (the fluid then \
+             passes through them)",
         )),
     }
 }

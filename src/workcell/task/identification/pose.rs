@@ -117,7 +117,8 @@ impl HoldRequest<'_> {
             });
             let (first, pose, information, tilt) = found.ok_or_else(|| {
                 PlanError::Input(format!(
-                    "found fewer than three poses in which the camera sees the whole rod of {:.3} m, at least {} widths long, and that arm {} reaches; change --free",
+                    "fewer than three poses were found: in each the camera must see the whole rod \
+                     of {:.3} m, at least {} widths long, and arm {} must reach the pose; change --free",
                     self.rod.length, LEAST_WIDTHS[0], self.cell.arms[self.arm].name
                 ))
             })?;
