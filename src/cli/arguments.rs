@@ -64,7 +64,7 @@ pub enum Command {
     Solve(solve::SolveArguments),
     /// Measure rods, sheets, markers and knots in photographs or curves
     Measure(measure::MeasureArguments),
-    /// Differentiate probes of a scenario over its keys, exactly
+    /// Differentiate probes of a scenario exactly, with respect to its keys
     Sensitivity(sensitivity::SensitivityArguments),
     /// Fit keys of scenarios to measurements, or a rod that an arm holds
     Identify(identify::IdentifyArguments),

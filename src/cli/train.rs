@@ -12,7 +12,7 @@ const SCHEDULES: [Named<Schedule>; 2] = [
     (
         "plateau",
         Schedule::Plateau,
-        "Adam and gradient descent in turns, each until the error no longer falls",
+        "Adam and gradient descent alternately, each until the error no longer falls",
     ),
     (
         "cosine",
@@ -38,13 +38,12 @@ Examples:
   rodlab evaluate results/network/model.safetensors results/other_samples
   rodlab train results/folding_dataset --out results/fold_network --schedule cosine --batch 512",
     "\
-The mean absolute error of the standardised outputs is minimised in phases, by Adam and by gradient
-descent in turns. One sample in five is held back: a phase ends when the error of these samples has
-not fallen for --patience rounds. Then batches are doubled and steps are made smaller. With
+The mean absolute error of the standardised outputs is minimised in phases, by Adam and gradient
+descent alternately. One sample in five is held back: a phase ends when the error of these samples
+has not fallen for --patience rounds. Then batches are doubled and steps are made smaller. With
 --schedule cosine only Adam is used, for a fixed number of rounds (--most-epochs), over which its
 rate falls to zero: this reaches a smaller error. After each phase the best network so far is in
-model.safetensors.
-Run the same command again to resume."
+model.safetensors. Run the same command again to resume."
 );
 
 /// Arguments of `rodlab train`.

@@ -12,7 +12,7 @@ use rodlab_lab::sensitivity::{
     Derivatives, Field, FieldDerivatives, derivatives_at, field_derivatives,
 };
 
-/// Differentiates probes over keys at given times, s, or at the outputs.
+/// Differentiates probes with respect to keys at given times, s, or at the outputs.
 pub fn derivatives<'py>(
     py: Python<'py>,
     source: impl Fn(&[String]) -> Result<Loaded, ScenarioError> + Sync,
@@ -75,7 +75,8 @@ fn as_arrays<'py>(py: Python<'py>, found: &Derivatives) -> PyResult<Bound<'py, P
     Ok(answer)
 }
 
-/// Differentiates probes over fields, given by their names, that change in one of `parts` of the motion each.
+/// Differentiates probes with respect to fields, given by their names, that change in one of
+/// `parts` of the motion each.
 pub fn over_fields<'py>(
     py: Python<'py>,
     source: impl Fn(&[String]) -> Result<Loaded, ScenarioError> + Sync,

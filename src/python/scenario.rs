@@ -111,7 +111,7 @@ impl Scenario {
         self.loaded.scenario.experiment.name()
     }
 
-    /// Differentiate probes over keys at the outputs: a dictionary of arrays.
+    /// Differentiate probes with respect to keys at the outputs: a dictionary of arrays.
     fn sensitivity<'py>(
         &self,
         py: Python<'py>,
@@ -121,7 +121,8 @@ impl Scenario {
         derivatives(py, self.source(), &to, &of, None)
     }
 
-    /// Differentiate probes at the end over fields along the rods: a dictionary of arrays.
+    /// Differentiate probes at the end with respect to fields along the rods: a dictionary of
+    /// arrays.
     fn field_sensitivity<'py>(
         &self,
         py: Python<'py>,

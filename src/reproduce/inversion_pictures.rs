@@ -24,8 +24,8 @@ pub(super) enum Moment {
 const SHORTLY_BEFORE: f64 = 1.03;
 /// Ratio of l̄_k at the start of the search for the fall to that of the inversion.
 const FALL_BEGINS: f64 = 1.01;
-/// Fraction of the initial height below which the loop has fallen. It loses most of its height
-/// between two outputs, of which the first is shown.
+/// Fraction of the initial height below which the loop has fallen. The loop loses most of its
+/// height between two outputs, of which the first is shown.
 const FALLEN: f64 = 0.5;
 
 /// Width of the picture relative to that of the braid.
@@ -39,9 +39,9 @@ pub(super) fn side_view(pictures: Vec<Snapshot>) -> Figure {
     snapshots(pictures, View::from(Vector3::z()))
 }
 
-/// The knot of a run at the given stages. It is rotated about its axis so that the loop is upright
-/// before the inversion, and its tails are cut off next to the braid. Empty if the knot did not
-/// invert.
+/// The knot of a run at the given stages. The knot is rotated about its axis so that the loop is
+/// upright before the inversion, and its tails are cut off next to the braid. Empty if the knot did
+/// not invert.
 pub(super) fn pictures(
     case: &Case<Inversion>,
     moments: &[Moment],

@@ -13,7 +13,7 @@ const COLUMNS: usize = 4;
 const POINTS: usize = 300;
 
 /// A figure of a rod from above with its patterns, for both schemes and one friction (an index
-/// into [`FRICTIONS`]). Its name begins with that of the page.
+/// into [`FRICTIONS`]). The name of the file begins with that of the page.
 pub(super) fn outlines_figure(
     page: &str,
     rod: usize,

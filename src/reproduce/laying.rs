@@ -103,9 +103,9 @@ pub(super) const FRICTIONS: [f64; 3] = [0.2, 0.4, 0.8];
 /// pattern A at the medium friction is 0.652 cm; with a duration of 80 s it is 0.640 cm.
 const END: f64 = 40.0;
 /// Time step, s. The mean distance of the same rod from its pattern is 0.647 cm with this step,
-/// 0.652 cm with 5 ms and 0.672 cm with 2 ms. It is 0.652 cm with twice the 111 edges, 0.654 cm
-/// with δ = 20 µm instead of 50 µm, and 0.651 cm with a slip tolerance of 3 µm/s instead of 10
-/// µm/s.
+/// 0.652 cm with 5 ms and 0.672 cm with 2 ms. The distance is 0.652 cm with twice the 111 edges,
+/// 0.654 cm with δ = 20 µm instead of 50 µm, and 0.651 cm with a slip tolerance of 3 µm/s instead
+/// of 10 µm/s.
 const STEP: f64 = 1e-2;
 /// A few steps.
 #[cfg(test)]

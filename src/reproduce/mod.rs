@@ -84,7 +84,8 @@ use std::path::PathBuf;
 /// Options of a reproduction.
 #[derive(Clone, Debug)]
 pub struct ReproduceOptions {
-    /// The output folder. It has a directory for each artefact, and `cases` for the runs.
+    /// The output folder. This directory has a directory for each artefact, and `cases` for the
+    /// runs.
     pub directory: PathBuf,
     /// Whether only a short time is simulated.
     pub quick: bool,

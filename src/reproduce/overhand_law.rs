@@ -1,8 +1,8 @@
 //! Tightened knots compared with the law of Jawed et al. 2015 (thesis Eq. 2.30).
 //!
 //! The law includes only friction, and assumes a braid that is a uniform double helix of n turns.
-//! Its errors become visible if the traction is split into the part of friction and the rest,
-//! which changes the energy of the rod.
+//! The errors of the law become visible if the traction is split into the part of friction and the
+//! rest, which changes the energy of the rod.
 
 use super::prelude::*;
 use super::tightening::{Stretch, Tightening, range_before_inversion, stretches};

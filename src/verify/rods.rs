@@ -1,5 +1,5 @@
-//! The rod of the checks. It is a metre long and has unit bending stiffness, so that loads are
-//! dimensionless.
+//! The rod of the checks. The unit rod is a metre long and has unit bending stiffness, so that
+//! loads are dimensionless.
 
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::{

@@ -190,8 +190,8 @@ fn coiled(s: f64) -> [f64; 3] {
 }
 
 /// An unloaded right-handed spring of four turns about −z, starting in the direction of x, of
-/// round wire with a radius of 1 mm, E = 0.3 GPa, ν = 1/2. Its first director is the binormal,
-/// which turns with τ.
+/// round wire with a radius of 1 mm, E = 0.3 GPa, ν = 1/2. The first director of the rod is the
+/// binormal, which turns with τ.
 fn spring() -> SpatialCantilever<fn(f64) -> [f64; 3]> {
     let (young, wire, radius, rise) = (0.3e9, 1e-3_f64, SPRING_RADIUS, SPRING_RISE);
     let per_turn = libm::hypot(radius, rise) * TAU;

@@ -20,11 +20,11 @@ const STRING: Expectation = Expectation::new(
 );
 /// Error bound for fourth-order convergence with 50 edges.
 const BOUND: f64 = 1e-5;
-/// Error bound of axial waves. The mass matrix for fourth-order bending gives them an error of
-/// second order, (kh)²/24.
+/// Error bound of axial waves. With the mass matrix for fourth-order bending, these waves have an
+/// error of second order, (kh)²/24.
 const AXIAL_BOUND: f64 = 5e-5;
-/// Error bound of the string with 100 edges. It is of second order, since waves of tension have
-/// the error (kh)²/24, too, and the bends at the clamps are only five edges long.
+/// Error bound of the string with 100 edges. The error is of second order, since waves of tension
+/// have the error (kh)²/24, too, and the bends at the clamps are only five edges long.
 const STRING_BOUND: f64 = 1e-3;
 
 const FREE_ROD: &str = include_str!("scenes/free_rod.toml");

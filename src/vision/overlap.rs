@@ -18,9 +18,9 @@ const LANES: usize = 9;
 const PIXELS_ACROSS: f64 = 8.0;
 /// Fraction of the half width of a strand that is used, since colours mix at its edges.
 const LOOKED_AT: f64 = 0.84;
-/// Weight of the squared mean of the differences relative to their variance. It is small, since a
-/// bending strand turns towards the light or away from it; if the colours differ, the mean is
-/// large anyway.
+/// Weight of the squared mean of the differences relative to their variance. This weight is small,
+/// since a bending strand turns towards the light or away from it; if the colours differ, the mean
+/// is large anyway.
 const MEAN_COUNTS: f64 = 0.25;
 /// Length of a strand over which its cross-section is measured, in widths; longer if other strands
 /// are in the way.

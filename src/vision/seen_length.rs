@@ -17,8 +17,8 @@ pub struct SeenLength {
     pub seen_m: f64,
     /// Length of the rod, m.
     pub rod_m: f64,
-    /// Smallest length that the picture should show, m. It is less than the length of the rod if
-    /// its end is outside the picture, or fell onto the rod.
+    /// Smallest length that the picture should show, m. This is less than the length of the rod if
+    /// the end of the rod is outside the picture, or fell onto the rod.
     pub least_m: f64,
 }
 

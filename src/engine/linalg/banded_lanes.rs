@@ -3,8 +3,8 @@
 //! so that it gets the same bytes as alone.
 //!
 //! Once a column is complete, all columns before it are eliminated from it at once, and columns
-//! after it may still be incomplete. It is then still in the cache from when it was filled, and is
-//! read and written only once. The columns hold D Lᵀ; one product turns this into L.
+//! after it may still be incomplete. The column is then still in the cache, and is read and written
+//! only once. The columns hold D Lᵀ; one product turns this into L.
 
 use super::LaneVector;
 use super::banded::HALF_BANDWIDTH;

@@ -23,9 +23,9 @@ const NEGLIGIBLE_SCALE: f64 = 1e-14;
 
 /// A band and elements, with the factorisation of their sum.
 ///
-/// The pattern, the order of elimination and the places of all entries are found once, by
-/// [`CoupledSystem::new`]; then any number of matrices of that pattern can be assembled and factored
-/// without allocation: [`assemble`](Self::assemble), [`add_element`](Self::add_element),
+/// [`CoupledSystem::new`] finds the pattern, the order of elimination and the places of all entries
+/// once. Then any number of matrices of that pattern can be assembled and factored without
+/// allocation: [`assemble`](Self::assemble), [`add_element`](Self::add_element),
 /// [`factor`](Self::factor), [`solve`](Self::solve).
 #[derive(Clone, Debug)]
 pub struct CoupledSystem {
@@ -46,10 +46,9 @@ impl CoupledSystem {
     /// `held` marks the unknowns that keep their value (length `dimension`): their rows and
     /// columns are dropped and their diagonals set to one. `shared` lists the unknowns that equal
     /// another one, their owner, which may be free or held but not shared itself. Their rows and
-    /// columns are added to those of the owner; their own become those of held unknowns. With
-    /// `symmetric`, elements must be symmetric matrices; only one triangle is read. `chains`
-    /// lists, in order, the first node of each part that the band does not couple with the parts
-    /// before.
+    /// columns are added to those of the owner, and then become those of held unknowns. With
+    /// `symmetric`, elements must be symmetric matrices; only one triangle is read. `chains` lists,
+    /// in order, the first node of each part that the band does not couple with the parts before.
     pub fn new(
         dimension: usize,
         elements: &[Element],

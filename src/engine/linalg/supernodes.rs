@@ -116,7 +116,8 @@ impl Supernodes {
     }
 }
 
-/// A supernode under construction. It may share its rows with another one that it was merged with.
+/// A supernode under construction, which may share its rows with a supernode with which it was
+/// merged.
 #[derive(Clone)]
 struct Growing {
     columns: Range<usize>,

@@ -97,7 +97,7 @@ impl Drawing {
         self.path(data, &Stroke::solid(color, 0.0), Some(color));
     }
 
-    /// Writes text. Its words are also in the file, for screen readers and for search.
+    /// Writes text. The words of the text are also in the file, for screen readers and for search.
     pub fn text(&mut self, words: Words) {
         let line = Line::of(words.text);
         if line.letters.is_empty() {

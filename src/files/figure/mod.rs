@@ -1,9 +1,9 @@
 //! Figures of plain curves and rows, as SVG, PNG and PDF.
 //!
 //! A [`Figure`] holds the content: [`snapshots()`] shows rods as shaded tubes at several times,
-//! [`line_plots`] curves over a common axis. It is drawn on a [`Paper`], whose width and font size
-//! set everything else, and saved in a [`Format`]. [`movie_page`] makes the interactive page of
-//! rods in motion, [`Film`] a film of them, and [`surface_page`] the page of a surface.
+//! [`line_plots`] curves over a common axis. A figure is drawn on a [`Paper`], whose width and font
+//! size set everything else, and saved in a [`Format`]. [`movie_page`] makes the interactive page
+//! of rods in motion, [`Film`] a film of them, and [`surface_page`] the page of a surface.
 
 mod axis;
 mod colour_field;

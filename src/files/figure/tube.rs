@@ -72,9 +72,9 @@ const HAZE: f64 = 0.45;
 /// The rods of a scene and pieces of other objects, as SVG elements, far pieces first.
 ///
 /// Each piece is one segment of the Catmull–Rom spline through the nodes, which is a cubic Bézier
-/// curve. It is painted as an outline, the body, and a highlight on the side of the light. To avoid
-/// visible seams between the pieces of one rod, the outline ends flat, the body round, and the
-/// highlight extends beyond that round end.
+/// curve. The tube is painted as an outline, the body, and a highlight on the side of the light. To
+/// avoid visible seams between the pieces of one rod, the outline ends flat, the body round, and
+/// the highlight extends beyond that round end.
 pub(super) fn tubes(
     rods: &[RodCurve],
     among: Vec<Piece>,

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 /// Seconds before its time limit at which Slurm signals a task, so that it writes its checkpoints.
 const WARNING_SECONDS: u32 = 60;
-/// Number of times that a task requeues itself. It does so only after progress, or after it was
-/// killed. The limit ends a task that is killed at once each time.
+/// Number of times that a task requeues itself. A task requeues itself only after progress, or
+/// after it was killed. The limit ends a task that is killed at once each time.
 const MOST_RESTARTS: u32 = 100;
 
 /// The program that the tasks run.

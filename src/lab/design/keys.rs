@@ -73,7 +73,7 @@ fn vectors(scenario: &CaseSet, key: &str) -> Result<Vec<String>, DesignError> {
     }
 }
 
-/// The scenario with the value of a key stated that it leaves to its default.
+/// The scenario, with the value of a key stated even if the scenario leaves it to its default.
 fn with_default(scenario: CaseSet, key: &str) -> Result<CaseSet, DesignError> {
     let (vector, _) = split(key);
     if !components_of(&scenario, vector)?.is_empty() || scenario.number(key)?.is_some() {

@@ -4,8 +4,8 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::rod::transport::{parallel_transport, rotated};
 use rodlab_engine::mechanics::scene::NaturalStrains;
 
-/// Nodes of the rod without stress. It begins at `first`, with the frame (tangent and first material director) of the clamp there if
-/// `is_clamped`, else of its first edge.
+/// Nodes of the rod without stress. The rod begins at `first`, with the frame (tangent and first
+/// material director) of the clamp there if `is_clamped`, else of its first edge.
 pub fn unloaded(
     natural: &NaturalStrains,
     first: Vector3,

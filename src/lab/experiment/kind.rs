@@ -45,7 +45,7 @@ pub trait Kind: ExperimentKeys {
         None
     }
 
-    /// Its own files in a results directory, and its columns in the common files, for
+    /// Files of the experiment in a results directory, and its columns in the common files, for
     /// `rodlab explain`.
     fn files(&self) -> &'static [FileDescription] {
         &[]

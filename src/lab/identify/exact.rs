@@ -109,7 +109,7 @@ fn exact(problem: &Problem<'_>, coordinates: &[f64], rows: usize) -> Option<Vec<
     Some(shares?.concat())
 }
 
-/// Computes the derivatives over some of the keys.
+/// Computes the derivatives with respect to some of the keys.
 fn followed(
     problem: &Problem<'_>,
     coordinates: &[f64],
@@ -184,7 +184,7 @@ mod tests {
     use std::path::Path;
 
     /// Derivatives of an experiment, and the largest deviation of the exact ones from extrapolated
-    /// differences, relative to the largest derivative over the key.
+    /// differences, relative to the largest derivative with respect to the key.
     fn deviation(text: &str, rows: &str, keys: &[&str]) -> f64 {
         let file = DataFile::from_text(Path::new("data.csv"), rows, &BTreeMap::new()).unwrap();
         let experiments = [Experiment {

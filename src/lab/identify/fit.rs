@@ -11,13 +11,13 @@
 //! the loss of Huber it is linear beyond 1.345 σ, and rows have the weights min(1, 1.345/|r|).
 //! Coordinates at a bound are held if the step would cross the bound. Combinations that the data
 //! do not determine would follow the noise without bound: a term Σ (u/5)²/2 keeps them within some
-//! powers of e of the start. This term moves the estimate u of a coordinate with the standard
-//! error s by s u/25 of s.
+//! powers of e of the start. This term moves the estimate u of a coordinate with the standard error
+//! s by the fraction s u/25 of s.
 //!
-//! The crate `levenberg-marquardt` has no bounds, ends at the first point at which a residual
-//! cannot be computed, for example because a simulation does not converge, and is built on another
-//! version of nalgebra. The method is therefore implemented here: a failed simulation only
-//! shortens the step.
+//! The method is implemented here, and a failed simulation only shortens the step. The crate
+//! `levenberg-marquardt` has no bounds and is built on another version of nalgebra. It ends at the
+//! first point at which a residual cannot be computed, for example because a simulation does not
+//! converge.
 
 use super::error::IdentifyError;
 use super::jacobian::Jacobian;

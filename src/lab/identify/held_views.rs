@@ -17,10 +17,10 @@
 //! Besides the noise of the points, the error bars include errors of the traced curve that are
 //! smooth along it.
 //!
-//! Only the direction of the hand is known exactly. Its place across the view of each picture is
-//! fitted, too, with the prior [`HAND_ERROR`](super::held::HAND_ERROR). The prior covers errors of
-//! the arm and of the camera's calibration, and the shading of the rod, which moves its traced
-//! middle towards the bright side.
+//! Only the direction of the hand is known exactly. The place of the hand across the view of each
+//! picture is fitted, too, with the prior [`HAND_ERROR`](super::held::HAND_ERROR). The prior covers
+//! errors of the arm and of the camera's calibration, and the shading of the rod, which moves its
+//! traced middle towards the bright side.
 
 use super::data::{At, DataFile, Datum, Measured, Place};
 use super::error::IdentifyError;

@@ -78,8 +78,8 @@ impl Problem<'_> {
         Ok(remarks)
     }
 
-    /// Runs an experiment. It logs nothing, because hundreds of runs would repeat the same
-    /// remarks.
+    /// Runs an experiment. This function logs nothing, because hundreds of runs would repeat the
+    /// same remarks.
     fn run(&self, experiment: usize, coordinates: &[f64]) -> Result<Prediction, IdentifyError> {
         let one = &self.experiments[experiment];
         let pairs = self.parameters.iter().zip(coordinates);

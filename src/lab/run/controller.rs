@@ -11,13 +11,14 @@ use serde::de::DeserializeOwned;
 use std::any::Any;
 use std::fmt::Debug;
 
-/// Acts on a simulation before each of its time steps. It does not act during searches for
-/// equilibria or along paths of equilibria.
+/// Acts on a simulation before each of its time steps, but not during searches for equilibria or
+/// along paths of equilibria.
 ///
 /// A controller is a value that can be saved: its memory is its fields, and a checkpoint holds all
-/// of them. Its effect on the simulation (motions of clamps, nodes grasped and released, external
-/// forces, factors of loads) is part of the state of the simulation. After a restart,
-/// [`Controller::act`] may be called again for the same time; it must then have no further effect.
+/// of them. The effect of a controller on the simulation (motions of clamps, nodes grasped and
+/// released, external forces, factors of loads) is part of the state of the simulation. After a
+/// restart, [`Controller::act`] may be called again for the same time; it must then have no further
+/// effect.
 pub trait Controller: ControllerObject + Debug + Send + Sync {
     /// Name of the controller: a word for messages and checkpoints.
     fn name(&self) -> &str;

@@ -31,9 +31,9 @@ const MOST_PAIRS: u64 = 25_000_000;
 ///
 /// A check costs 40 ns for every pair of segments, a step at least 0.3 µs for every node. The
 /// guard therefore waits four steps, for each pair per node, before it checks another output, so
-/// that it costs at most 3 % of a run. It does not wait if the check costs no more than writing
-/// the output. If closed rods have more than seven thousand segments, only continuous collision
-/// detection guards them.
+/// that it costs at most 3 % of a run. The guard does not wait if the check costs no more than
+/// writing the output. If closed rods have more than seven thousand segments, only continuous
+/// collision detection guards them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LinkingGuard {
     rods: Vec<ClosedRod>,

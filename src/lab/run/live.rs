@@ -18,7 +18,7 @@ const SHORT_STEP: Duration = Duration::from_millis(50);
 
 /// A simulation with the observers and controllers of its experiment.
 ///
-/// Its steps equal those of [`run`](super::run()) if they end at the same times; outputs also end
+/// The steps equal those of [`run`](super::run()) if they end at the same times; outputs also end
 /// steps there.
 pub struct LiveRun {
     /// The simulation.

@@ -169,8 +169,8 @@ pub fn not_at_once(deadline: Instant) -> Instant {
     deadline.max(Instant::now() + LEAST)
 }
 
-/// Runs like [`run`], until `stop_requested` returns a reason. It is called between steps and
-/// during long ones.
+/// Runs like [`run`], until `stop_requested` returns a reason. This callback is called between
+/// steps and during long ones.
 ///
 /// # Errors
 /// See [`RunError`].

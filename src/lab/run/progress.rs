@@ -12,7 +12,7 @@ const LENGTH: u64 = 10_000;
 /// Time between redraws; steps are often far shorter.
 const REFRESH: Duration = Duration::from_millis(100);
 
-/// A progress bar on standard error. It shows the fraction of the simulated time, step size,
+/// A progress bar on standard error. The bar shows the fraction of the simulated time, step size,
 /// iterations, contacts and the remaining time, or the progress of a path.
 pub struct Progress {
     bar: ProgressBar,

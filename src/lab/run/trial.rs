@@ -3,8 +3,8 @@
 //! The run starts in a directory of its own, with all its outputs and observers, for two stages of
 //! half a second of processor time each. The second stage continues from the checkpoint of the
 //! first. The estimate extrapolates the pace of the second stage, since the first steps may be
-//! smaller and contacts have to settle. It does not include later events that cost more, such as a
-//! first contact after the trial; contacts double or triple the cost of a step.
+//! smaller and contacts have to settle. The estimate does not include later events that cost more,
+//! such as a first contact after the trial; contacts double or triple the cost of a step.
 
 use super::{Mode, PreparedRun, Reached, RunError, RunOptions, StopRequest, run_until};
 use rodlab_files::results::UsageMeter;

@@ -71,7 +71,8 @@ impl Chosen {
     /// # Errors
     /// [`SensitivityError::Key`] for the first column that does not.
     pub(super) fn check_shape(&self, run: &PreparedRun) -> Result<(), SensitivityError> {
-        let reason = "derivatives over fields support probes of shapes and velocities; use --to KEY for forces, moments and energies";
+        let reason = "derivatives with respect to fields support probes of shapes and velocities; \
+                      use --to KEY for forces, moments and energies";
         self.check(run, Quantity::is_of_shape, reason)
     }
 

@@ -1,4 +1,5 @@
-//! Derivatives of probes over fields along the rods, by the adjoint mode ([`rodlab_engine::mechanics::dynamics::adjoint`]).
+//! Derivatives of probes with respect to fields along the rods, by the adjoint mode
+//! ([`rodlab_engine::mechanics::dynamics::adjoint`]).
 
 use super::chosen::Chosen;
 use super::error::SensitivityError;
@@ -96,7 +97,7 @@ impl Field {
     }
 }
 
-/// Derivatives of probes over fields, in SI units.
+/// Derivatives of probes with respect to fields, in SI units.
 #[derive(Clone, Debug)]
 pub struct FieldDerivatives {
     /// Columns of the probes.
@@ -115,8 +116,8 @@ pub struct FieldDerivatives {
     pub steps: u64,
 }
 
-/// Derivatives over the fields at one node, for a change of the fields during one part of the
-/// motion.
+/// Derivatives with respect to the fields at one node, for a change of the fields during one part
+/// of the motion.
 #[derive(Clone, Debug)]
 pub struct FieldRow {
     /// Number of the part.
@@ -131,9 +132,9 @@ pub struct FieldRow {
     pub derivatives: Vec<Vec<f64>>,
 }
 
-/// Differentiates probes of a scenario, at its end, over fields along its rods. `of` names probes
-/// or their columns; an empty list means all. The motion is divided into `parts` parts of equal
-/// duration; each row of derivatives belongs to a change of the fields in one part. The
+/// Differentiates probes of a scenario, at its end, with respect to fields along its rods. `of`
+/// names probes or their columns; an empty list means all. The motion is divided into `parts` parts
+/// of equal duration; each row of derivatives belongs to a change of the fields in one part. The
 /// computation stops if `goes_on` returns false.
 ///
 /// # Errors
@@ -258,14 +259,15 @@ fn rows(
 }
 
 impl FieldDerivatives {
-    /// Sum over all nodes and parts: the derivative of a column over a component that is uniform
-    /// in space and time.
+    /// Sum over all nodes and parts: the derivative of a column with respect to a component that is
+    /// uniform in space and time.
     pub fn sum(&self, component: usize, column: usize) -> f64 {
         let rows = self.rows.iter();
         rows.map(|row| row.derivatives[component][column]).sum()
     }
 
-    /// The row with the largest derivative of a column over a component; `None` if all are zero.
+    /// The row with the largest derivative of a column with respect to a component; `None` if all
+    /// are zero.
     pub fn largest(&self, component: usize, column: usize) -> Option<&FieldRow> {
         let size = |row: &FieldRow| row.derivatives[component][column].abs();
         let rows = self.rows.iter().filter(|row| size(row) > 0.0);

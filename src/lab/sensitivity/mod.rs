@@ -1,4 +1,4 @@
-//! Derivatives of the measured quantities of a scenario over its keys.
+//! Derivatives of the measured quantities of a scenario with respect to its keys.
 //!
 //! A [`Problem`] is a scenario and some of its keys, each with two neighbours of slightly larger
 //! and smaller value. [`Problem::follow`] runs it to given times with the derivatives of its state
@@ -14,7 +14,7 @@
 //! | `chosen` | the columns of its probes that are asked for |
 //! | `probed` | derivatives of probes |
 //! | `check` | differences of whole runs |
-//! | `fields` | derivatives of probes over fields along rods |
+//! | `fields` | derivatives of probes with respect to fields along rods |
 
 mod check;
 mod chosen;

@@ -8,7 +8,7 @@ use std::fmt::Write;
 /// Maximum number of passes to find a suitable ε.
 const PASSES: usize = 3;
 
-/// Values of probes and their derivatives over keys, in SI units.
+/// Values of probes and their derivatives with respect to keys, in SI units.
 #[derive(Clone, Debug)]
 pub struct Derivatives {
     /// Columns of the probes.
@@ -28,12 +28,12 @@ pub struct Row {
     pub time: f64,
     /// Value of each column; `None` if it is undefined.
     pub values: Vec<Option<f64>>,
-    /// Derivative of each column over each key: a list for each key.
+    /// Derivative of each column with respect to each key: a list for each key.
     pub derivatives: Vec<Vec<Option<f64>>>,
 }
 
-/// Differentiates probes of a scenario over its keys at its outputs. `of` names probes or their
-/// columns; an empty list means all.
+/// Differentiates probes of a scenario with respect to its keys, at its outputs. `of` names probes
+/// or their columns; an empty list means all.
 ///
 /// # Errors
 /// See [`SensitivityError`].
@@ -127,7 +127,8 @@ impl Derivatives {
         Some(self.keys[key].value / value * derivative)
     }
 
-    /// All rows as CSV: the time, then each column and its derivatives over the keys, `d_COLUMN_d_KEY`.
+    /// All rows as CSV: the time, then each column and its derivatives with respect to the keys,
+    /// `d_COLUMN_d_KEY`.
     pub fn to_csv(&self) -> String {
         let mut text = "time_s".to_owned();
         for column in &self.columns {

@@ -55,7 +55,7 @@ impl Steps {
 const FORCE_TOLERANCE: f64 = 1e-10;
 const DISPLACEMENT_TOLERANCE: f64 = 1e-8;
 
-/// A key to differentiate over.
+/// A key with respect to which a scenario is differentiated.
 #[derive(Clone, Debug)]
 pub struct Key {
     /// The dotted key.
@@ -72,7 +72,7 @@ pub struct Key {
     neighbours: [PreparedRun; 2],
 }
 
-/// A scenario with the keys to differentiate over.
+/// A scenario with the keys of its derivatives.
 pub struct Problem<'a> {
     source: Source<'a>,
     base: PreparedRun,

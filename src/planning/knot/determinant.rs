@@ -2,8 +2,8 @@
 //!
 //! The determinant follows from a projection. An arc runs from one passage below to the next, and
 //! every crossing gives the equation 2 over − before − after = 0 of Fox's colourings. The
-//! determinant is any cofactor of the matrix of these equations. It is computed modulo the prime
-//! 2⁶¹ − 1, which is exact if the determinant is smaller than half of the prime.
+//! determinant is any cofactor of the matrix of these equations. The determinant is computed modulo
+//! the prime 2⁶¹ − 1, which is exact if the determinant is smaller than half of the prime.
 
 use super::closure::{closed_far_away, joined_far_away};
 use super::projection::{Crossing, crossings, some_crossings};

@@ -21,8 +21,9 @@ const POINTS: usize = 2000;
 /// −D/2 to x = D/2, where D is the distance of the ends.
 ///
 /// Between its tails the curve is (a T₅(t), a T₃(t), c T₇(t)) with Chebyshev polynomials, −1 ≤ t ≤
-/// 1 (the harmonic knot H(3, 5, 7) of Koseleff and Pecker). It has four crossings, alternately
-/// above and below. The curve is symmetric about a point, since the knot is its own mirror image.
+/// 1 (the harmonic knot H(3, 5, 7) of Koseleff and Pecker). The knot has four crossings,
+/// alternately above and below. The curve is symmetric about a point, since the knot is its own
+/// mirror image.
 ///
 /// # Errors
 /// A message if loops and tails do not fit between the ends.

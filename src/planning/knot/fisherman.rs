@@ -57,8 +57,8 @@ fn winding_length(knot: &KnotSize) -> f64 {
     HALF_TURNS * PITCH * knot.radius
 }
 
-/// The first rod. Its loop has two semicircles, one of the radius `arc` and a slightly smaller
-/// one.
+/// The first rod. The loop of the knot has two semicircles, one of the radius `arc` and a slightly
+/// smaller one.
 fn smooth_curve(knot: &KnotSize, arc: f64) -> Vec<Vector3> {
     let [core, winding] = [CORE_OFFSET, WINDING_OFFSET].map(|offset| offset * knot.radius);
     let half_line = 0.5 * knot.end_to_end;

@@ -148,7 +148,7 @@ impl InversionWatch {
 }
 
 impl InversionPoint {
-    /// Whether a knot at this l̄_k is not inverting yet. It must be 1 ahead of both measures,
+    /// Whether a knot at this l̄_k is not inverting yet: l̄_k must be 1 ahead of both measures,
     /// since an inversion is not longer than that.
     pub fn is_ahead_of(&self, length: f64) -> bool {
         let mut measures = [self.by_force, self.by_height].into_iter().flatten();

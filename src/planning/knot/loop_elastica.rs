@@ -7,8 +7,8 @@
 //! (κ R)² = 1 − m sin²(θ/2),  0 ≤ θ ≤ 2π
 //! ```
 //!
-//! Its length is λ = 4 K(m) R. The distance of its ends is x R = (8 (K − E)/m − 4 K) R, with the
-//! last end before the first.
+//! The length of the loop is λ = 4 K(m) R. The distance of its ends is x R = (8 (K − E)/m − 4 K) R,
+//! with the last end before the first.
 
 use super::elliptic::complete_elliptic;
 

@@ -93,8 +93,8 @@ fn smooth_curve(knot: &Overhand, shortening: f64) -> Result<Vec<Vector3>, String
     Ok(curve)
 }
 
-/// The loop from the right end of the braid to its left end. It is raised above the braid at both
-/// ends and follows the elastica at the top.
+/// The loop from the right end of the braid to its left end. The loop is raised above the braid at
+/// both ends and follows the elastica at the top.
 fn loop_points(elastica: &LoopElastica, radius: f64, half_braid: f64, offset: f64) -> Vec<Vector3> {
     let points = elastica.points(POINTS);
     let length = points[POINTS][2] * radius;

@@ -1,9 +1,9 @@
 //! The simplified knot of the thesis, section 3.6: a braid of two helices and a loop between its
 //! ends.
 //!
-//! It omits tails, friction, contact between loop and braid, and twist of the braid. The total
-//! energy over EI/h is Ē(θ) = Ē_b + Ē_l at fixed φ and ε. The rotation θ of the ends makes the
-//! energy stationary.
+//! The model omits tails, friction, contact between loop and braid, and twist of the braid. The
+//! total energy over EI/h is Ē(θ) = Ē_b + Ē_l at fixed φ and ε. The rotation θ of the ends makes
+//! the energy stationary.
 //!
 //! The source does not state how the loop is held. Here its ends are on the axis of the braid or,
 //! by `offset`, on the strands; their tangents make the angle φ with the axis; and they either keep

@@ -18,8 +18,9 @@ struct Layer {
 }
 
 impl Network {
-    /// A network without biases. Its weights are uniformly distributed within ±√(6/n) in layers
-    /// with n inputs (He et al. 2015). `widths` are the widths of input, hidden layers and output.
+    /// A network without biases. The initial weights are uniformly distributed within ±√(6/n) in
+    /// layers with n inputs (He et al. 2015). `widths` are the widths of input, hidden layers and
+    /// output.
     pub fn new(widths: &[usize], random: &mut Pcg64, device: &Device) -> Result<Self> {
         let layers = widths.windows(2).map(|pair| {
             let bound = (6.0 / pair[0] as f64).sqrt();

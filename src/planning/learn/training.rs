@@ -1,5 +1,5 @@
 //! Training: minimises the mean absolute error of standardised outputs with growing batches,
-//! either by Adam and stochastic gradient descent in turns (thesis 4.3.4 and 5.3.5) or by Adam
+//! either by Adam and stochastic gradient descent alternately (thesis 4.3.4 and 5.3.5) or by Adam
 //! alone with a cosine schedule.
 
 use super::network::Network;

@@ -297,7 +297,7 @@ def sensitivity(
 
 @dataclass(frozen=True)
 class FieldDerivatives:
-    """Probes at the end of a run and their derivatives over fields along the rods, in SI units.
+    """Probes at the end of a run and their derivatives with respect to fields, in SI units.
 
     There are c columns of probes, f components of fields, n nodes and p parts of the motion.
     """
@@ -329,7 +329,7 @@ def field_sensitivity(
     parts: int = 1,
     **keys: Any,
 ) -> FieldDerivatives:
-    """Differentiate probes of a scene over fields along its rods, at about the cost of one run.
+    """Differentiate probes of a scene with respect to fields, at about the cost of one run.
 
     This is the adjoint mode of ``rodlab sensitivity --field``. Its derivatives over thousands of
     numbers serve optimisers of natural shapes and of forces over time.

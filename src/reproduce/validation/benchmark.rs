@@ -43,7 +43,7 @@ pub(super) struct Quantity {
 }
 
 impl Quantity {
-    /// A quantity without a published value. Its errors are relative to the exact value.
+    /// A quantity without a published value. Errors are relative to the exact value.
     pub const fn new(name: &'static str) -> Self {
         Self {
             name,

@@ -93,7 +93,8 @@ impl Coil {
 }
 
 /// Moment per slope of the rod above the ring: k of u' = −k u at the ring for u'' = (T + z) u, with the tension T + z and
-/// a slope u that decays upwards. It follows from k' = k² − (T + z), downwards from k = √(T + z).
+/// a slope u that decays upwards. The value is the solution of k' = k² − (T + z), integrated
+/// downwards from k = √(T + z).
 fn spring(tension: f64) -> f64 {
     let top = 6.0;
     let start = [(tension + top).sqrt()];

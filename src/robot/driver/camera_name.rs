@@ -18,8 +18,8 @@ pub enum CameraError {
     Driver(#[from] DriverError),
 }
 
-/// Opens the camera with a name; `None` if the text is not the name of a camera. It may then be a
-/// file.
+/// Opens the camera with a name; `None` if the text is not the name of a camera. The text may then
+/// be the name of a file.
 pub fn open_camera(name: &str) -> Option<Result<Box<dyn PictureTopic>, CameraError>> {
     let (scheme, place) = name.split_once("://")?;
     Some(match opened(scheme, place) {

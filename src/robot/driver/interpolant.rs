@@ -241,8 +241,8 @@ pub(crate) fn range_of(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
     })
 }
 
-/// Velocities at the points of the cubic spline that begins and ends at rest. Its second
-/// derivative is continuous: `v₋/h₋ + 2 (1/h₋ + 1/h₊) v + v₊/h₊ = 3 (Δ₋/h₋² + Δ₊/h₊²)` (de Boor
+/// Velocities at the points of the cubic spline that begins and ends at rest. The second derivative
+/// of the spline is continuous: `v₋/h₋ + 2 (1/h₋ + 1/h₊) v + v₊/h₊ = 3 (Δ₋/h₋² + Δ₊/h₊²)` (de Boor
 /// 1978, chapter IV). Thomas' algorithm solves these equations.
 pub(super) fn clamped_velocities(times: &[f64], points: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let (count, joints) = (times.len(), points[0].len());

@@ -14,8 +14,8 @@ use tungstenite::WebSocket;
 /// Largest message, bytes; base64 needs four bytes for three.
 const LARGEST_MESSAGE: usize = LARGEST_PICTURE / 3 * 4 + (1 << 16);
 
-/// A topic of pictures behind a rosbridge server. Its messages show whether it sends pixels or
-/// files.
+/// A topic of pictures behind a rosbridge server. The messages of a topic show whether it sends
+/// pixels or files.
 pub struct RosbridgeCamera {
     address: String,
     topic: String,

@@ -23,8 +23,9 @@ pub struct PathPoint {
 /// Divides a path into points whose neighbours are at most `step` apart (m, with a rotation of 1
 /// rad counted as 0.1 m). All given poses are points; equal neighbours are merged.
 ///
-/// Between two poses the path is a cubic. Its slope at a pose is that of the parabola through the
-/// pose and its neighbours. A pose at which the path turns by more than 0.5 rad remains a corner.
+/// Between two poses the path is a cubic. The slope of the spline at a pose is that of the parabola
+/// through the pose and its neighbours. A pose at which the path turns by more than 0.5 rad remains
+/// a corner.
 pub fn subdivide(poses: &[Pose], step: f64) -> Vec<PathPoint> {
     let Some(first) = poses.first() else {
         return Vec::new();

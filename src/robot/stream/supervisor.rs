@@ -26,13 +26,14 @@ pub trait Supervisor {
     fn is_interrupted(&self) -> bool;
 
     /// The reason why the joint positions of a part must end the motion. `time` is that of the
-    /// report on the clock of the motion, s. It is called in every cycle with the last report.
+    /// report on the clock of the motion, s. This method is called in every cycle with the last
+    /// report.
     fn refuses(&self, _part: &str, _time: f64, _positions: &[f64]) -> Option<String> {
         None
     }
 
-    /// Shows the state of the motion. It is called five times per second between two cycles, so it
-    /// must return at once.
+    /// Shows the state of the motion. This method is called five times per second between two
+    /// cycles, so it must return at once.
     fn show(&self, _state: &StreamState) {}
 }
 

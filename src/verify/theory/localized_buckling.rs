@@ -68,7 +68,7 @@ impl LocalizedBuckle {
     }
 
     /// Centreline at `nodes` equally spaced arc lengths from one end to the other, with the axis
-    /// along x. Its tangent turns about the axis at the rate M/(B (1 + cos φ)).
+    /// along x. The tangent of the centreline turns about the axis at the rate M/(B (1 + cos φ)).
     pub fn centreline(&self, nodes: usize) -> Vec<[f64; 3]> {
         let half = 0.5 * self.length;
         let path = runge_kutta(0.0, half, [0.0; 4], HALF_STEPS, |s, &[_, _, _, azimuth]| {

@@ -1,7 +1,7 @@
-//! A heavy rod pushed into a horizontal tube. It has the angle θ(x) in the tube, the bending
+//! A heavy rod pushed into a horizontal tube. The rod has the angle θ(x) in the tube, the bending
 //! stiffness EI, the weight w per length and the clearance r. Lengths are in units of (EI r/w)^¼,
-//! and the push f is in units of √(EI w/r). For small slopes, the difference between its energy
-//! and that of the straight rod under the same push, per length and divided by w r, is
+//! and the push f is in units of √(EI w/r). For small slopes, the difference between its energy and
+//! that of the straight rod under the same push, per length and divided by w r, is
 //!
 //! ```text
 //! e = ½ θ″² + ½ θ′⁴ − ½ f θ′² + 1 − cos θ

@@ -29,8 +29,8 @@ const KINDS: [(&str, FaultKind); 4] = [
 pub struct Fault {
     /// Kind of the fault.
     pub kind: FaultKind,
-    /// Time of the fault, s of the cell's clock. It is counted only while an arm moves, so that
-    /// pauses between motions do not matter.
+    /// Time of the fault, s of the cell's clock. This time is counted only while an arm moves, so
+    /// that pauses between motions do not matter.
     pub time: f64,
 }
 

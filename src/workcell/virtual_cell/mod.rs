@@ -2,8 +2,8 @@
 //!
 //! Clients use it like a real cell. Arms follow `control_msgs/FollowJointTrajectory` with latency
 //! and lag; grippers follow `control_msgs/GripperCommand`. A rod is handed to a gripper and hangs
-//! from it. It can be laid on a table with friction, gripped by other grippers, and released. A
-//! camera takes pictures. Instead of a rod, the table may carry a sheet, which a gripper takes by
+//! from it. The rod can be laid on a table with friction, gripped by other grippers, and released.
+//! A camera takes pictures. Instead of a rod, the table may carry a sheet, which a gripper takes by
 //! its edge and folds. The clock of the cell, `/clock`, runs in real time or faster, and waits if
 //! the simulation or a client cannot keep up.
 //!

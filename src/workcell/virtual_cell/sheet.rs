@@ -1,4 +1,4 @@
-//! The sheet of a virtual cell. It lies on the table; a gripper takes its edge, folds it and
+//! The sheet of a virtual cell. The sheet lies on the table; a gripper takes its edge, folds it and
 //! releases it.
 //!
 //! A strip in the direction of the fold is simulated, as in the experiment `folding`: a rod of the

@@ -1,7 +1,7 @@
 //! The image of a folded sheet in a camera: a strip, straight across, above the table.
 //!
-//! It is drawn as the ground of [`render`](rodlab_vision::render): each point of the table has the
-//! colour of the nearest surface on the camera ray through this point.
+//! The sheet is drawn as the ground of [`render`](rodlab_vision::render): each point of the table
+//! has the colour of the nearest surface on the camera ray through this point.
 
 use crate::cell::sums;
 use nalgebra::Point3;

@@ -166,8 +166,8 @@ impl Candidates {
         self.is_within(positions, COMPLETE_FRACTION)
     }
 
-    /// A fraction of the path `displacements` from `positions` along which the set is complete. It
-    /// is 0 if the set is not complete at `positions`, and may exceed 1.
+    /// A fraction of the path `displacements` from `positions` along which the set is complete: 0
+    /// if the set is not complete at `positions`; may exceed 1.
     pub(crate) fn covered_fraction(&self, positions: &[Vector3], displacements: &[Vector3]) -> f64 {
         if self.positions.len() != positions.len() {
             return 0.0;

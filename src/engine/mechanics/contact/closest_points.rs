@@ -9,13 +9,13 @@
 //! triple product with e_i × e_j. This stays accurate for nearly parallel edges, where the usual
 //! difference of dot products cancels.
 //!
-//! When edges turn through parallel, the closest points jump from one end of the stretch along
-//! which the edges face each other to the other end, and the torque of the contact force jumps
-//! with them. Parallel rods in contact come to rest in between, where Newton's method finds no
-//! force that balances them. With a smoothing c the points pass through the middle of that stretch
-//! within an angle of about c/(2 Δ ‖e‖). The distance is then the root of twice the minimum, so
-//! its gradient at fixed ratios is still the full gradient; it exceeds the distance of the edges
-//! by at most c/(4 Δ).
+//! When two edges become parallel as they turn, their closest points jump between the ends of the
+//! stretch along which the edges face each other. The torque of the contact force jumps with them.
+//! Parallel rods in contact come to rest in between, where Newton's method finds no force that
+//! balances them. With a smoothing c the points pass through the middle of that stretch within an
+//! angle of about c/(2 Δ ‖e‖). The distance is then the root of twice the minimum, so its gradient
+//! at fixed ratios is still the full gradient; it exceeds the distance of the edges by at most c/(4
+//! Δ).
 
 use crate::mechanics::Vector3;
 

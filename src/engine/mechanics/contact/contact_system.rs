@@ -88,7 +88,7 @@ pub struct ContactSystem {
 
 impl ContactSystem {
     /// `least_stiffness` is the initial contact stiffness k, and the least value that
-    /// `Self::adapt_stiffness` chooses; that of the force scale EI/L² is suitable.
+    /// `Self::adapt_stiffness` chooses; a suitable value is that for the force scale EI/L².
     pub fn new(
         parameters: ContactParameters,
         surface: ContactSurface,

@@ -6,10 +6,10 @@
 //!
 //! p_i = x_i − a (x_{i−1} − 2 x_i + x_{i+1}),   p = x at free ends.
 //!
-//! It has continuous tangents. With a = ⅛ it reproduces straight lines and parabolas; on a circle
-//! its radius ripples by 0.6 % of h where nodes are 2.08 h apart and the radius is 3 h, where that
-//! of the polyline ripples by 18 %. Control points beyond a free end are reflections, p_{−1} =
-//! 2 p_0 − p_1, so that the curve begins at the end.
+//! It has continuous tangents. With a = ⅛ the curve reproduces straight lines and parabolas. On a
+//! circle of radius 3 h, with nodes 2.08 h apart, the radius of the curve ripples by 0.6 % of h,
+//! and that of the polyline by 18 %. Control points beyond a free end are reflections, p_{−1} = 2
+//! p_0 − p_1, so that the curve begins at the end.
 //!
 //! Contact acts on m = [`PER_EDGE`] chords for each edge, from c(u) to c(u + 1/m). For edges of
 //! length ℓ, the middle of a chord lies κ ℓ²/(8 m²) inside a bend of curvature κ, and the chord

@@ -7,7 +7,7 @@
 //! ∂F_k/∂x_mⁿ = −w_k w_m D,  D = N ∂t/∂v /Δt.
 //!
 //! The laws of an active set ([`super::active_set`]) are linear in the positions, with their own
-//! derivatives over those at the start.
+//! derivatives with respect to those at the start.
 
 use super::active_law::{ActiveLaw, START};
 use super::contact_system::ContactSystem;

@@ -59,11 +59,11 @@ pub(super) fn contact_force(
 /// friction law linearised at the slip given with `sliding` (m/s). The derivatives of normal and
 /// contact points are included only if the contact `turns`.
 ///
-/// The contribution of turning is of the order of N/Δ and of either sign. It is harmful while
-/// forces and contact points are only guesses: a force that is far too large makes the system
-/// indefinite. Without it the Jacobian of frictionless contact is positive. For nearly parallel
-/// edges, however, it is necessary even while corrections still move them far, since the contact
-/// points run along the edges as they turn.
+/// The contribution of turning is of the order of N/Δ and of either sign. This contribution is
+/// harmful while forces and contact points are only guesses: a force that is far too large makes
+/// the system indefinite. Without it the Jacobian of frictionless contact is positive. For nearly
+/// parallel edges, however, it is necessary even while corrections still move them far, since the
+/// contact points run along the edges as they turn.
 ///
 /// If the second edge belongs to an obstacle, only the part of the first edge is written, because
 /// only that part is assembled.

@@ -5,9 +5,9 @@
 //!
 //! F = −μ N γ(ρ) u/ρ, u = v − (v·n) n, ρ = ‖u‖, γ(ρ) = 2/(1 + exp(−K₂ρ)) − 1 = tanh(K₂ρ/2), K₂ = 15/ν.
 //!
-//! γ(ρ)/ρ is an even, smooth function of ρ, so that the force is smooth at rest too. Its power
-//! −μ N γ ρ is never positive. There is no true sticking: a load of a fraction f of μN creeps at the
-//! slip speed ln((1+f)/(1−f)) ν/15.
+//! γ(ρ)/ρ is an even, smooth function of ρ, so that the force is smooth at rest too. The power of
+//! the force, −μ N γ ρ, is never positive. There is no true sticking: a load of a fraction f of μN
+//! creeps at the slip speed ln((1+f)/(1−f)) ν/15.
 //!
 //! As in the thesis, v is the velocity of the centrelines and the force acts on them. The spin of
 //! a rod about its centreline causes no slip and is not driven by friction, so rods do not roll.

@@ -13,8 +13,7 @@ const SMOOTHING: f64 = 5e-4;
 /// much outside the surfaces, so that they never touch.
 ///
 /// Without smoothing, time steps fall to the minimum when rods that press on each other become
-/// parallel: the closest points of edges jump as they turn through parallel, and the forces on the
-/// nodes jump with them.
+/// parallel: the closest points of the edges jump, and the forces on the nodes jump with them.
 const BARRIER_SMOOTHING: f64 = 5e-3;
 
 /// Contact models, all with Coulomb friction (thesis Eqs. 2.7–2.14).

@@ -1,11 +1,11 @@
 //! The rim of a tube in contact with a rod that leaves the tube through an end.
 //!
-//! The rim is a sharp circle. It touches not the polygon of the nodes but a smooth curve along it:
-//! the quadratic B-spline p(β) = Σ w_k(β) x_k through the middles of the edges, with the edges as
-//! tangents there. Between the middles of two edges that meet in the node x₁ the weights are w =
-//! (½(1−β)², ½ + β − β², ½β²); from an end of the rod to the middle of its first edge the curve is
-//! straight. So the force of the rim turns continuously with the tangent of the rod as the rod
-//! slides, without jumps from edge to edge.
+//! The rim is a sharp circle. The rim touches a smooth curve along the polygon of the nodes, not
+//! the polygon itself: the quadratic B-spline p(β) = Σ w_k(β) x_k through the middles of the edges,
+//! with the edges as tangents there. Between the middles of two edges that meet in the node x₁ the
+//! weights are w = (½(1−β)², ½ + β − β², ½β²); from an end of the rod to the middle of its first
+//! edge the curve is straight. So the force of the rim turns continuously with the tangent of the
+//! rod as the rod slides, without jumps from edge to edge.
 //!
 //! With the centre c of the rim, its axis t out of the tube, and p − c = ρ u + z t, the separation of the rod from its rim is
 //!

@@ -167,9 +167,9 @@ impl ContactSurface {
         self.rod_edges = self.edges.len();
     }
 
-    /// Gives the edges of the rod that was added last their own radii, m, and its nodes theirs,
-    /// with which they touch planes, faces and tubes. A self-contact is as near along the rod as π
-    /// times the mean of the two radii.
+    /// Sets the radii of the edges of the rod that was added last, m, and the radii with which its
+    /// nodes touch planes, faces and tubes. Parts of the rod that are nearer along it than π times
+    /// the mean of their radii do not touch.
     pub fn set_radii(&mut self, edges: &[f64], nodes: &[f64]) {
         let rod = self.closed_lengths.len() - 1;
         let first = self.edges.len() - edges.len();

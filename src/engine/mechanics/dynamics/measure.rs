@@ -59,8 +59,8 @@ impl Simulation {
     }
 
     /// Force that a clamp exerts on its held node, N: the residual M a + ∇E − F there, which
-    /// includes the inertia of the node. It is available after the first step or equilibrium. With
-    /// the midpoint rule it is the force in the middle of the step.
+    /// includes the inertia of the node. The force is available after the first step or
+    /// equilibrium. With the midpoint rule it is the force in the middle of the step.
     pub fn reaction(&self, node: usize) -> Vector3 {
         Vector3::from_column_slice(&self.system.residual[STRIDE * node..STRIDE * node + 3])
     }

@@ -1,5 +1,5 @@
-//! Newton's method for one implicit stage. It takes the whole step with the Jacobian at once; only
-//! if that increases the residual does a line search find a shorter one.
+//! Newton's method for one implicit stage. The whole Newton step is tried first; a line search
+//! shortens the step only if the residual would increase.
 
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::{Divergence, Imbalance, Stage, System};

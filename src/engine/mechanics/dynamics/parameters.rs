@@ -3,8 +3,8 @@
 /// Settings of time stepping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegrationParameters {
-    /// Time integration scheme. Implicit Euler by default: the scheme of the thesis. It handles
-    /// impacts and friction directly, and damps motions that its steps do not resolve.
+    /// Time integration scheme. Implicit Euler by default: the scheme of the thesis. This scheme
+    /// handles impacts and friction directly, and damps motions that its steps do not resolve.
     pub scheme: Scheme,
     /// Size of the time step, s. 1 ms by default: a clamped rod with a radius of a millimetre, a
     /// modulus of a MPa and a length of some centimetres swings in tenths of a second, and at

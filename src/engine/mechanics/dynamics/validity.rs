@@ -315,9 +315,9 @@ impl Validity {
     /// is ruinous.
     ///
     /// The energy E of rods and contacts minus the energy W taken in must not grow: the gain is
-    /// (E − W) minus its least value so far. It is compared with the largest kinetic and elastic
-    /// energy that is not gain, plus a tenth of all energy exchanged. Resting contacts hold some
-    /// fraction of their force times δ, by which the energy may oscillate.
+    /// (E − W) minus its least value so far. The gain is compared with the largest kinetic and
+    /// elastic energy that is not gain, plus a tenth of all energy exchanged. Resting contacts hold
+    /// some fraction of their force times δ, by which the energy may oscillate.
     pub(crate) fn after_step(
         &mut self,
         system: &System,

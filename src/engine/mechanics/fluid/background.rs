@@ -17,7 +17,7 @@ use crate::mechanics::{Matrix3, Vector3};
 /// The flow of the fluid without rods.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BackgroundFlow {
-    /// Its velocity over space, where the schedule is 1.
+    /// Velocity of the flow as a function of the place, where the schedule is 1.
     pub kind: FlowKind,
     /// Factor at given times, s, piecewise linear and constant outside; empty for 1.
     pub schedule: Vec<(f64, f64)>,

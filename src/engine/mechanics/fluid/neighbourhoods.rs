@@ -63,7 +63,7 @@ struct Workspace {
     rows: Vec<usize>,
     /// All stations that have densities of the neighbourhood, in ascending order.
     columns: Vec<usize>,
-    /// Its part of the operator.
+    /// Part of the operator that belongs to the neighbourhood.
     patch: Patch,
     /// The system to be solved.
     system: Vec<f64>,

@@ -130,7 +130,7 @@ impl Points {
         self.count() == self.stations()
     }
 
-    /// The station of each point's row, for all points in ascending order.
+    /// The station whose row stands for each point, for all points in ascending order.
     pub(crate) fn representatives(&self) -> &[usize] {
         &self.representatives
     }

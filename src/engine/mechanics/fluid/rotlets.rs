@@ -1,7 +1,8 @@
 //! The flow of rods that spin about their own axes.
 //!
 //! An edge of radius r and tangent t that spins about itself at ω exerts on the fluid the torque
-//! 4πη r² ω t per length, that of a long cylinder. Its flow at x is that of rotlets along it,
+//! 4πη r² ω t per length, that of a long cylinder. The flow of the edge at x is that of rotlets
+//! along the edge,
 //!
 //! ```text
 //! u(x) = ½ r² ω ∫₀ᴸ t × R/|R|³ ds = ½ r² ω (t × R) [ (s − a)/(q² √(q² + (s − a)²)) ]₀ᴸ

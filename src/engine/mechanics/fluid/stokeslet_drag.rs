@@ -48,7 +48,8 @@ pub(crate) struct StokesletMemory {
 }
 
 /// Solver for A f = 8πη u, called repeatedly for nodes that move a little in between (thesis Eq.
-/// 2.27). If nodes of several filaments are one point, it solves for the points ([`Points`]).
+/// 2.27). If nodes of several filaments are one point, the unknowns are those of the points
+/// ([`Points`]).
 ///
 /// GMRES starts from the best combination of the last solutions and is preconditioned by inverses
 /// of neighbourhoods at some earlier time; these are rebuilt when their age has made solves too
@@ -176,9 +177,9 @@ impl StokesletDrag {
     /// ```
     ///
     /// where u_p is the velocity of the point: joined nodes have no other velocity. For a sliding
-    /// node, f_p and u_p are the density and the velocity of the rail at its position. Its block
-    /// of A is its own, so that its motion along the rail meets the resistance of its own length.
-    /// Arguments as in [`Fluid::drag`](super::Fluid::drag).
+    /// node, f_p and u_p are the density and the velocity of the rail at its position. The sliding
+    /// node has a block of A of its own, so that its motion along the rail meets the resistance of
+    /// its own length. Arguments as in [`Fluid::drag`](super::Fluid::drag).
     pub(crate) fn drag(
         &mut self,
         positions: &[Vector3],
@@ -243,8 +244,8 @@ impl StokesletDrag {
     }
 
     /// Estimate of the largest eigenvalue of D⁻¹ R, the largest ratio of the resistance R of the
-    /// nodes to its local part D over all velocities; infinite with spheres. It is valid for the
-    /// positions at which the preconditioner was built.
+    /// nodes to its local part D over all velocities; infinite with spheres. The estimate is valid
+    /// for the positions at which the preconditioner was built.
     pub(crate) fn largest_ratio(&self) -> f64 {
         self.largest_ratio
     }

@@ -53,7 +53,7 @@ impl HangingStrip {
 
     /// The strip of a given free length, in gravito-bending lengths.
     ///
-    /// It is a heavy cantilever of γ = w ℓ³/EI = ℓ³/2, since EI/w = 2 L_gb³.
+    /// The strip is a heavy cantilever of γ = w ℓ³/EI = ℓ³/2, since EI/w = 2 L_gb³.
     ///
     /// # Errors
     /// The length is outside of `Self::LENGTHS`.

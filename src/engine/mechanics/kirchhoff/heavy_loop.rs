@@ -25,9 +25,9 @@ impl HeavyLoop {
     /// length ℓ, by shooting and Newton's method.
     ///
     /// The rod leaves the table flat and without moment, turns over by more than π, and comes down
-    /// flat and without moment upon itself; no horizontal force acts. It comes down to the height
-    /// at which it left, ∫ sin θ ds = 0; to see this, multiply the equation by θ' and integrate.
-    /// Its height is that of the point where θ first is π.
+    /// flat and without moment upon itself; no horizontal force acts. The rod comes down to the
+    /// height at which it left, ∫ sin θ ds = 0; to see this, multiply the equation by θ' and
+    /// integrate. The height of the loop is that of the point where θ is first π.
     pub fn new() -> Self {
         // Enough digits to converge to the loop that winds once; Newton's method finds the rest.
         let (mut force, mut length) = (-2.36, 5.9);

@@ -87,7 +87,8 @@ impl Helix {
     /// turn apart; `None` if the centreline makes less than half a turn or is straight.
     ///
     /// Points at an angle φ from each other about the axis have the distance √(2a²(1 − cos φ) +
-    /// (bφ)²), with a = κ/(κ² + τ²) and b = τ/(κ² + τ²). It is least within the first turn.
+    /// (bφ)²), with a = κ/(κ² + τ²) and b = τ/(κ² + τ²). The distance is least within the first
+    /// turn.
     pub(crate) fn self_distance(&self) -> Option<f64> {
         let rate = libm::hypot(self.curvature, self.torsion);
         if self.curvature == 0.0 {

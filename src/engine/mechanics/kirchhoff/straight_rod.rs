@@ -6,15 +6,15 @@ const SMALL: f64 = 1e-3;
 /// A function of the length ℓ that first vanishes where the straight rod with clamped ends buckles.
 ///
 /// The limit κ → 0 of the helix has the twisting moment ω and the axial force (ω − τ) τ, in units
-/// of EI. Its displacement w across the axis, as a complex number, satisfies w'''' − i ω w''' −
-/// (ω − τ) τ w'' = 0, whose solutions are 1, s, exp(i τ s) and exp(i (ω − τ) s). With A = τℓ/2 and
-/// B = (ω − τ)ℓ/2, clamped ends need (B − A) sin A sin B = A B sin(B − A). Without the factors
-/// that vanish for an unbuckled rod, this is
+/// of EI. The displacement w of the rod across the axis, as a complex number, satisfies w'''' − i ω
+/// w''' − (ω − τ) τ w'' = 0, whose solutions are 1, s, exp(i τ s) and exp(i (ω − τ) s). With A =
+/// τℓ/2 and B = (ω − τ)ℓ/2, clamped ends need (B − A) sin A sin B = A B sin(B − A). Without the
+/// factors that vanish for an unbuckled rod, this is
 ///
 /// ( sinc A sinc B − sinc(B − A) ) / (A B).
 ///
-/// It covers Euler's column (ω = 0: ℓ = 2π/τ), Greenhill's twisted rod (τ = 0: tan(ωℓ/2) = ωℓ/2)
-/// and, at ω = 2τ, the pulled rod that never buckles. Love 1944, articles 264 and 272;
+/// The function covers Euler's column (ω = 0: ℓ = 2π/τ), Greenhill's twisted rod (τ = 0: tan(ωℓ/2)
+/// = ωℓ/2) and, at ω = 2τ, the pulled rod that never buckles. Love 1944, articles 264 and 272;
 /// Greenhill 1883.
 pub(crate) fn stability_determinant(torsion: f64, twisting_moment: f64, length: f64) -> f64 {
     let a = 0.5 * torsion * length;

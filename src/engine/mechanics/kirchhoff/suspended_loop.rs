@@ -33,9 +33,9 @@ pub enum EndSpin {
 
 /// Supports of the ends of a loop of length 1. The loop is symmetric under half a turn about the y axis.
 ///
-/// Its lower end is at (−a cos θ, −a sin θ, −c/2), with the tangent (sin φ sin θ, −sin φ cos θ,
-/// cos φ); the mirrored end is at the top. At θ = 0 and a = 0 the loop is in the half plane y > 0
-/// of x = 0.
+/// The lower end of the loop is at (−a cos θ, −a sin θ, −c/2), with the tangent (sin φ sin θ, −sin
+/// φ cos θ, cos φ); the mirrored end is at the top. At θ = 0 and a = 0 the loop is in the half
+/// plane y > 0 of x = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoopEnds {
     /// Distance c of the ends along the z axis, between 0 and 1.
@@ -95,8 +95,8 @@ impl LoopEnds {
 }
 
 impl SuspendedLoop {
-    /// The planar loop, θ = 0. It is reached from the circular arc over the gap by rotating and
-    /// shifting the ends. `None` if it is not found.
+    /// The planar loop, θ = 0, found from the circular arc over the gap by rotating and shifting
+    /// the ends; `None` if it is not found.
     pub fn planar(gap: f64, tilt: f64, offset: f64, spin: EndSpin) -> Option<Self> {
         // Ratio of the chord of an arc with half angle α to its length: sin α/α.
         let half_angle = bisect(1e-6, PI, |angle| libm::sin(angle) / angle - gap);

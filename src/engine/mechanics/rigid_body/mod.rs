@@ -115,8 +115,8 @@ impl RigidBody {
         }
     }
 
-    /// A rotated box of three side lengths (m) around a centre. Its edges are rounded to a radius
-    /// (m) of less than half of the shortest side.
+    /// A rotated box of three side lengths (m) around a centre. The edges of the box are rounded to
+    /// a radius (m) of less than half of the shortest side.
     pub fn cuboid(
         centre: Vector3,
         sides: Vector3,

@@ -20,7 +20,7 @@ pub struct GhostEdge {
 }
 
 impl GhostEdge {
-    /// Its frame, which does not rotate with any node.
+    /// Frame of the edge, which does not rotate with any node.
     pub(super) fn frame(&self) -> EdgeFrame {
         EdgeFrame {
             tangent: self.tangent,
@@ -135,8 +135,8 @@ pub enum VertexUnknowns {
         /// Index into [`ElasticRods::elements`].
         element: usize,
     },
-    /// One of its edges is a ghost that rotates with a joint or a body. Its unknowns, those of the
-    /// real edge and the rotation of the ghost, are those of element number `element`
+    /// One of its edges is a ghost that rotates with a joint or a body. The unknowns of the vertex,
+    /// those of the real edge and the rotation of the ghost, are those of element number `element`
     /// (`turning_ghost`).
     Turning {
         /// Index into [`ElasticRods::elements`].

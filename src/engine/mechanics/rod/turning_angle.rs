@@ -3,9 +3,9 @@
 //! The curvature binormal κb of two edges that turn by φ has the length 2 tan(φ/2), which is too
 //! large by φ³/12. A straight rod bent by loads turns by its curvature times its length, so that
 //! the angle itself is the right strain. A factor λ converts |κb| to the angle, exact up to
-//! φ⁷/840. It needs neither a root nor a division, and the energy still grows without bound at a
-//! fold, φ = π. With c = cos²(φ/2) and q = |κb|² = 4/c − 4, which is the sum of two squares in the
-//! frame of each edge,
+//! φ⁷/840. The factor needs neither a root nor a division, and the energy still grows without bound
+//! at a fold, φ = π. With c = cos²(φ/2) and q = |κb|² = 4/c − 4, which is the sum of two squares in
+//! the frame of each edge,
 //!
 //! ```text
 //! E = Σⱼ [EI₂ (λκ¹ʲ)² + EI₁ (λκ²ʲ)²] / 4l̄

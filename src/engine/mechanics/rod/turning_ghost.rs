@@ -27,7 +27,7 @@ pub(crate) const TURNING_ROTATION: usize = 7;
 
 /// The ghost edge of a half vertex.
 pub(super) struct TurningGhost {
-    /// Its unit vector t.
+    /// Unit vector t of the ghost edge.
     pub tangent: Vector3,
     /// Whether it is the edge before.
     pub is_first: bool,

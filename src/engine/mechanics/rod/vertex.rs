@@ -1,8 +1,8 @@
 //! Bending and twisting at one vertex: energy, gradient and Hessian in closed form.
 //!
 //! A vertex joins two edges e⁰ and e¹ with unit tangents t⁰, t¹, lengths l⁰, l¹ and material
-//! directors m₁ʲ, m₂ʲ. Its strains are the curvature binormal in the frame of each edge, and the
-//! twist,
+//! directors m₁ʲ, m₂ʲ. The strains of the vertex are the curvature binormal in the frame of each
+//! edge, and the twist,
 //!
 //! ```text
 //! κb = 2 t⁰×t¹ / χ,  χ = 1 + t⁰·t¹                (Bergou et al. 2008, Eq. 1; thesis Eq. 1.3)

@@ -94,9 +94,9 @@ pub struct Spring {
 /// Sign of the force of a spring between nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpringForce {
-    /// It pulls where it is longer than its rest length: a tie, a bungee.
+    /// The spring pulls where it is longer than its rest length: a tie, a bungee.
     Tension,
-    /// It pushes where it is shorter than its rest length: a bumper.
+    /// The spring pushes where it is shorter than its rest length: a bumper.
     Compression,
 }
 
@@ -106,7 +106,7 @@ pub struct TurningStiffness {
     /// Moment per angle c, N m/rad.
     pub stiffness: f64,
     /// Rotation vector of the second frame relative to the first at which there is no moment, rad.
-    /// It counts from the placed frames, in the axes of the scene.
+    /// The rotation counts from the placed frames, in the axes of the scene.
     pub rest_rotation: Vector3,
 }
 

@@ -17,7 +17,7 @@
 //! Σ C_k g(s_k) = ∫ I_h g/EI ds,       g(s) = M(s) (x − s)
 //! ```
 //!
-//! with the linear interpolation I_h g. Its error ∫ (I_h g − g)/EI ds ≈ (h²/12) ∫ g''/EI ds is of
+//! with the linear interpolation I_h g. The error ∫ (I_h g − g)/EI ds ≈ (h²/12) ∫ g''/EI ds is of
 //! second order, wherever between the nodes sections meet: steps need no node of their own. (The
 //! mean of 1/EI between the middles of edges has the same order if sections meet at nodes, and
 //! otherwise an error up to h²/8 |g'| Δ(1/EI) that depends on the place of the joint between the

@@ -2,9 +2,9 @@
 //!
 //! The natural strain of every vertex and edge is that of the unstressed shape plus the integral
 //! of the actuated strain over the Voronoi length, or over the edge. This is exact for schedules
-//! and for waves, even for waves shorter than the edges. It is taken at the time at which the
-//! forces are evaluated: at the end of a step, or at its middle with the midpoint rule. Equilibria
-//! use the present time, paths of equilibria use their parameter.
+//! and for waves, even for waves shorter than the edges. The actuated strain is taken at the time
+//! at which the forces are evaluated: at the end of a step, or at its middle with the midpoint
+//! rule. Equilibria use the present time, paths of equilibria use their parameter.
 //!
 //! **Length.** A section that lengthens keeps its mass, its stiffnesses EA, EI and GJ, and its
 //! natural curvature and twist per length. With vertex lengths l̄ = g l̄₀ the natural strains of

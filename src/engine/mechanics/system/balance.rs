@@ -6,10 +6,10 @@
 //! and without a stiff post beside it.
 //!
 //! EI/L² may be far above the forces that act: a short steel rod hardly bends under its weight.
-//! Its deflection is then linear in the forces, and one correction finds it to many digits,
-//! whatever the allowed residual. This correction must be made. A predicted configuration without
-//! any correction counts as balanced only if the residual at every unknown is small compared with
-//! the forces at that unknown ([`System::is_balanced_as_predicted`]).
+//! The deflection of such a rod is linear in the forces, and one correction finds it to many
+//! digits, whatever the allowed residual. This correction must be made. A predicted configuration
+//! without any correction counts as balanced only if the residual at every unknown is small
+//! compared with the forces at that unknown ([`System::is_balanced_as_predicted`]).
 //!
 //! In a time step a rod may also turn, which is not linear. Forces that turn with the rod leave a
 //! residual after one correction, and its work may not be negligible compared with the energy of a

@@ -67,7 +67,7 @@ enum Turning {
     Free,
     /// The frame turns like that of the other rod.
     Weld(usize),
-    /// It turns on a hinge.
+    /// The frame turns on a hinge.
     Hinge(usize),
 }
 

@@ -259,8 +259,8 @@ impl Drive {
     }
 
     /// Rotation of the clamped frame about its tangent relative to parallel transport between two
-    /// times, rad. It is summed along the schedule, so that whole turns count however long the
-    /// step is.
+    /// times, rad. The rotation is summed along the schedule, so that whole turns count however
+    /// long the step is.
     fn spin(&self, from: f64, to: f64) -> f64 {
         let motion = &self.motion;
         if motion.orientation.is_empty() {

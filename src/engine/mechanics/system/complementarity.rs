@@ -13,9 +13,9 @@
 //! state that the last iteration suggests (open, sticking, sliding) the laws are linear, and one
 //! factorisation of the sparse matrix A + Hᵀ K H solves them all. Here K is the stiffness of
 //! contacts that hardly yield; their forces of the last iteration are included, so that the
-//! displacement by which they yield vanishes (proximal point). From the forces of the step before,
-//! this takes only the iterations needed to find the states; if the states cycle, smoothed laws
-//! lead to the solution (`rigid_contact::search`).
+//! displacement by which they yield vanishes (proximal point). Starting from the forces of the
+//! previous step, this takes only the iterations needed to find the states; if the states cycle,
+//! smoothed laws lead to the solution (`rigid_contact::search`).
 //!
 //! Possible contacts are predicted from the motion under the present forces, initially those of
 //! the last step: rods that fall or carry a load together do not approach each other. A contact

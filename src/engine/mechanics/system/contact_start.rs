@@ -39,9 +39,9 @@ pub(crate) struct StiffnessBound {
     pub prediction: Vec<f64>,
 }
 
-/// Ratio of the stiffness of an active set to that of the rods. Its inverse is the relative
-/// violation of the constraints; it also limits the digits that rounding leaves of the rods' own
-/// stiffness.
+/// Ratio of the stiffness of an active set to that of the rods. The inverse of the ratio is the
+/// relative violation of the constraints. The ratio also limits the digits that rounding leaves of
+/// the rods' own stiffness.
 const SHUT: f64 = 1e7;
 
 impl System {

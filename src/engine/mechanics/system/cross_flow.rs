@@ -2,8 +2,8 @@
 //! principle.
 //!
 //! With the velocity w = v − U relative to the fluid, its parts wₜ = s t along the unit tangent t
-//! and wₙ = w − wₜ, and the acceleration a relative to that of the fluid, a rod of radius h bears
-//! per natural length
+//! and wₙ = w − wₜ, and the acceleration a relative to that of the fluid, the force on a rod of
+//! radius h per natural length is given by
 //!
 //! ```text
 //! −f = −½ ρ 2h Cₙ |wₙ| wₙ − ½ ρ 2πh Cₜ |s| s t − Cₐ ρ π h² aₙ

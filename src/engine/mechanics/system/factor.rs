@@ -45,7 +45,7 @@ impl Scale {
         self.schedule.iter().map(|corner| Event::of_load(corner.0))
     }
 
-    /// Its value at `time`.
+    /// Value of the factor at `time`.
     pub(crate) fn at(&self, time: f64) -> f64 {
         self.factor * piecewise_linear(&self.schedule, time).unwrap_or(1.0)
     }

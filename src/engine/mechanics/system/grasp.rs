@@ -8,8 +8,9 @@
 //! stays the same up to terms of fourth order in the turning angle. A release joins the halves:
 //! their natural strains add, and so do the inverses of their stiffness. Weights of vertices
 //! beside clamps ([`VertexWeights`]) do not change, since a change would move a stressed rod. The
-//! traces of a released clamp cancel up to the fourth order, and a grasp is of second order. At a
-//! free end, which carries no moment, the ghost edge continues the last edge without stress.
+//! traces of a released clamp cancel up to the fourth order; the error of a grasp is of second
+//! order. At a free end, which carries no moment, the ghost edge continues the last edge without
+//! stress.
 
 use super::term::Term;
 use super::{Drive, System};

@@ -20,10 +20,10 @@
 //! frequency of twist waves is too low by the factor 1 − (kh)²/12, so the moments of inertia of
 //! the two half edges at a vertex are shared with 1/12: ρJ h [1/12, 10/12, 1/12].
 //!
-//! **Stretching** keeps an error of second order. It would need the stencil of twist, whereas
-//! bending needs that of linear interpolation, and a mass that differs between directions would
-//! not conserve angular momentum. Axial waves are too fast by (kh)²/24, as much as they are too
-//! slow with lumped masses, the fastest by √3.
+//! **Stretching** keeps an error of second order. Fourth order would need the stencil of twist, but
+//! bending needs that of linear interpolation, and a mass that differs between directions would not
+//! conserve angular momentum. Axial waves are too fast by (kh)²/24, and the fastest by √3; with
+//! lumped masses they are too slow by (kh)²/24.
 //!
 //! **Curved rods.** The nodes follow w − h²/12 w'', the least-squares projection of the centreline
 //! onto polygons: where it is bent they are h²κ/12 outside it, and a polygon around an arc of the

@@ -9,8 +9,8 @@ use crate::mechanics::{Matrix3, Vector3};
 pub struct Stage {
     /// Size h of the implicit stage, s: velocities are (q − qₙ)/h.
     pub step: f64,
-    /// Size hₐ of the stage for velocities, s: accelerations are (v − vₙ)/hₐ. It equals h except
-    /// for backward differences.
+    /// Size hₐ of the stage for velocities, s: accelerations are (v − vₙ)/hₐ. This size equals h
+    /// except for backward differences.
     pub acceleration_step: f64,
     /// Unknowns at its start.
     pub start: Vec<f64>,

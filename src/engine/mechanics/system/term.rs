@@ -93,8 +93,8 @@ pub(crate) trait Term {
         false
     }
 
-    /// Applies the values prescribed at a time, s. It may change the natural strains of rods, for
-    /// which it has their geometry.
+    /// Applies the values prescribed at a time, s. A term may change the natural strains of rods;
+    /// `_geometry` is for this purpose.
     fn drive(&mut self, _time: f64, _rods: &mut ElasticRods, _geometry: &mut RodGeometry) {}
 
     /// Sets the configuration for which residual and energy are then evaluated.
@@ -150,7 +150,7 @@ pub(crate) trait Term {
     /// Restores a state that was committed at a time, s.
     fn resume(&mut self, _time: f64) {}
 
-    /// Its data in a checkpoint.
+    /// Data of the term in a checkpoint.
     fn memory(&self) -> Vec<Vec<f64>> {
         Vec::new()
     }

@@ -2,9 +2,9 @@
 //! positions.
 //!
 //! Such a contact has up to 14 unknowns: the positions of four nodes and the angles of two edges.
-//! With all four nodes it has three elements: one for the positions, and one per body for its
-//! positions and both angles. A contact of one rod with a plane or an obstacle moves at most three
-//! nodes and has one element.
+//! A contact of four nodes has three elements: one for all positions, and for each of the two
+//! bodies one that couples the positions of its nodes with both angles. A contact of one rod with a
+//! plane or an obstacle moves at most three nodes and has one element.
 
 use crate::linalg::{Element, ElementMatrix, UNUSED};
 use crate::mechanics::contact::{

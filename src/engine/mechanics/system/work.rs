@@ -29,8 +29,8 @@ const FAR_TURN: f64 = 0.1;
 
 impl System {
     /// Energy that contacts add in a step that ends at `unknowns`, where they were last evaluated,
-    /// J; only if it is not negligible. It is that of contact forces constant at their values at
-    /// the end of the step. Rigid contacts store no energy.
+    /// J; only if it is not negligible. The contact forces are taken as constant, with their values
+    /// at the end of the step. Rigid contacts store no energy.
     pub(crate) fn work_of_contact(&self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
         let contact = self.contact()?;
         let (work, forces) = self.work_and_forces(contact, stage, unknowns);
@@ -86,8 +86,8 @@ impl System {
     }
 
     /// Energy that contacts add in a step of the midpoint rule that ends at `unknowns`, J; only if
-    /// it is not negligible. It is that of normal forces in the middle of the step, plus the
-    /// energy added by a change of the contact stiffness. `None` also if nothing touches.
+    /// it is not negligible. This is the work of the normal forces in the middle of the step, plus
+    /// the energy added by a change of the contact stiffness. `None` also if nothing touches.
     pub(crate) fn work_of_contact_in_the_middle(
         &mut self,
         stage: &Stage,

@@ -42,7 +42,7 @@ impl Axes {
     }
 }
 
-/// The camera at one time. It is orthographic, so that lengths across the view are true
+/// The camera at one time. The projection is orthographic, so that lengths across the view are true
 /// everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Camera {

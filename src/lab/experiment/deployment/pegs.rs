@@ -64,7 +64,7 @@ pub fn outlines(pegs: &[Peg]) -> Vec<(f64, Option<f64>)> {
     pegs.iter().flat_map(circle).collect()
 }
 
-/// The first `part` (a fraction, at most 1) of a rod of equal edges. Its last point lies between
+/// The first `part` (a fraction, at most 1) of a rod of equal edges; the last point lies between
 /// two nodes.
 pub fn first_part(nodes: &[Vector3], part: f64) -> Vec<Vector3> {
     let along = (part * (nodes.len() - 1) as f64).clamp(0.0, (nodes.len() - 1) as f64);
@@ -85,7 +85,8 @@ pub fn passes(rod: &[Vector3], pattern: &[[f64; 2]], peg: &Peg) -> bool {
 }
 
 /// Whether a rod, seen from above, passes a peg on the same side as its pattern without lying on
-/// the peg. Its centreline must be farther from the axis of the peg than the radius of the peg.
+/// the peg. The centreline of the rod must be farther from the axis of the peg than the radius of
+/// the peg.
 pub fn passes_beside(rod: &[Vector2<f64>], pattern: &[[f64; 2]], peg: &Peg) -> bool {
     let axis = Vector2::from(peg.position);
     let is_beside = rod.windows(2).all(|edge| {

@@ -77,7 +77,7 @@ impl Placement {
         })
     }
 
-    /// The path of the gripper. It keeps the part of the rod beyond the pattern within the given
+    /// The path of the gripper, which keeps the part of the rod beyond the pattern within the given
     /// space.
     ///
     /// # Errors

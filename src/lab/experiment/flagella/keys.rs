@@ -34,10 +34,10 @@ keys! {
         /// Side of the polygon with the axes at its corners. Not needed for a single flagellum.
         side: number(Length, POSITIVE) required,
         /// Direction from the centre of the polygon to the first axis, as an angle about z (axes
-        /// point from head to tip). It is measured from the direction in which every helix begins,
-        /// seen from its own axis. Default: "180 deg", the first helix begins towards the centre,
-        /// as in the released code of the thesis. It matters for odd numbers of flagella; angles
-        /// that differ by multiples of 360°/count are equivalent.
+        /// point from head to tip). The angle is measured from the direction in which every helix
+        /// begins, seen from its own axis. Default: "180 deg", the first helix begins towards the
+        /// centre, as in the released code of the thesis. The angle matters for odd numbers of
+        /// flagella; angles that differ by multiples of 360°/count are equivalent.
         orientation: number(Angle, FINITE) default(PI),
         /// Angular velocity of the heads. Positive makes right-handed helices push towards their
         /// heads, as in swimming bacteria, and bundle: the heads then turn clockwise as seen from

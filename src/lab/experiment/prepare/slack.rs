@@ -30,8 +30,8 @@ pub struct Slack {
 
 impl Slack {
     /// A polyline of `length` in at least two `edges` between two points at a smaller distance.
-    /// Its middle is displaced from their line in the direction of the unit vector `towards`,
-    /// which is normal to that line.
+    /// The middle of the polyline is displaced from the line of the ends in the direction of the
+    /// unit vector `towards`, which is normal to that line.
     pub fn new(start: Vector3, end: Vector3, length: f64, towards: Vector3, edges: usize) -> Self {
         let distance = (end - start).norm();
         let parts = edges as f64;

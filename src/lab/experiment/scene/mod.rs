@@ -8,7 +8,7 @@ use serde::Serialize;
 /// Rods as listed.
 pub struct SceneKind;
 
-/// It reads only the common tables.
+/// The general experiment, which reads only the common tables.
 #[derive(Serialize)]
 struct NoTables {}
 

@@ -16,8 +16,8 @@ pub const WORDS: [&str; 5] = ["auto", "start", "end", "half", "diagonal"];
 pub struct Place {
     /// The key, as written.
     pub path: KeyPath,
-    /// The key with names in place of indices of elements. It seeds random numbers, so that other
-    /// tables before this one do not change them.
+    /// The key with names in place of indices of elements. This key seeds random numbers, so that
+    /// other tables before this one do not change them.
     pub named: KeyPath,
     /// Number of the copy.
     pub copy: Option<usize>,

@@ -70,8 +70,8 @@ fn is_word(text: &str, expression: &Expression, scope: &Scope<'_>) -> bool {
         && (names.iter().any(|name| WORDS.contains(name)) || !is_near())
 }
 
-/// A mistake in the text of a node. It is located within the text if the text was typed without
-/// escapes.
+/// A mistake in the text of a node. The fault is located within the text if the text was typed
+/// without escapes.
 pub fn located(sources: &Sources, place: &Place, node: &Node, mistake: Mistake) -> Located {
     let issue = Issue {
         copy: place.copy,

@@ -8,8 +8,8 @@ use crate::scenario::section::{FINITE, NON_NEGATIVE, Section};
 use crate::scenario::typed;
 use std::path::Path;
 
-/// Largest deviation of the norm of a quaternion from 1. It allows rounding to two digits, but not
-/// components in other units or in another order.
+/// Largest deviation of the norm of a quaternion from 1. This tolerance allows rounding to two
+/// digits, but not components in other units or in another order.
 const UNIT_TOLERANCE: f64 = 0.02;
 
 /// Resolves the poses that a clamp or an obstacle follows; empty if it follows none.

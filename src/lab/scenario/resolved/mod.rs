@@ -1,8 +1,8 @@
 //! The resolved scenario: complete and validated, with every number in SI units.
 //!
 //! A [`Scenario`] leaves nothing open: defaults are filled in, units converted, shape files read.
-//! Its serialised form uses the keys of scenario files, so it is itself a scenario file. TOML has
-//! no null, so `None` values are left out.
+//! The serialised form of a scenario uses the keys of scenario files, so it is itself a scenario
+//! file. TOML has no null, so `None` values are left out.
 
 mod experiment;
 mod load;

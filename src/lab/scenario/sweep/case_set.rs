@@ -263,7 +263,7 @@ impl CaseSet {
         !self.axes.is_empty() || self.search.is_some()
     }
 
-    /// The search, if there is one. It is repeated for each case of the other keys.
+    /// The search, if there is one, which is repeated for each case of the other keys.
     pub fn search(&self) -> Option<&Search> {
         self.search.as_ref()
     }

@@ -11,7 +11,7 @@ use crate::scenario::typed;
 pub struct SweptDerivatives {
     /// Probes or columns; empty for all of them.
     pub of: Vec<String>,
-    /// Dotted keys to differentiate over.
+    /// Dotted keys of the derivatives.
     pub to: Vec<String>,
     /// The table as typed.
     pub(super) typed: Node,

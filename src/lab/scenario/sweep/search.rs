@@ -7,7 +7,7 @@ use crate::scenario::document::{Entry, Node, Value};
 use crate::scenario::issue::{Issue, Issues};
 use crate::scenario::typed::{self, SearchMethod};
 
-/// A validated search. Its numbers are those in front of the unit of the ends.
+/// A validated search, with the numbers in front of the unit of the ends.
 #[derive(Clone, Debug)]
 pub struct Search {
     /// Method.

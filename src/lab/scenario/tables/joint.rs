@@ -21,9 +21,9 @@ keys! {
         /// Node of each rod: "start", "end", or a number, as in ["end", 4]. The second node of a
         /// slide is the place where the slide begins.
         at: places("a node of each rod, such as [\"end\", \"start\"]") required,
-        /// Largest force that the joint withstands, in a dynamic run. It breaks if the force is
-        /// larger at the end of a step. The nodes of balls, hinges and rigid joints that can break
-        /// must not belong to other joints. Default: it never breaks.
+        /// Largest force that the joint withstands, in a dynamic run. The joint breaks if the force
+        /// is larger at the end of a step. The nodes of balls, hinges and rigid joints that can
+        /// break must not belong to other joints. Default: it never breaks.
         break_at: number(Force, POSITIVE) optional,
     }
     also {
@@ -49,9 +49,9 @@ keys! {
         /// The first node slides without friction along the rod of the second node, between stops
         /// at its ends.
         Slide,
-        /// A spring between the nodes, which need not coincide. It acts on their distance, or on
-        /// the rotation of the rods relative to each other. It has a `stiffness`, a
-        /// `turning_stiffness`, or both.
+        /// A spring between the nodes, which need not coincide. A `stiffness` acts on the distance
+        /// of the nodes, a `turning_stiffness` on the rotation of the rods relative to each other;
+        /// give one or both.
         Spring also {
             /// Force per lengthening.
             stiffness: number(ForcePerLength, POSITIVE) optional,

@@ -111,15 +111,15 @@ keys! {
         profile: raw(Profile) raw,
         /// How the inertia of edges is assigned to nodes. "lumped": half to each node, with errors
         /// of vibrations of second order in the edge length. "consistent": the velocity is linear
-        /// along each edge, with errors of fourth order for straight rods. It also changes strains
-        /// and the weights of vertices beside clamps, even in equilibria; the guide's page
-        /// `accuracy` has the numbers. "auto" (the default): "consistent" for naturally straight
-        /// rods of a `scene` without sections, contact and fluid, else "lumped".
+        /// along each edge, with errors of fourth order for straight rods. "consistent" also
+        /// changes strains and the weights of vertices beside clamps, even in equilibria; the
+        /// guide's page `accuracy` has the numbers. "auto" (the default): "consistent" for
+        /// naturally straight rods of a `scene` without sections, contact and fluid, else "lumped".
         inertia: word(InertiaChoice) default(InertiaChoice::Auto),
         /// Velocity of the rod at time zero. Default: at rest.
         velocity: vector(Velocity) default([0.0; 3]),
-        /// Angular velocity about the rod's centroid at time zero. It moves the nodes; the rod does
-        /// not spin about its own centreline.
+        /// Angular velocity about the rod's centroid at time zero. This velocity moves the nodes;
+        /// the rod does not spin about its own centreline.
         angular_velocity: vector(AngularVelocity) default([0.0; 3]),
     }
 }

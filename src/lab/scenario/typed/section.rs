@@ -13,8 +13,7 @@ keys! {
     /// not given are those of the rod.
     table RodSection "rod_section" {
         /// Arc length along the placed rod at which the section begins. Default: the end of the
-        /// previous section, or 0. Parts of the rod without a section are as the rod's own keys
-        /// describe.
+        /// previous section, or 0. Parts of the rod without a section have the rod's own keys.
         from: number(Length, NON_NEGATIVE) optional,
         /// Arc length at which the section ends. Default: the beginning of the next section if it
         /// is given, or the end of the rod.
@@ -48,8 +47,8 @@ keys! {
 }
 
 /// Radius of a rod over the arc length along the placed rod; give `file`, or lists of equal
-/// lengths. Between the rows the radius is linear. It is short for `sections` from row to row,
-/// which have the circle or tube and the material of the rod.
+/// lengths. Between the rows the radius is linear. The profile is short for `sections` from row to
+/// row, with the circle or tube and the material of the rod.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "profile")]
 pub struct Profile {

@@ -65,11 +65,11 @@ pub enum SampleMethod {
     Random,
 }
 
-/// Derivatives of probes over keys, as `rodlab sensitivity` computes them.
+/// Derivatives of probes with respect to keys, as `rodlab sensitivity` computes them.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "sweep_derivatives")]
 pub struct SweptDerivatives {
-    /// Dotted keys over which the probes are differentiated, in SI units.
+    /// Dotted keys with respect to which the probes are differentiated, in SI units.
     pub to: Vec<String>,
     /// Names of probes, or of columns of them. Default: all probes.
     #[serde(default)]

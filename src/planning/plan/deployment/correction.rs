@@ -94,8 +94,8 @@ impl ObservedContact {
 }
 
 /// The curve on which the rod returns from `contact` to the pattern, whose `points` begin there.
-/// It takes `return_length` (m) and adds at most `largest_curvature` (1/m) to the curvature of the
-/// pattern.
+/// The return takes `return_length` (m) and adds at most `largest_curvature` (1/m) to the curvature
+/// of the pattern.
 pub fn return_curve(
     points: &[PatternPoint],
     contact: &ObservedContact,

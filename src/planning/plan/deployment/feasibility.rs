@@ -61,9 +61,9 @@ fn contact_demand_at(poses: &[GripperPose], s: f64) -> f64 {
 /// Length of the lead-in for a pattern that starts at this point, m: zero if it is nearly straight
 /// there. For a lead-out, use the reversed last point.
 ///
-/// It is shorter than the friction demand alone requires if the lead would bend to less than three
-/// radii of the rod, or coil: a rapidly changing curvature at the start of the pattern makes a
-/// long lead oscillate.
+/// The lead-in is shorter than the friction demand alone requires if the lead would bend to less
+/// than three radii of the rod, or coil: a rapidly changing curvature at the start of the pattern
+/// makes a long lead oscillate.
 pub fn lead_length(rod: &DeployedRod, end: &PatternPoint) -> f64 {
     let unit = rod.gravito_bending_length;
     let bent = end.curvature.abs() * unit;

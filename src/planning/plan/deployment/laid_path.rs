@@ -23,7 +23,7 @@ pub struct LaidPath {
 
 impl LaidPath {
     /// The path along a pattern with its lead-in and, depending on `spare`, with the rest of the
-    /// rod. Its points are at most `step` apart, m. `way` is the scheme of the gripper and the
+    /// rod. The points are at most `step` apart, m. `way` is the scheme of the gripper and the
     /// solver for its grasps.
     ///
     /// # Errors

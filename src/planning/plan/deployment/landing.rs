@@ -5,8 +5,8 @@ use crate::plan::grasp::{GraspProblem, GraspSolver};
 use crate::plan::pattern::PatternPoint;
 use rodlab_engine::mechanics::{Vector3, rotation};
 
-/// Nodes of the whole rod in equilibrium, m. It hangs from the first pose of the gripper, with its
-/// free end on the table at the first point of the pattern. In the optimal scheme this is the
+/// Nodes of the whole rod in equilibrium, m. The rod hangs from the first pose of the gripper, with
+/// its free end on the table at the first point of the pattern. In the optimal scheme this is the
 /// shape of the optimal grasp; in the intuitive scheme the rod hangs straight down, slightly
 /// stretched by its own weight.
 ///

@@ -19,8 +19,8 @@ const MOST_POINTS: usize = 4000;
 const ACCURACY: f64 = 1e-4;
 
 /// Returns the least coefficient of friction that holds a lying rod in its whole curve, with the
-/// tension that suits it best. It is at most the largest √(κ″² + κ²κ′²) · 2 L_gb³, the demand
-/// without tension.
+/// tension that suits it best. The result is at most the largest √(κ″² + κ²κ′²) · 2 L_gb³, the
+/// demand without tension.
 ///
 /// `points` are at equal distances. The tension at the end, where the suspended part of the rod
 /// begins, is free.

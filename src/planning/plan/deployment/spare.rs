@@ -1,5 +1,5 @@
-//! The surplus of a rod that is longer than its pattern. It is laid after and before the pattern,
-//! so that it does not fall.
+//! The surplus of a rod that is longer than its pattern. The surplus is laid after and before the
+//! pattern, so that it does not fall.
 
 use super::{DeployedRod, lead_length};
 use crate::plan::pattern::{Pattern, PatternPoint, Point};

@@ -54,8 +54,8 @@ pub struct GripperPose {
     pub s: f64,
     /// Position, m. The table is z = 0; the lying rod's centreline is a radius above it.
     pub position: Vector3,
-    /// Orientation. Its x axis is the tangent of the rod, towards the gripper. It is the frame of
-    /// the lying rod, (t, ẑ × t, ẑ), carried along the rod without twist.
+    /// Orientation: the frame of the lying rod, (t, ẑ × t, ẑ), carried along the rod without twist.
+    /// The x axis is the tangent of the rod, towards the gripper.
     pub rotation: UnitQuaternion,
     /// The exact grasp, dimensionless; `None` for the intuitive scheme and for a network.
     pub grasp: Option<Grasp>,

@@ -64,8 +64,8 @@ impl FoldAtlas {
     }
 
     /// Finds the folds of the table. For each suspended length the search starts at the fold
-    /// without a push along the table. It continues to smaller angles until the sheet is pulled
-    /// taut, and to larger ones until the edge is back on the table.
+    /// without a push along the table. The search continues to smaller angles until the sheet is
+    /// pulled taut, and to larger ones until the edge is back on the table.
     pub fn search() -> Self {
         let mut folds = vec![];
         let mut length = LENGTHS[0];

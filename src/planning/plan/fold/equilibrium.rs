@@ -242,8 +242,8 @@ mod tests {
         parts.sum::<f64>() * fold.suspended_length / PARTS as f64 / 3.0
     }
 
-    /// The gripper exerts the derivative of the energy over its position; the table bears the rest of
-    /// the weight, and holds against all of the force along it.
+    /// The gripper exerts the derivative of the energy with respect to its position; the table
+    /// carries the rest of the weight, and holds against all of the force along it.
     #[test]
     fn the_table_bears_what_the_gripper_does_not() {
         let lifted = Fold::just_lifted(2.5).unwrap();

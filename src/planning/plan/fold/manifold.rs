@@ -166,8 +166,8 @@ fn is_slack(fold: &Fold) -> bool {
     fold.forces.horizontal * fold.suspended_length.powi(2) < MOST_PULL
 }
 
-/// A row of the grid. It starts at the fold of the atlas with the nearest height and continues to
-/// both sides as far as there are folds.
+/// A row of the grid, which starts at the fold of the atlas with the nearest height and continues
+/// to both sides as far as there are folds.
 fn row_of_folds(
     atlas: &FoldAtlas,
     z: f64,

@@ -1,8 +1,8 @@
 //! Folds by a network trained on exact ones (thesis 4.3.4), and its force manifold (4.4.1).
 //!
-//! Its inputs are x̄ and z̄. Its outputs are α, l̄_s and the inclination arctan(H/|V|) of the
-//! force on the lying part, whose tangent is λ with a sign. The inclination is smooth where λ has
-//! its kink, and always bounded.
+//! The inputs of the network are x̄ and z̄. The outputs are α, l̄_s and the inclination
+//! arctan(H/|V|) of the force on the lying part, whose tangent is λ with a sign. The inclination is
+//! smooth where λ has its kink, and always bounded.
 
 use super::atlas::FoldAtlas;
 use super::equilibrium::Fold;
@@ -143,8 +143,8 @@ impl NeuralFolds {
     }
 
     /// The manifold of the network (thesis sec. 4.4.1) for a sheet with suspended lengths between
-    /// `least` and `longest`, at every cell of the grid within the training workspace. It has λ of
-    /// the network, but V of the nearest fold of the atlas, so it can be used only for
+    /// `least` and `longest`, at every cell of the grid within the training workspace. The manifold
+    /// has λ of the network, but V of the nearest fold of the atlas, so it can be used only for
     /// [`Objective::Sum`](super::Objective::Sum).
     ///
     /// # Errors

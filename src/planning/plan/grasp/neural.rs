@@ -1,10 +1,11 @@
 //! Optimal grasps by a network trained on exact ones (thesis 5.3.5).
 //!
-//! Its inputs are ln(1 + l̄_s), |κ̄| and 1/k̄_s. Its outputs are, first, the quantities that are
-//! even in κ̄: the gripper's x, its drop below the height on an upright rod, in L_gb, and the
-//! component y of the rotation vector. The other outputs are the odd quantities divided by κ̄: the
-//! gripper's y, and the components x and z of the rotation vector. Grasps on straight patterns are
-//! therefore exactly straight, and those on mirrored patterns exactly mirrored.
+//! The inputs of the network are ln(1 + l̄_s), |κ̄| and 1/k̄_s. The outputs are, first, the
+//! quantities that are even in κ̄: the gripper's x, its drop below the height on an upright rod, in
+//! L_gb, and the component y of the rotation vector. The other outputs are the odd quantities
+//! divided by κ̄: the gripper's y, and the components x and z of the rotation vector. Grasps on
+//! straight patterns are therefore exactly straight, and those on mirrored patterns exactly
+//! mirrored.
 
 use super::{GraspProblem, Vector3};
 use crate::learn::{Compared, Model, ModelError, read_model};
@@ -95,7 +96,7 @@ impl NeuralGrasps {
     /// The network of a model that was read from a file.
     ///
     /// # Errors
-    /// It was trained on other columns.
+    /// The model was trained on other columns.
     pub fn of(path: &Path, model: Model) -> Result<Self, ModelError> {
         Ok(Self {
             model: model.with_columns(path, &Self::INPUTS, &Self::OUTPUTS)?,

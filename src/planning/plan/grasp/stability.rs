@@ -90,11 +90,11 @@ pub struct Elimination {
 pub struct Leg {
     /// Its block.
     pub block: Matrix3,
-    /// Its inverse, if it exists.
+    /// Inverse of the matrix, if it exists.
     pub inverse: Option<Matrix3>,
-    /// Its coupling block to the next node.
+    /// Coupling block to the next node.
     pub across: Matrix3,
-    /// Its coupling to the conditions.
+    /// Coupling to the conditions.
     pub part: Matrix3,
 }
 

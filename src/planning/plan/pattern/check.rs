@@ -2,8 +2,8 @@
 //!
 //! Polygons of touching curves may cross each other many times by chance: a full circle, for
 //! example, ends along its own start. Each crossing of two polygons is therefore followed in both
-//! directions along the second polygon, as long as this is within the chord error of the first. It
-//! is a crossing of the curves if the second polygon leaves the first on opposite sides. Curves
+//! directions along the second polygon, as long as this is within the chord error of the first. The
+//! curves themselves cross there if the second polygon leaves the first on opposite sides. Curves
 //! that meet and leave on the same side, or that end there, only touch.
 
 use super::{PatternPoint, Point};

@@ -1,8 +1,8 @@
 //! A smooth curve along drawn points: a penalised spline (Eilers & Marx, Statistical Science 11, 1996).
 //!
 //! The curve consists of uniform B-splines of degree five over the arc length of the drawing, so
-//! that κ'' is continuous. It minimises Σ|x(u) − q|² + λ Σ|Δ³c|² with the largest λ for which it
-//! stays within the allowed deviation. Of the allowed curves its curvature changes least.
+//! that κ'' is continuous. The spline minimises Σ|x(u) − q|² + λ Σ|Δ³c|² with the largest λ for
+//! which it stays within the allowed deviation. Of the allowed curves its curvature changes least.
 
 use super::{PatternError, PlaneCurve, Point};
 

@@ -10,9 +10,9 @@ use thiserror::Error;
 const SPACING: f64 = 1e-3;
 /// Maximum number of points of a pattern; those of longer patterns are farther apart.
 const MOST_POINTS: f64 = 4_000.0;
-/// Length of the rod that is still held when the rest is laid, in gravito-bending lengths l̄. Its
-/// end is then l̄⁴/48 above the rest, so that the jitter of the gripper does not press it into the
-/// table.
+/// Length of the rod that is still held when the rest is laid, in gravito-bending lengths l̄. The
+/// end of the rod is then l̄⁴/48 above the rest, so that the jitter of the gripper does not press
+/// it into the table.
 const HELD: f64 = 1.6;
 /// Smallest distance of the end before a crossing, in gravito-bending lengths.
 const BEFORE_CROSSING: f64 = 1.0;

@@ -1,9 +1,9 @@
 //! `control_msgs/FollowJointTrajectory` of ROS 1, natively, without a ROS installation or a bridge.
 //!
-//! A node (`node`) uses XML-RPC (`xmlrpc`) for the master and TCPROS for the action server. It
-//! sends goals and cancellations, and receives joint states, feedback, results and the clock of a
-//! simulated robot (`message`). A `gripper` uses another action. Pictures come from a `camera` or
-//! from a recording (`bag`).
+//! A node (`node`) uses XML-RPC (`xmlrpc`) for the master and TCPROS for the action server. The
+//! node sends goals and cancellations, and receives joint states, feedback, results and the clock
+//! of a simulated robot (`message`). A `gripper` uses another action. Pictures come from a `camera`
+//! or from a recording (`bag`).
 
 mod bag;
 mod bag_record;

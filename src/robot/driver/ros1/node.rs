@@ -28,7 +28,7 @@ pub enum Heard {
     MasterIsGone,
 }
 
-/// A node. Its threads end when it is dropped.
+/// A node. The threads of a node end when it is dropped.
 pub struct Node {
     inner: Arc<Inner>,
 }

@@ -175,7 +175,8 @@ fn call_in(document: &Document<'_>) -> Call {
     }
 }
 
-/// The document of a message. Its depth is checked first, since [`Value::from_xml`] recurses.
+/// The document of a message. The depth of the document is checked first, since [`Value::from_xml`]
+/// recurses.
 fn parse(text: &str) -> Result<Document<'_>, String> {
     if text.len() > LONGEST {
         return Err(format!("longer than {LONGEST} bytes"));

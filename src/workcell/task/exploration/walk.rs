@@ -191,8 +191,8 @@ impl Walk<'_> {
         })
     }
 
-    /// Returns to the straight rod. A rod that snapped is gripped again there. It retains twist,
-    /// apparently whole turns, which a straight rod does not show.
+    /// Returns to the straight rod. A rod that snapped is gripped again there. Otherwise the rod
+    /// would retain twist, apparently whole turns, which a straight rod does not show.
     fn straighten(&mut self, has_snapped: bool) -> Result<(), WorkError> {
         self.go(0)?;
         if !self.look()? {

@@ -2,8 +2,8 @@
 //!
 //! Between grips both arms move in one motion. While a gripper opens or closes, both arms are at
 //! rest. While an end is moved to the place where it must pass under a strand, the other arm comes
-//! from above to this strand. It lifts the strand, waits until the end has passed, and puts the
-//! strand down. It then rises, and moves to the next strand or home.
+//! from above to this strand. This arm lifts the strand, waits until the end has passed, and puts
+//! the strand down. The arm then rises, and moves to the next strand or home.
 
 use super::plan::{KnotPlan, Lead, PlannedRod};
 use super::request::{RATE, TieMotionRequest};

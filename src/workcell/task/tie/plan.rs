@@ -46,7 +46,7 @@ pub struct KnotPlan {
     /// The rods in the order in which they are laid: the first by the first arm, the second by the
     /// second.
     pub rods: Vec<PlannedRod>,
-    /// The crossings in the order in which the rods reach them for the second time.
+    /// The crossings in the order of their second passes.
     pub passages: Vec<Passage>,
     /// Motions of the ends in sequence. The end of the last rod is first, since its gripper still
     /// holds it.

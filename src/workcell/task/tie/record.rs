@@ -17,7 +17,7 @@ pub struct TieRecord {
     pub arms: [String; 2],
     /// The patterns, as given.
     pub patterns: Vec<String>,
-    /// Whether rods pass over or under at crossings that they reach for the second time.
+    /// Whether the second passes of the rods at crossings are over or under.
     pub passes: Vec<Pass>,
     /// The knot of the patterns; `null` if it depends on how the ends are joined.
     pub drawn: Option<KnotInvariants>,

@@ -1,10 +1,11 @@
 //! Pull-back of derivatives through the breaking of joints at the end of a step.
 //!
-//! Joints break at the end of the same step whatever the data. The parts that they joined then
-//! have unknowns of their own, with the values that they had before; so derivatives with respect to
-//! them are gathered on the common unknowns once the joint is whole again. Only a frame on a hinge
-//! gets other unknowns: a rotation vector instead of an angle. It is a function of the rotation of
-//! the frame that carries the hinge and of the angle, which is differentiated by differences.
+//! The step at whose end a joint breaks does not depend on the data. The parts that were joined
+//! then have unknowns of their own, with the values that they had before; so derivatives with
+//! respect to them are gathered on the common unknowns once the joint is whole again. Only a frame
+//! on a hinge gets other unknowns: a rotation vector instead of an angle. This vector is a function
+//! of the angle and of the rotation of the frame that carries the hinge. The function is
+//! differentiated by differences.
 
 use super::covector::Covector;
 use crate::mechanics::dynamics::simulation::Simulation;

@@ -56,11 +56,11 @@
 //!
 //! **Contact.** Friction acts on the slip since the start of the stage and is transposed with
 //! respect to that start like a damper. The contact stiffness k is part of s, and contact forces
-//! are proportional to it. If a step adapts k to the force on a node at the prediction, bounded by
-//! energies and at a prediction that a contact shortens, its derivative is pulled back through
-//! these (`stiffness_back`). The least stiffness is a constant of the scene. By complementarity the
-//! laws of an active set are linear in the positions at the end and at the start of the step; both
-//! matrices are transposed.
+//! are proportional to it. A step may adapt k to the force on a node at the prediction; energies
+//! may bound k, and a contact may shorten the prediction. The derivative of k is pulled back
+//! through all of these (`stiffness_back`). The least stiffness is a constant of the scene. By
+//! complementarity the laws of an active set are linear in the positions at the end and at the
+//! start of the step; both matrices are transposed.
 //!
 //! **Cost.** The steps are stored as they are taken. When they fill [`LARGEST_TRACE`], only the
 //! states at the starts of parts of the motion are kept, and a part is repeated, bit for bit, when
@@ -73,9 +73,9 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `gradient` | the derivatives over fields |
-//! | `measured`, `differences` | derivatives of the results over the last state |
-//! | `covector` | the derivative over a state |
+//! | `gradient` | the derivatives with respect to fields |
+//! | `measured`, `differences` | derivatives of the results with respect to the last state |
+//! | `covector` | the derivative with respect to a state |
 //! | `charts`, `breaks` | rotation vectors that were reset, joints that broke |
 //! | `extrapolation` | the end of a step of the midpoint rule |
 //! | `step_back`, `point` | a step back |
@@ -284,24 +284,25 @@ fn refuse(
     let refusals = [
         (
             parameters.scheme == Scheme::ImplicitMidpoint && !system.slides().is_empty(),
-            "derivatives over fields of rods with [[joints]] of kind \"slide\" need time.scheme = \"implicit-euler\" or \"backward-differences\"",
+            "derivatives with respect to fields of rods with [[joints]] of kind \"slide\" need \
+             time.scheme = \"implicit-euler\" or \"backward-differences\"",
         ),
         (
             (scene.contact.as_ref())
                 .is_some_and(|contact| contact.friction_at == FrictionAt::Surface),
-            "derivatives over fields need contact.friction_at = \"centreline\"",
+            "derivatives with respect to fields need contact.friction_at = \"centreline\"",
         ),
         (
             (scene.contact.as_ref()).is_some_and(|contact| contact.geometry == Geometry::Smooth),
-            "derivatives over fields need contact.geometry = \"polyline\"",
+            "derivatives with respect to fields need contact.geometry = \"polyline\"",
         ),
         (
             matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. })),
-            "derivatives over fields need fluid.model = \"resistive\"",
+            "derivatives with respect to fields need fluid.model = \"resistive\"",
         ),
         (
             lengthens,
-            "derivatives over fields support no rods that lengthen by themselves",
+            "derivatives with respect to fields support no rods that lengthen by themselves",
         ),
     ];
     match refusals.into_iter().find(|(refused, _)| *refused) {

@@ -14,7 +14,7 @@ pub(super) struct StepBack {
     /// The solution of its stage.
     point: Point,
     solution: Vec<f64>,
-    /// Its end, if this is not the solution.
+    /// End of the step, if this is not the solution.
     extrapolation: Option<Extrapolation>,
     /// Derivative of the contact stiffness with respect to the stiffness from which it was
     /// adapted.

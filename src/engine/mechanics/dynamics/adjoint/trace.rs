@@ -53,7 +53,7 @@ struct Part {
     untils: Vec<f64>,
 }
 
-/// Callback for a step, given by the state at its start and by its end.
+/// Callback for a step; the arguments are the state at the start of the step, and its end.
 pub(super) type Visit<'a> =
     &'a mut dyn FnMut(&mut Simulation, &SimulationState, &End) -> Result<(), SensitivityError>;
 

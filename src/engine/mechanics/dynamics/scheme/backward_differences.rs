@@ -45,9 +45,10 @@ use crate::mechanics::dynamics::step_control::ErrorLaw;
 use crate::mechanics::system::Stage;
 use crate::mechanics::{Matrix3, Vector3};
 
-/// Largest growth of automatic steps from one to the next. It is smaller than for the other
-/// schemes, since differences over several steps err more when steps grow. For two flagella turned
-/// from rest, the deviation from small steps after 2.5 s is a fifth of that with a growth of 1.5.
+/// Largest growth of automatic steps from one to the next. This growth is smaller than for the
+/// other schemes, since differences over several steps err more when steps grow. For two flagella
+/// turned from rest, the deviation from small steps after 2.5 s is a fifth of that with a growth of
+/// 1.5.
 const LARGEST_GROWTH: f64 = 1.1;
 
 /// Largest distance of an iteration from the predictor, in radii. Where predicted contacts press

@@ -13,8 +13,8 @@
 //!
 //! **Order two.** The rule is symmetric, so that only even powers of h remain in the error after
 //! many steps. The error of one step in q is h³ q⃛/12, as for the trapezoidal rule for ∫ v dt; the
-//! error of v adds a term of fourth order. It is estimated from the last two steps: h/12 times the
-//! second difference of the velocity.
+//! error of v adds a term of fourth order. The error is estimated from the last two steps: h/12
+//! times the second difference of the velocity.
 //!
 //! **Conservation.** Quadratic invariants are conserved exactly: momentum, angular momentum, and
 //! in linear problems energy. Otherwise the energy oscillates about a value near the true one if

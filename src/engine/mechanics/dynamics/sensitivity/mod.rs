@@ -160,8 +160,8 @@ impl Sensitivity {
     }
 
     /// Largest turn (rad) or stretch of an edge by which the neighbours of a parameter have
-    /// differed from the simulation so far. Its square is about the relative error of the
-    /// derivatives; below 1e-8 rounding errors dominate.
+    /// differed from the simulation so far. The square of this number is about the relative error
+    /// of the derivatives; below 1e-8 rounding errors dominate.
     pub fn amplitude(&self, parameter: usize) -> f64 {
         self.parameters[parameter].amplitude
     }

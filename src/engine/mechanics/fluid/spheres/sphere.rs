@@ -6,8 +6,8 @@
 //! 8πη u(x) = G F + T × r/r³,    G = (I/r + rrᵀ/r³) + a²/3 (I/r³ − 3 rrᵀ/r⁵)
 //! ```
 //!
-//! outside itself, with r from its centre. Its motion in a flow u∞ of others follows from Faxén's
-//! laws (Kim and Karrila 1991, chapter 3)
+//! outside itself, with r from its centre. The motion of the sphere in a flow u∞ of others follows
+//! from Faxén's laws (Kim and Karrila 1991, chapter 3)
 //!
 //! ```text
 //! U = F/(6πηa) + (1 + a²/6 ∇²) u∞,    Ω = T/(8πηa³) + ½ ∇ × u∞
@@ -63,7 +63,7 @@ impl Sphere {
         r.norm() < self.radius
     }
 
-    /// Its angular velocity from the velocities of the tips, rad/s: Σ p × ṗ/(2ℓ²).
+    /// Angular velocity of the sphere from the velocities of the tips, rad/s: Σ p × ṗ/(2ℓ²).
     pub(crate) fn spin(&self, positions: &[Vector3], velocities: &[Vector3]) -> Vector3 {
         let moments = self
             .tips()

@@ -46,7 +46,7 @@ pub(super) struct AxialLanes(pub [SingleLanes; 3]);
 pub(super) struct Row {
     /// Point of evaluation, m.
     pub x: [f64; 3],
-    /// Its height over the wall, m.
+    /// Height over the wall, m.
     pub height: f64,
     /// Unit normal of the wall.
     pub normal: [f64; 3],

@@ -8,10 +8,10 @@
 //!
 //! # Nodes in the wall
 //! The row of a node on the wall vanishes: the fluid is at rest there. A rod that is clamped in
-//! the wall has such a node. Its force density falls to zero there, since both the rod and the
-//! nearby fluid are at rest. So a held node whose height is less than a tenth of the radius takes
-//! no force. If such a node is behind the wall, its edge starts at the wall. Any other node at or
-//! behind the wall is an error.
+//! the wall has such a node. The force density of the rod falls to zero there, since both the rod
+//! and the nearby fluid are at rest. So a held node whose height is less than a tenth of the radius
+//! takes no force. If such a node is behind the wall, its edge starts at the wall. Any other node
+//! at or behind the wall is an error.
 //!
 //! # Not resolved
 //! Images act between centrelines; lubrication within the gap is not modelled. Ratio of the drag

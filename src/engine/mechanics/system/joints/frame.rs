@@ -1,8 +1,8 @@
 //! A frame that turns with a joint or body: rods are clamped to it.
 //!
-//! Its rotation is R = exp([φ]×) B with a rotation vector φ and a rotation B that is constant over
-//! many steps. The unknowns are the components of ℓφ, with a length ℓ that makes them as large as
-//! the moves of nodes. Moments T, in the fixed frame, are Jᵀ(φ) T/ℓ over the unknowns
+//! The rotation of the frame is R = exp([φ]×) B with a rotation vector φ and a rotation B that is
+//! constant over many steps. The unknowns are the components of ℓφ, with a length ℓ that makes them
+//! as large as the moves of nodes. Moments T, in the fixed frame, are Jᵀ(φ) T/ℓ over the unknowns
 //! ([`crate::mechanics::rotation`]). The frame of a hinge turns by an additional angle α, R' = R
 //! exp(α [a]×).
 //!

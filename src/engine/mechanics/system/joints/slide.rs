@@ -1,7 +1,7 @@
 //! A node that slides along a rod without friction.
 //!
-//! Its position is that of a point on the rod's curve ([`Track`]), whose parameter s replaces the
-//! position as the unknown:
+//! The position of the node is that of a point on the rod's curve ([`Track`]), whose parameter s
+//! replaces the position as the unknown:
 //!
 //! ```text
 //! x = X(s, q) = Σ wⱼ(s) xⱼ,    what acts on x, R:   wⱼ R on xⱼ,   R·X' on s

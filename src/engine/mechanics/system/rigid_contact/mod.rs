@@ -59,7 +59,7 @@ pub(super) struct RigidContact {
     wanted: Vector3,
     /// Gap and slip w, m.
     apart: Vector3,
-    /// Its projection λ*, N.
+    /// Projection λ* of the force, N.
     projected: Vector3,
     /// Whether the contact kept a part of its force when it opened.
     kept: bool,
@@ -241,7 +241,7 @@ impl RigidContact {
 }
 
 impl State {
-    /// Its contribution to Newton's matrix, N/m.
+    /// Contribution of the contact to Newton's matrix, N/m.
     pub(crate) fn matrix(&self, constraint: &ContactConstraint) -> ElementMatrix {
         let weights = &constraint.weights;
         std::array::from_fn(|row| {

@@ -1,11 +1,11 @@
 //! Search for forces that satisfy the laws of many contacts at once.
 //!
 //! Newton's method for a function with kinks computes forces from the states of all contacts, and
-//! the next states from these forces. It converges in a few iterations if few states change, and
-//! may cycle if many do. Then the laws are smoothed ([`super::smoothed`]), and the width of the
-//! smoothing is reduced step by step to zero. Every iterate solves the equations of the rods, and
-//! so does every point between two iterates. A step that increases the violation of the smoothed
-//! laws is therefore shortened without another solution of a linear system.
+//! the next states from these forces. The method converges in a few iterations if few states
+//! change, and may cycle if many do. Then the laws are smoothed ([`super::smoothed`]), and the
+//! width of the smoothing is reduced step by step to zero. Every iterate solves the equations of
+//! the rods, and so does every point between two iterates. A step that increases the violation of
+//! the smoothed laws is therefore shortened without another solution of a linear system.
 //!
 //! The rods are linearised again as they move, and forces are solved only to the corresponding
 //! accuracy: smoothed laws are followed down to a width proportional to the motion, and further

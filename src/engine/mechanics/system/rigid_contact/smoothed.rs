@@ -109,9 +109,9 @@ impl RigidContact {
     }
 }
 
-/// Solves x + a x/(1 − x²) = `size` for y = 1 − x from 0 to 1, with a = `width`. It uses Newton's
-/// method in y, since x may be too close to 1 to leave digits of y, and bisection if that leaves
-/// the bracket.
+/// Solves x + a x/(1 − x²) = `size` for y = 1 − x from 0 to 1, with a = `width`. Newton's method is
+/// used in y, since x may be too close to 1 to leave digits of y; bisection replaces an iterate
+/// outside the bracket.
 fn rest_of_disk(size: f64, width: f64) -> f64 {
     let over = size - 1.0;
     let root = libm::hypot(over, (2.0 * width).sqrt());

@@ -11,7 +11,7 @@
 //! the nodes meet exactly, and is set to zero.
 //!
 //! A spring that acts only in tension has this energy where r ≥ L and none where r < L, one that
-//! acts only in compression the reverse. Its energy has a continuous derivative. At r = L, where
+//! acts only in compression the reverse. The energy has a continuous derivative. At r = L, where
 //! the second derivative jumps, it is that of the acting spring: Newton's method then predicts the
 //! force of a tie that is placed without slack. Crossing r = L needs an iteration more, since the
 //! residual is linear in r − L on either side.

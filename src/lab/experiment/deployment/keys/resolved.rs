@@ -76,8 +76,7 @@ pub struct Correction {
 /// A knot that is tied along the pattern.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Knot {
-    /// Whether the rod passes over or under at each crossing when it reaches the crossing for the
-    /// second time.
+    /// Whether the second pass of the rod is over or under, for each crossing.
     pub crossings: Vec<Pass>,
     /// Height to which strands are lifted, m.
     pub lift: f64,

@@ -94,13 +94,12 @@ pub struct Second {
 keys! {
     /// A knot that is tied along the pattern.
     table Knot "tied_knot" {
-        /// Pass of the rod at each crossing of the pattern when it reaches the crossing for the
-        /// second time, "over" or "under", in that order. While it is laid it passes over. With
-        /// two rods the list has all crossings: first those that the second rod covers while it is
-        /// laid, then those to which its end is led, then those to which the end of the first rod
-        /// is led.
+        /// Second pass of the rod at each crossing of the pattern, "over" or "under", in the order
+        /// of these passes. While the rod is laid, it passes over. With two rods the list has all
+        /// crossings: first those that the second rod covers while it is laid, then those to which
+        /// its end is led, then those to which the end of the first rod is led.
         crossings: raw(Vec<Pass>) raw,
-        /// Height to which strands are lifted. Default: eight radii of the rod, with two rods of
+        /// Height to which strands are lifted. Default: eight radii of the rod; with two rods, of
         /// the thicker one.
         lift: number(Length, POSITIVE) derived,
         /// Speed at which the end is led. Default: 4 cm/s.

@@ -138,8 +138,7 @@ impl Paper {
     /// Distance that the edge moves, m.
     ///
     /// The sheet is folded along its diagonal and is not square, or the target is beyond the
-    /// opposite edge. A sheet that is not square has no diagonal to be folded along; a sheet has
-    /// an end.
+    /// opposite edge.
     pub fn target(&self, crease: Crease) -> Result<f64, String> {
         let length = self.sheet(crease).length;
         match crease {

@@ -26,8 +26,8 @@ pub fn helix_error(nodes: &[Vector3], helix: &Helix, enlargement: f64) -> f64 {
 /// another threshold gives nearly the same distance.
 const DEVIATION: f64 = 0.1;
 /// Ratio of the kinetic energy to that of the whole rod moving with the speed of its end, above
-/// which the rod moves by itself. It is then three times as fast; a rod that follows its end has a
-/// ratio below 0.5.
+/// which the rod moves by itself. Such a rod is three times as fast as its end; a rod that follows
+/// its end has a ratio below 0.5.
 const OWN_MOTION: f64 = 10.0;
 
 /// Observation of a manipulated rod at an output time.

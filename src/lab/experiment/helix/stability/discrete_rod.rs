@@ -17,7 +17,8 @@ const RADIUS: f64 = 1e-3;
 /// Index of the clamp at the end.
 pub const END: usize = 1;
 
-/// A rod of unit length as a chain of edges. Its stability does not depend on the two stiffnesses.
+/// A rod of unit length as a chain of edges. The stability of the rod does not depend on the two
+/// stiffnesses.
 #[derive(Clone, Copy, Debug)]
 pub struct DiscreteRod {
     /// Number of edges.

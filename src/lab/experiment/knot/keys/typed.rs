@@ -40,8 +40,8 @@ keys! {
         /// EI/R of its loop.
         pull_speed: number(Velocity, POSITIVE) derived,
         /// Largest kinetic over elastic energy of a quasi-static pull, 1e-3 by default.
-        /// `pull_speed = "auto"` aims at it, and a run reports if it exceeds it while the ends
-        /// move. `summary.csv` has both values.
+        /// `pull_speed = "auto"` aims at this value, and a run whose ratio exceeds it while the
+        /// ends move reports this. `summary.csv` has both values.
         kinetic_bound: number(Dimensionless, FRACTION) default(resolved::Knot::KINETIC_BOUND),
         /// Time for which the knot settles under strong drag before the ends move; the drag fades
         /// at the end of this time. Default: twelve periods R² √(ρA/EI) of the loop, at least two

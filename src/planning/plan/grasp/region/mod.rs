@@ -1,9 +1,9 @@
 //! Allowed positions of a gripper above a straight line (thesis 5.3.2, Algorithm 6).
 //!
-//! The thesis does not state the conditions at the two ends. Its solver gets only the position of
-//! the gripper, and Eq. 5.3 requires zero bending there. Here, therefore, the contact node is
-//! clamped level on the table, and the gripper holds a position and turns freely. Each position
-//! has its force (F_x, F_z) on the contact node, its moment M(0) and its direction α. The
+//! The thesis does not state the conditions at the two ends. The solver of the thesis gets only the
+//! position of the gripper, and Eq. 5.3 requires zero bending there. Here, therefore, the contact
+//! node is clamped level on the table, and the gripper holds a position and turns freely. Each
+//! position has its force (F_x, F_z) on the contact node, its moment M(0) and its direction α. The
 //! constraints of Eq. 5.6, a rod above the table and F_z ≥ 0, bound a region M of positions. Along
 //! a ray from the contact node they hold between two distances. Beyond the outer one the rod is
 //! stretched and pulls upwards (region I of Fig. 5.4b). Within the inner one it touches the table
@@ -11,8 +11,8 @@
 //! continued inwards from stretched ones, so folded rods at the same positions are not included.
 //!
 //! The lying part carries no moment: on a straight pattern the rod has κ̄ = M(0) = 0. Such grasps
-//! form a curve. It is the inner boundary as long as that has M(0) = 0, and continues beyond. The
-//! grasps of Eq. 5.3 are the points of this curve with F_x = 0.
+//! form a curve. The curve is the inner boundary where that has M(0) = 0, and continues beyond it.
+//! The grasps of Eq. 5.3 are the points of this curve with F_x = 0.
 
 mod chebyshev;
 mod planar_rod;

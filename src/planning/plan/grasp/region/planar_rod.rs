@@ -1,5 +1,5 @@
-//! A suspended rod in the plane. Its contact node is clamped level on the table; its other end is
-//! held at a position and turns freely.
+//! A suspended rod in the plane. The contact node of the rod is clamped level on the table; the
+//! other end is held at a position and turns freely.
 //!
 //! EI = L_gb = 1, so that the weight per length is 1/2. With the angle θ(s) of the tangent above the table and the force
 //! n(s) = (H, V + s/2) that the material beyond s exerts,

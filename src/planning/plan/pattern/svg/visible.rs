@@ -2,10 +2,10 @@
 //! nested pages, conditions and clips.
 //!
 //! The outlines of `usvg` have single precision, and its arcs deviate from circles by more than
-//! patterns allow. It therefore receives a copy of the drawing in which each shape is replaced by
-//! a small one of the same kind at the origin, whose width encodes its index. The outlines are
-//! computed here. Fills that depend on the box around a shape do not matter; such clips are
-//! ignored.
+//! patterns allow. The library therefore receives a copy of the drawing in which each shape is
+//! replaced by a small one of the same kind at the origin, whose width encodes its index. The
+//! outlines are computed here. Fills that depend on the box around a shape do not matter; such
+//! clips are ignored.
 
 use super::shape::SHAPES;
 use super::units::Page;
