@@ -28,12 +28,12 @@ Examples:
   rodlab cell serve --rod green_vps --fault drop-link@3s --fault lose-camera@0s",
     "\
 Arms follow trajectories as `rodlab stream` sends them, with latency and lag. A gripper that closes
-receives the end of a rod, which hangs from it with its free end on the table, or grasps a lying rod
-within its reach, even if another gripper holds that rod. A gripper that opens releases it. A scene,
---scene, has a rod and pegs on the table. A sheet, --paper, lies on the table; a gripper that closes
-at the middle of its edge takes it. The camera shows the table with all of them, on
-/camera/image_raw unless the cell file names another topic. The address on which the cell listens is
-printed.
+grasps a lying rod within its reach, even if another gripper holds that rod. Otherwise it receives
+the end of a rod, which hangs from it with its free end on the table. A gripper that opens releases
+it. A scene, --scene, has a rod and pegs on the table. A sheet, --paper, lies on the table; a
+gripper that closes at the middle of its edge takes it. The camera shows the table with all of them,
+on /camera/image_raw unless the cell file names another topic. The address on which the cell listens
+is printed.
 
 An arm obeys one client at a time. When that client disconnects, the arm stops. Times of faults
 count only while an arm moves; faults are drop-link, freeze-joint, slip-grasp and lose-camera."
@@ -86,7 +86,7 @@ struct ServeArguments {
     /// Supply rods that hang in the air with this free length, for `rodlab identify --rod`
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, requires = "rod", conflicts_with_all = ["free_end", "second_rod"])]
     hanging: Option<f64>,
-    /// Rod for all arms except the first, as --rod [default: the same]
+    /// Rod file for all arms except the first [default: that of --rod]
     #[arg(long, value_name = "FILE", requires = "rod", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     second_rod: Option<PathBuf>,
     /// Sheet file: TOML with [folding.paper], as in scenarios/papers

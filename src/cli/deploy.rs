@@ -26,7 +26,7 @@ Examples:
     "\
 The path of the gripper is planned as by `rodlab plan deployment`, that of the joints as by
 `rodlab plan joints`. The arm moves straight to the first point; its gripper takes the rod, lays it
-and releases it; the camera of the cell file takes a picture, by which the rod is scored. With
+and releases it; the camera of the cell file takes a picture, and the rod is scored by it. With
 --dry-run nothing moves: look at its page first. `rodlab cell serve` starts a cell for trying
 --cell.
 

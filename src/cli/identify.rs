@@ -47,9 +47,9 @@ code 3: the fit has not converged. `rodlab guide identification` explains the er
 
 With --rod instead of a scenario, an arm identifies a rod. Its gripper receives the end of the rod,
 so that the length --free hangs down. The arm holds the rod in three poses, the camera takes
-pictures, and the gravito-bending length and the natural curvature are fitted to them. Further
-results are rod.toml, which is --rod with the fitted length, look_1.png to look_3.png, overlay_1.png
-to overlay_3.png, and the record of a task, as with `rodlab deploy`."
+pictures, and the gravito-bending length and the natural curvature are fitted to them. rod.toml is
+--rod with the fitted length. Other results are look_1.png to look_3.png, overlay_1.png to
+overlay_3.png, and the record of a task, as with `rodlab deploy`."
 );
 
 /// Arguments of `rodlab identify`.

@@ -22,13 +22,13 @@ Examples:
     "\
 The rod is held at one end, hangs or stands freely, and is photographed whole and from the side.
 Several photographs show the same rod. If it is naturally curved and turned about its axis at the
-clamp (--roll), its shape also gives the ratio of twisting to bending stiffness. Turns are
-right-handed about the direction in which the rod leaves the clamp, from 0 where the natural
-curvature is in the plane of the photograph; they are assumed to be accurate to a degree. The answer
-is JSON: gravito-bending length L_gb, m, radius, m, and natural curvature, 1/m, positive to the left
-as seen from the held end. Standard errors follow from the scatter of the traced points and, for the
-length, from the ends, whose uncertainty is half the radius. The bending stiffness is 2 L_gb³ times
-the weight per length."
+clamp (--roll), its shape also gives the ratio of twisting to bending stiffness. A turn of 0 means
+that the natural curvature is in the plane of the photograph. Turns are right-handed about the
+direction in which the rod leaves the clamp, and assumed to be accurate to a degree. The answer is
+JSON: the gravito-bending length L_gb (m), the radius (m) and the natural curvature (1/m), positive
+to the left as seen from the held end. Standard errors follow from the scatter of the traced points
+and, for the length, from the ends, whose uncertainty is half the radius. The bending stiffness is 2
+L_gb³ times the weight per length."
 );
 
 /// Arguments of `rodlab measure rod`.

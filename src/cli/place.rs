@@ -16,7 +16,7 @@ Examples:
   rodlab place cable_placement_s --cell cell.toml --set deployment.scheme=intuitive
   rodlab place cable_placement_s --cell cell.toml --place 0.1,0,0,90",
     "\
-The scenario is one of the experiment \"deployment\" with [deployment.clips] or [[deployment.pegs]]:
+The scenario is of the experiment \"deployment\", with [deployment.clips] or [[deployment.pegs]]:
 its rod is the cable, its pattern the path between the pegs, and `rodlab run` simulates the same
 task. Pegs are fixed to the table where --place puts the frame of the pattern. The arm lays the
 cable and releases it; the camera takes a picture. A peg counts as passed if the cable leaves it on

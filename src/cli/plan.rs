@@ -40,8 +40,8 @@ Writes trajectory.csv (time_s, x_m, y_m, z_m, qw, qx, qy, qz), folds.csv, fold.s
 its path) and friction.svg. Prints the largest λ = |F_x|/|F_z| at the touchdown point, and the
 friction demand of the whole sheet, including its lying part. Where the demand is above the friction
 of the table, the sheet slides, by at most `slides_m`, computed without inertia and with the planned
-angles. --objective friction minimises the demand. At first the edge is at the origin, and the sheet
-lies along x on the table z = 0; the gripper's x axis is the tangent of the sheet, towards the
+angles. --objective friction minimises the demand. Initially the edge is at the origin, and the
+sheet lies along x on the table z = 0. The gripper's x axis is the tangent of the sheet, towards the
 gripper."
 );
 

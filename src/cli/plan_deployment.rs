@@ -83,9 +83,9 @@ pub struct DeploymentPlan {
     /// Length of rod that is laid beyond the end of the pattern: `auto`, `none` or a length
     ///
     /// If the rod is longer than the pattern, `auto` lays all of it except 2.5 gravito-bending
-    /// lengths: behind the pattern as far as there is room on the table and in the picture of the
-    /// camera, and the rest straight in front of the pattern. The default is `auto` with a cell,
-    /// otherwise `none`.
+    /// lengths. The rod is laid behind the pattern as far as there is room on the table and in the
+    /// picture of the camera, and the rest straight in front of the pattern. The default is `auto`
+    /// with a cell, otherwise `none`.
     #[arg(long, value_name = "LENGTH", hide_short_help = true, value_parser = lead)]
     lead_out: Option<LeadLength>,
     /// Largest distance of neighbouring poses along the pattern

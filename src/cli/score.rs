@@ -63,9 +63,9 @@ Examples:
   rodlab score traced/centrelines.csv scenarios/patterns/U.svg --align --out score.svg
   rodlab score results/letter/landing letter.csv
 
-Mean and standard deviation are those of Eq. 5.11 of the thesis: points at equal distances along the
-pattern are compared with the points at the same fraction of the length of the result, and with the
-nearest points of the result.";
+Mean and standard deviation are those of Eq. 5.11 of the thesis. Points at equal distances along the
+pattern are compared with the points of the result at the same fraction of its length, and with its
+nearest points.";
 
 fn point_count(text: &str) -> Result<usize, String> {
     let count = text

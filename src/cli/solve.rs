@@ -34,11 +34,11 @@ Examples:
 A sheet lies flat on a table; a gripper holds its edge without a moment (thesis sec. 4.3). --x and
 --z give its position: x̄ from where the edge lay, towards the sheet, and z̄ above the table, both
 over L_gb = (E h²/(24 ρ g))^(1/3). `alpha` is the angle in rad by which the edge is turned;
-`suspended_length` is in L_gb; `horizontal_force` H and `vertical_force` V, in EI/L_gb² per width,
-are the forces of the suspended part on the lying part at the touchdown point: H below 0 pushes the
-lying part away, V below 0 presses it down; `lambda` is |H|/|V| (Eq. 4.6). `stable` means stable
-with the gripper in its place, free to turn. Without --all the answer is the gentle fold, which
-belongs to the family that begins with the flat sheet."
+`suspended_length` is in L_gb. At the touchdown point the suspended part exerts `horizontal_force` H
+and `vertical_force` V on the lying part, in EI/L_gb² per width. H below 0 pushes the lying part
+away, V below 0 presses it down; `lambda` is |H|/|V| (Eq. 4.6). `stable` means stable with the
+gripper in its place, free to turn. Without --all the answer is the gentle fold, which belongs to
+the family that begins with the flat sheet."
 );
 
 const GRASP: [&str; 2] = help!(
@@ -69,9 +69,9 @@ Examples:
   rodlab solve fold --x 3.4 --z 1.7
   rodlab solve ik --cell scenarios/cells/six_joints.toml --pose=0.4,0.1,0.2,0,1,0,0 --all
 
-The gravito-bending length L_gb of a rod is (E h²/(8 ρ g))^(1/3) with its radius h, that of a strip
-(E h²/(24 ρ g))^(1/3) with its thickness h: bending stiffness / weight per length = 2 L_gb³.")]
-pub struct SolveArguments {
+The gravito-bending length L_gb of a rod of radius h is (E h²/(8 ρ g))^(1/3); that of a strip of
+thickness h is (E h²/(24 ρ g))^(1/3): bending stiffness / weight per length = 2 L_gb³.")] pub struct
+SolveArguments {
     /// Problem to solve
     #[command(subcommand)]
     problem: Problem,

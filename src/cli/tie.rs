@@ -53,7 +53,7 @@ pub struct TieArguments {
     /// Name of the arm that lifts strands, and lays a second rod [default: the first of the others]
     #[arg(long, value_name = "NAME")]
     second_arm: Option<String>,
-    /// Second rod of a knot of two, as --rod
+    /// File of the second rod of a knot of two rods
     ///
     /// It is laid over the first rod, and its end is led before that of the first.
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]

@@ -185,7 +185,7 @@ pub enum JointError {
     TwoBodies,
     /// Clamps hold several of the joined nodes.
     #[error(
-        "clamps hold rods `{first}` and `{second}` at this point: only one clamp may hold the point; at a ball joint the other may hold the frame of its rod with `hold = \"frame\"`, at a rigid joint remove the other"
+        "clamps hold rods `{first}` and `{second}` at this point: only one clamp may hold the point; at a ball joint, let the other hold the frame of its rod with `hold = \"frame\"`; at a rigid joint, remove it"
     )]
     TwoClamps {
         /// Name of a rod.
@@ -195,7 +195,7 @@ pub enum JointError {
     },
     /// A clamp holds the frame of a node that a joint or body would rotate.
     #[error(
-        "a clamp holds the frame of rod `{rod}` at this point, which turns with a hinge, a body, a joint that may break or another clamp: let the clamp hold only the position, or clamp each rod without a joint"
+        "a clamp holds the frame of rod `{rod}` at this point, but a hinge, a body, a joint that may break or another clamp turns this frame: let the clamp hold only the position, or clamp each rod without a joint"
     )]
     ClampedFrame {
         /// Name of the rod.

@@ -1,10 +1,10 @@
 //! Converts a scene to other units: multiplies every quantity of a scenario file by the factor of
 //! its dimension.
 //!
-//! The JSON Schema of scenario files has the dimension of every key, so no key is listed here. A
-//! scene with lengths L times, times T times and masses M times as large moves in the same way, L
-//! times as far in T times the time. A deviation reveals a dimensional constant somewhere in the
-//! code.
+//! The JSON Schema of scenario files has the dimension of every key, so no key is listed here. If
+//! all lengths of a scene are multiplied by L, all times by T and all masses by M, it moves in the
+//! same way: L times as far in T times the time. A deviation reveals a dimensional constant
+//! somewhere in the code.
 
 use super::experiments::Experiments;
 use super::schema_tree::SchemaTree;

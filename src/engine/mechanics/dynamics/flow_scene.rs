@@ -93,8 +93,8 @@ fn wall(scene: &Scene, assembly: &Assembly) -> Result<Option<Wall>, SceneError> 
     let flow = scene.flow.as_ref();
     if flow.is_some_and(|flow| !flow.rests_on(&plane.point, &plane.normal)) {
         return Err(SceneError::Unsuitable(
-            "a flow beside a wall must be at rest on the wall and along it, as a shear with its plane of rest in the wall: \
-             change the flow, or set planes.wall = false",
+            "the flow beside a wall must be at rest on the wall, everywhere: use a shear with its \
+             plane of rest in the wall or another such flow, or set planes.wall = false",
         ));
     }
     Ok(Some(Wall {

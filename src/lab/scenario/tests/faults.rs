@@ -32,7 +32,7 @@ beam.toml:7:1: `loads`: the rod has length 1 and bending stiffness 1; [helix_sta
 beam.toml:7:1: `loads.0`: missing key `acceleration` (three numbers [x, y, z], each an acceleration)
 "##);
     insta::assert_snapshot!(faults_of_helices("directions = { kind = \"list\", points = [[-1, 0, 1], [0, 0, 0], [1, 1, 1]] }\n"), @r##"
-beam.toml:3:41: `helix_stability.directions.points.0`: the curvature -1.0 is out of range; allowed: at least 0. A helix of curvature −κ is one of κ, turned
+beam.toml:3:41: `helix_stability.directions.points.0`: the curvature -1.0 is out of range; allowed: at least 0. A helix of curvature −κ is a turned helix of curvature κ
 beam.toml:3:53: `helix_stability.directions.points.1`: a direction cannot be [0, 0, 0]
 "##);
     insta::assert_snapshot!(faults_of_helices("directions = { kind = \"list\", file = \"nowhere.csv\" }\n"), @r##"beam.toml:3:38: `helix_stability.directions.file`: nowhere.csv cannot be read: No such file or directory (os error 2)"##);
@@ -216,7 +216,7 @@ beam.toml:26:1: `actuation.0`: missing key `rod` (the name of a rod)
 beam.toml:28:10: `actuation.0.values`: no values; give [[time, strain], ...]
 "##);
     insta::assert_snapshot!(fault("kind = \"curvature\"\nrod = \"beam\"\nvalues = [[0, 1]]\ndirection = 3"), @r##"beam.toml:30:13: `actuation.0.direction`: 3 is out of range; allowed: 1 to 2"##);
-    insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\nvalues = [[0, \"1 1/m\"]]\nfrequency = 3"), @r##"beam.toml:30:13: `actuation.0.frequency`: this key is that of a wave; give it or `values`, not both"##);
+    insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\nvalues = [[0, \"1 1/m\"]]\nfrequency = 3"), @r##"beam.toml:30:13: `actuation.0.frequency`: this key is for waves; give it or `values`, not both"##);
     insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\nvalues = [[0, \"1 m\"]]"), @r##"beam.toml:29:15: `actuation.0.values.0.1`: "1 m" is a length, but this key takes a twist; allowed units: rad/m, deg/m, turn/m, 1/m"##);
     insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\nvalues = [[0, 1], [1, 2]]"), @r##"beam.toml:29:10: `actuation.0.values`: a static run has no time, so nothing changes in it (give one value, such as values = [[0, 5]]; or follow the equilibria with time.mode = "continuation", whose parameter replaces the time; or run dynamically)"##);
     insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\namplitude = 1\nfrequency = 1"), @r##"beam.toml:30:13: `actuation.0.frequency`: a static run has no time, so nothing changes in it (give one value, such as values = [[0, 5]]; or follow the equilibria with time.mode = "continuation", whose parameter replaces the time; or run dynamically)"##);

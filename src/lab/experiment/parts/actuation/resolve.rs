@@ -136,7 +136,7 @@ fn course<D: Dimension>(section: &Section<'_>, keys: &Keys<'_, D>) -> Course {
         if given {
             section.fault(
                 key,
-                "this key is that of a wave; give it or `values`, not both",
+                "this key is for waves; give it or `values`, not both",
             );
         }
     }

@@ -164,7 +164,8 @@ fn points(
 fn fault_of(point: &[f64; 3]) -> Option<String> {
     if point[0] < 0.0 {
         return Some(format!(
-            "the curvature {:?} is out of range; allowed: at least 0. A helix of curvature −κ is one of κ, turned",
+            "the curvature {:?} is out of range; allowed: at least 0. \
+             A helix of curvature −κ is a turned helix of curvature κ",
             point[0]
         ));
     }
