@@ -80,7 +80,7 @@ struct ServeArguments {
     scene_place: Option<Place>,
     /// Position of the free end of a supplied rod on the table: x,y in the cell, m
     ///
-    /// By default it is where the rod hangs freely; for a scene, it is the start of its pattern.
+    /// By default the rod hangs freely; for a scene, its free end is at the start of the pattern.
     #[arg(long, hide_short_help = true, value_name = "X,Y", value_parser = place, conflicts_with = "paper", allow_hyphen_values = true)]
     free_end: Option<[f64; 2]>,
     /// Supply rods that hang in the air with this free length, for `rodlab identify --rod`
@@ -95,7 +95,8 @@ struct ServeArguments {
     /// Place the sheet with a corner forward, for a fold along its diagonal
     #[arg(long, requires = "paper")]
     diagonal: bool,
-    /// Place of the middle of the edge of the sheet on the table, m, and direction over the sheet, degrees
+    /// Place of the sheet: middle of its edge on the table, m, and direction across the sheet,
+    /// degrees
     ///
     /// The direction is measured from the x axis of the table. By default the middle of the sheet is in the middle of the table.
     #[arg(long, value_name = "X,Y[,TURN]", requires = "paper", value_parser = sheet_place, allow_hyphen_values = true)]

@@ -94,7 +94,7 @@ pub struct ExploreArguments {
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 struct DirectionArguments {
-    /// Table with the columns kappa, tau and omega, vectors of any length
+    /// Table of directions: columns kappa, tau and omega, vectors of any length
     #[arg(long, value_name = "FILE")]
     directions: Option<PathBuf>,
     /// Number of directions, evenly spread over κ > 0 and τ > 0

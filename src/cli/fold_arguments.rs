@@ -56,7 +56,8 @@ pub struct FoldArguments {
     /// Name of the arm; optional if the cell has only one
     #[arg(long, value_name = "NAME")]
     pub arm: Option<String>,
-    /// Expected place of the middle of the edge: x,y,z in metres, direction over the sheet in degrees
+    /// Expected place of the middle of the edge: x,y,z in metres, direction across the sheet in
+    /// degrees
     ///
     /// The direction is an angle about z in the cell. The camera then locates the sheet more
     /// exactly; of its possible directions the nearest is used. By default the sheet is expected in

@@ -41,9 +41,10 @@ Data are CSV files. Positions of markers: time_s,marker,x_m,y_m,z_m with a colum
 `arc_length_m`, and `rod` where there are several; --markers names a file with these columns for
 each marker instead. Centrelines: x_m,y_m,z_m, matched by arc length. Series: time_s and columns of
 probes, such as grip_force_x_n; `sliding_onset_s` is the time at which rods begin to slide.
-Equilibria have no time_s; `frequency_1_hz` is then a natural frequency, and along a path of
-equilibria `critical_parameter` its first fold or bifurcation. Empty cells were not measured. Exit
-code 3: the fit has not converged. `rodlab guide identification` explains the error bars.
+Data of equilibria have no time_s. `frequency_1_hz` is a natural frequency of an equilibrium;
+`critical_parameter` is the first fold or bifurcation of a path of equilibria. Empty cells were not
+measured. Exit code 3: the fit has not converged. `rodlab guide identification` explains the error
+bars.
 
 With --rod instead of a scenario, an arm identifies a rod. Its gripper receives the end of the rod,
 so that the length --free hangs down. The arm holds the rod in three poses, the camera takes

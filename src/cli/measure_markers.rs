@@ -53,7 +53,7 @@ pub struct MarkerArguments {
     /// Largest number of pixels of a marker
     #[arg(long, value_name = "PIXELS", default_value_t = 2000)]
     largest_area: usize,
-    /// Search radius of a marker, pixels; a marker that is not found has this error
+    /// Search radius of a marker, pixels; a marker that is not found counts with this error
     #[arg(long, value_name = "PIXELS", default_value_t = 40.0, value_parser = number(is_positive, "expected a number of pixels above 0"))]
     gate: f64,
     /// Error above which the rod no longer counts as the helix

@@ -70,8 +70,8 @@ Examples:
   rodlab solve ik --cell scenarios/cells/six_joints.toml --pose=0.4,0.1,0.2,0,1,0,0 --all
 
 The gravito-bending length L_gb of a rod of radius h is (E h²/(8 ρ g))^(1/3); that of a strip of
-thickness h is (E h²/(24 ρ g))^(1/3): bending stiffness / weight per length = 2 L_gb³.")] pub struct
-SolveArguments {
+thickness h is (E h²/(24 ρ g))^(1/3): bending stiffness / weight per length = 2 L_gb³.")]
+pub struct SolveArguments {
     /// Problem to solve
     #[command(subcommand)]
     problem: Problem,

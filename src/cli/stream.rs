@@ -16,10 +16,10 @@ Examples:
   rodlab stream right.csv left.csv twist.csv --cell scenarios/cells/two_sawyers.toml",
     "\
 The motion is checked against limits and collisions before the first point is sent, also between the
-points. It starts only if every joint is at its first point. It is finished when the joints are
-reported at the last point, at rest. If reports cease or a joint leaves its path, the motion ends:
-every arm is commanded to hold, and monitored until it is at rest. Ctrl-C and Ctrl-Z, SIGTERM,
-SIGHUP, SIGQUIT, SIGUSR1 and SIGUSR2 have the same effect.
+points. The motion starts only if every joint is at its first point. The motion is finished when the
+joints are reported at the last point, at rest. If reports cease or a joint leaves its path, the
+motion ends: every arm is commanded to hold, and monitored until it is at rest. Ctrl-C and Ctrl-Z,
+SIGTERM, SIGHUP, SIGQUIT, SIGUSR1 and SIGUSR2 have the same effect.
 
 The log is a directory with manifest.json, trajectory.csv (for several, trajectory-1.csv and so on),
 commanded.csv, state.csv and events.csv. Exit code 1: a driver failed; the message gives the reason."

@@ -71,7 +71,8 @@ pub struct TrainArguments {
     /// quarter of that
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
     pub patience: u32,
-    /// Largest number of rounds over all samples, with --schedule cosine exact [default: 2000; 250]
+    /// Largest number of rounds over all samples; with --schedule cosine the exact number [default:
+    /// 2000; 250]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub most_epochs: Option<u32>,
     /// Schedule of the learning rate

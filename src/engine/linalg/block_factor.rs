@@ -1,13 +1,12 @@
 //! Sparse elimination node by node: A = 𝓛 𝓤 with 4×4 blocks, 𝓛 with unit diagonal.
 //!
 //! Columns that fill the same rows form one dense panel, a supernode (Ng & Peyton 1993). A panel
-//! receives L_r U_cᵀ from every earlier one with rows among its columns; then its columns receive
-//! the same from each other, one by one, and their blocks below the diagonal are divided by the
-//! diagonal block, L_r = A_rk D⁻¹ (left-looking elimination; Golub & Van Loan, 4th ed., sec.
-//! 3.2.11). The diagonal blocks are factored with partial pivoting inside the block only, so the
-//! pattern is known beforehand. The residual check of [`super::CoupledSystem::solve`] detects any
-//! loss of accuracy from this. For a symmetric matrix U_r = A_rkᵀ is available, which halves the
-//! updates.
+//! receives L_r U_cᵀ from every earlier panel with rows among its columns. Then its columns receive
+//! the same from each other, one by one. The blocks below the diagonal are divided by the diagonal
+//! block, L_r = A_rk D⁻¹ (left-looking elimination; Golub & Van Loan, 4th ed., sec. 3.2.11). The
+//! diagonal blocks are factored with partial pivoting inside the block only, so the pattern is
+//! known beforehand. The residual check of [`super::CoupledSystem::solve`] detects any loss of
+//! accuracy from this. For a symmetric matrix U_r = A_rkᵀ is available, which halves the updates.
 //!
 //! Branches of the elimination tree are independent and are eliminated in parallel. The panels of
 //! the trunk follow one after the other; the rows of each are processed in parallel. Every block

@@ -144,7 +144,7 @@ pub struct Relaxation {
 }
 
 impl RodDescription {
-    /// Natural lengths of edges whose lengths under the tension of the placed rod are given.
+    /// Natural lengths of edges, from their lengths under the tension of the placed rod.
     pub fn relaxed(&self, mut lengths: Vec<f64>) -> Vec<f64> {
         for (edge, length) in lengths.iter_mut().enumerate() {
             *length /= 1.0 + self.pretension / self.section(edge).stretching;

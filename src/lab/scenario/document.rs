@@ -110,8 +110,8 @@ fn is_beyond_list(bytes: &[u8], open: &[usize], before: usize, place: usize) -> 
 }
 
 /// Whether the bracket at `place`, which closes the innermost open list, looks as if it closed the
-/// list around that: it begins a line, and of both lists only the outer one began at the end of a
-/// line.
+/// outer list: the bracket begins a line, and of both lists only the outer one began at the end of
+/// a line.
 fn closes_outer_list(bytes: &[u8], open: &[usize], place: usize) -> bool {
     let [.., outer, inner] = open else {
         return false;

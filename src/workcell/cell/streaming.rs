@@ -23,7 +23,8 @@ pub struct StreamReport {
     pub points: usize,
     /// Names of the arms and axes that move.
     pub parts: Vec<String>,
-    /// Least distance between arms, themselves and their surroundings, m; 0.2 means 0.2 or more.
+    /// Least distance of the arms from each other, from themselves and from their surroundings, m;
+    /// 0.2 means 0.2 or more.
     pub least_clearance_m: f64,
 }
 

@@ -14,7 +14,7 @@ use rodlab_robot::{Pose, distance_and_angle};
 use std::path::Path;
 
 /// Largest distance of the hand from the end of the straight rod at the hand-over, relative to the
-/// length of the rod, and largest rotation, rad: the user can bend the rod by that much.
+/// length of the rod, and largest rotation, rad. The user can bend the rod by these amounts.
 const REACH: [f64; 2] = [0.05, 0.2];
 /// Index of the clamp of the chuck.
 const CHUCK: usize = 0;

@@ -7,8 +7,9 @@
 //! within the step. A long-lived set keeps the sparsity pattern of the Newton system, and with it
 //! the symbolic factorisation.
 //!
-//! The same bound serves as a filter: the gap of a pair is at least its gap when the set was built
-//! minus the motion of its nodes, so most candidates need one comparison instead of a distance.
+//! The same bound serves as a filter. The gap of a pair is at least its gap when the set was built,
+//! minus the motion of its nodes. Most candidates therefore need one comparison instead of a
+//! distance.
 
 use super::broad_phase::BroadPhase;
 use super::contacts::CandidatePair;

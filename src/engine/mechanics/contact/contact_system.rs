@@ -25,8 +25,8 @@ use std::sync::Arc;
 ///
 /// In a time step: [`update_candidates`](Self::update_candidates); then
 /// [`evaluate`](Self::evaluate) in each Newton iteration, and
-/// [`evaluate_forces`](Self::evaluate_forces) in each trial of the line search, which goes at most
-/// as far along a straight path as `largest_step` allows; after the step,
+/// [`evaluate_forces`](Self::evaluate_forces) in each trial of the line search. `largest_step`
+/// limits how far the line search may go along a straight path. After the step:
 /// `candidates_are_complete`, `excessive_penetration` and `passage`.
 ///
 /// The distance of two edges has kinks where several pairs of points are equally near: at the

@@ -10,8 +10,8 @@
 //! move until this slab has become too thin; then the closest points are computed again, and so
 //! on. (Mirtich 1996. Li et al. 2021, "Codimensional incremental potential contact", advance by
 //! the largest speed of the nodes over all directions instead, which is slower.) Edges that slide
-//! along each other need one slab, whereas a bound by speed would advance by a fraction of the gap
-//! at a time. The bound does not depend on the features that are nearest (point–point, point–edge,
+//! along each other need one slab; a bound by speed would advance by a fraction of the gap at a
+//! time. The bound does not depend on the features that are nearest (point–point, point–edge,
 //! edge–edge). An error of the closest points makes the slab thinner than necessary, never too
 //! thick.
 
@@ -22,7 +22,7 @@ use crate::mechanics::Vector3;
 ///
 /// A barrier grows like the inverse of the gap, so a step may increase its force tenfold. With a
 /// smaller part, an overlong step could end in a state from which Newton's method needs many steps
-/// to return; a larger part would need more steps when a force rises by orders of magnitude.
+/// to return. A larger part would need more steps when a force rises by orders of magnitude.
 pub(super) const KEPT_GAP: f64 = 0.1;
 /// The search ends after an advance that leaves at most this fraction of the kept gap as slack.
 const USED_UP: f64 = 0.1;

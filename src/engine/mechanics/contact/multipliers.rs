@@ -4,10 +4,10 @@
 //! these (see [`super::slots`]).
 //!
 //! The contact force falls to a third within δ/30 of gap, a distance that rods cross many times
-//! within one time step. For Newton's method on the gap alone, an iterate slightly too far out has
-//! no force at all, and one slightly too far in has a force that is orders of magnitude too large;
-//! it then needs an iteration for every factor of e. So each pair keeps its normal force λ from
-//! the last step, and Newton's method solves the pair of equations
+//! within one time step. Consider Newton's method on the gap alone. An iterate slightly too far out
+//! has no force at all, and one slightly too far in has a force that is orders of magnitude too
+//! large; then the method needs an iteration for every factor of e. So each pair keeps its normal
+//! force λ from the last step, and Newton's method solves the pair of equations
 //!
 //! ```text
 //! R(q, λ) = 0,   λ = N(g(q)),

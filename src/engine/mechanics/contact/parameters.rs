@@ -12,7 +12,7 @@ const SMOOTHING: f64 = 5e-4;
 /// Largest increase of a gap by smoothing with a barrier, in units of δ. The barrier begins that
 /// much outside the surfaces, so that they never touch.
 ///
-/// Without smoothing, time steps fall to the minimum when rods that press on each other become
+/// Without smoothing, time steps fall to the minimum when two rods press on each other and become
 /// parallel: the closest points of the edges jump, and the forces on the nodes jump with them.
 const BARRIER_SMOOTHING: f64 = 5e-3;
 

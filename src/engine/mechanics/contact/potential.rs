@@ -8,11 +8,11 @@
 //! h_j; at a plane h̄ = h, and the gap replaces Δ − 2h.
 //!
 //! Eq. 2.15 prints the square (2 − Δ̄)² below 2 − δ̄, to keep the exponential from overflowing,
-//! and zero above 2 + δ̄. Here the logarithm is written in a form that does not overflow and is
-//! used on the whole line, which makes the energy smooth for Newton's method. At the lower joint
-//! the two differ by 2e⁻¹⁵/15 = 4e-8 of the energy and e⁻¹⁵ = 3e-7 of the force, and at the upper
-//! one by the jump to zero, 2e-13 of the energy at touch. The potential ends at [`REACH`], where
-//! the force has fallen below rounding error.
+//! and zero above 2 + δ̄. Here the logarithm is used on the whole line, in a form that does not
+//! overflow. This makes the energy smooth for Newton's method. At the lower joint the two differ by
+//! 2e⁻¹⁵/15 = 4e-8 of the energy and e⁻¹⁵ = 3e-7 of the force, and at the upper one by the jump to
+//! zero, 2e-13 of the energy at touch. The potential ends at [`REACH`], where the force has fallen
+//! below rounding error.
 
 use super::normal_response::NormalResponse;
 

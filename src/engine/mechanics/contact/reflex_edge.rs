@@ -5,10 +5,10 @@
 //! common edge is nearer still to one of the faces: with the directions b₁ and b₂ in which the
 //! faces leave the edge e, and the direction d from the edge to the point, d = α b₁ + β b₂ up to a
 //! part along e with positive α and β, so that d·b₁ > 0 or d·b₂ > 0. The least distance of a
-//! straight edge of a rod from the mesh is then the distance of one of its ends from a face, or
-//! its distance from another edge; contact with those faces and edges suffices. This also holds
-//! for the ends of such an edge: if all edges at a vertex are reflex, the free space around it is
-//! convex.
+//! straight edge of a rod from the mesh is then the distance of one of its ends from a face, or its
+//! distance from another edge. Contact with these faces and edges is therefore enough. This also
+//! holds for the ends of such an edge: if all edges at a vertex are reflex, the free space around
+//! it is convex.
 
 use super::contacts::{CandidatePair, EDGE};
 use super::foot::Points;

@@ -29,10 +29,10 @@
 //! near the wall. Energies must neither count twice nor jump as the rod slides. So there are
 //! counter-pairs, with the same law and a negative sign. Counter-pairs for the joints of pieces
 //! make Σ U(pieces) − Σ U(joints) equal to U of the nearest point where only one is near. A
-//! counter-pair for a node in the tube, by its distance from the rim, makes U(wall) − U(rim) fade
-//! as the node comes to the mouth, where the two energies are equal and so are their gradients.
-//! (Li, Ferguson, Schneider et al. 2023, "Convergent incremental potential contact", count
-//! features of meshes in this way.)
+//! counter-pair for a node in the tube uses its distance from the rim. It makes U(wall) − U(rim)
+//! fade as the node comes to the mouth, where the two energies and their gradients are equal. (Li,
+//! Ferguson, Schneider et al. 2023, "Convergent incremental potential contact", count features of
+//! meshes in this way.)
 
 use super::contacts::{
     CandidatePair, EdgeJacobian, Linearised, RIM, RIM_END, RIM_JOINT, RIM_JOINT_END, RIM_NODE,

@@ -249,9 +249,9 @@ impl ContactSurface {
     /// Joins two rods at arc lengths along them (m) at which they meet at `angle` (rad).
     ///
     /// Near the joint they overlap: at the distance s on either side their axes are 2s sin(φ/2)
-    /// apart. Two edges are neighbours, like those along one rod, if the path between them through
-    /// the joint is shorter than 1.5 times the length of the overlap, or than π times the mean of
-    /// the radii along either rod. Returns that length of the path, m.
+    /// apart. Two edges count as neighbours, like those along one rod, if the path between them
+    /// through the joint is short: shorter than 1.5 times the length of the overlap, or than π
+    /// times the mean of the radii along either rod. Returns that length of the path, m.
     pub(crate) fn add_joint(&mut self, rods: [usize; 2], arc_length: [f64; 2], angle: f64) -> f64 {
         let sum: f64 = rods
             .into_iter()
@@ -487,10 +487,9 @@ impl ContactSurface {
     ///
     /// Two edges cannot touch if both are held, if they share a node, or if they are neighbours
     /// through a joint or along one rod, with nearest ends closer than πh along the rod, where h is
-    /// the mean of their radii. A rod
-    /// bent as sharply as its own radius allows (curvature 1/h) turns back on itself within πh;
-    /// nearer pairs are kept apart by the bending stiffness, and short edges would otherwise push
-    /// each other all the time.
+    /// the mean of their radii. A rod bent as sharply as its own radius allows (curvature 1/h)
+    /// turns back on itself within πh. The bending stiffness keeps nearer pairs apart; without this
+    /// rule, short edges would push each other all the time.
     pub fn may_touch(&self, first: usize, second: usize) -> bool {
         let (a, b) = (&self.edges[first], &self.edges[second]);
         if a.held && b.held {

@@ -32,8 +32,8 @@ pub(super) fn check_penetration(system: &System, iterations: usize) -> Result<()
 
 impl Step<'_> {
     /// Certifies that no turns of twist of a rod are lost, that surfaces do not overlap beyond the
-    /// bound at the end and have not passed through each other on the way, and that neither
-    /// contacts nor, with implicit Euler, elastic forces have added energy.
+    /// bound at the end, and that they have not passed through each other on the way. Contacts and,
+    /// with implicit Euler, elastic forces must not have added energy.
     pub(crate) fn check(&self, system: &mut System, iterations: usize) -> Result<(), Failure> {
         if let Some(turn) = system.excessive_turn() {
             return Err(Failure::Turn { iterations, turn });

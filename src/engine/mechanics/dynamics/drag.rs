@@ -1,5 +1,5 @@
-//! The drag of a fluid in a step: evaluated at the start or for the predicted motion, and implicit
-//! in its local part, or, if this is not enough, in the whole of it ([`super::coupling`]).
+//! The drag of a fluid in a step: evaluated at the start or for the predicted motion. Its local
+//! part is implicit or, if this is not enough, the whole of it ([`super::coupling`]).
 
 use super::background::Background;
 use super::coupling::DragCoupling;

@@ -16,8 +16,8 @@ pub struct Stage {
     pub start: Vec<f64>,
     /// Velocities at its start.
     pub velocity: Vec<f64>,
-    /// Drag F₀ of a motion near that of the stage, N per node, and per place for spheres in the
-    /// fluid; empty without fluid.
+    /// Drag F₀ of a motion that is near the motion of the stage, N: one force per node, and one per
+    /// place for spheres in the fluid; empty without fluid.
     pub drag: Vec<Vector3>,
     /// Velocities v₀ of that motion, m/s, for the same places.
     pub drag_velocity: Vec<Vector3>,

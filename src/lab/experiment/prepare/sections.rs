@@ -150,8 +150,8 @@ fn section(
 }
 
 /// Natural strains at the nodes of an open rod: the integral ∫ κ φ ds of the curvature with the
-/// hat function φ of the node, so that nodes are on the natural shape, and that of the twist
-/// between the middles of edges, each over half of the edges at the node.
+/// hat function φ of the node, so that nodes are on the natural shape. The twist is integrated
+/// between the middles of the two edges at the node.
 fn natural_strains(
     rod: &Rod,
     sections: &[Placed<'_>],

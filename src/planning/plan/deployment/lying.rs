@@ -103,7 +103,7 @@ impl Lying {
         (allowed[0] <= allowed[1]).then_some(allowed)
     }
 
-    /// The farthest p in a direction, `way` = ±1, that a step of a `length` reaches from an allowed
+    /// The farthest p, in the direction `way` = ±1, that a step of `length` reaches from an allowed
     /// interval: the largest of ±(p ± ℓ √(μ² − (c − κp)²)), which is concave in p.
     fn farthest(&self, [low, high]: [f64; 2], way: f64, length: f64) -> f64 {
         let start = if self.curvature == 0.0 {

@@ -37,10 +37,11 @@ pub(super) fn hinged(simulation: &Simulation) -> Vec<bool> {
 }
 
 impl Covector {
-    /// Converts the derivative with respect to the state after joints broke at the end of a step to
-    /// one with respect to the state before, except for frames that were on hinges: their part is
-    /// returned. It refers to the rotation vectors before a reset. The simulation has repeated the
-    /// step, which ended at `solution`; `hinged` are the frames on hinges after the break.
+    /// Converts a derivative with respect to the state after joints broke at the end of a step to
+    /// one with respect to the state before. Returns the part of frames that were on hinges, which
+    /// is not converted. It refers to the rotation vectors before a reset. The simulation has
+    /// repeated the step, which ended at `solution`; `hinged` are the frames on hinges after the
+    /// break.
     pub(super) fn before_breaks(
         &mut self,
         simulation: &Simulation,

@@ -175,9 +175,9 @@ impl DiscreteRod {
     }
 
     /// Finds each equilibrium from the previous one, as the end of the rod moves. The step is
-    /// halved if the next equilibrium is unstable, is not found, or is not a helix: past a
-    /// supercritical pitchfork the rod leaves the helix with the square root of the distance, and
-    /// is stable.
+    /// halved if the next equilibrium is unstable, is not found, or is not a helix. Past a
+    /// supercritical pitchfork the rod is stable, and leaves the helix with the square root of the
+    /// distance.
     fn along_path(
         &self,
         direction: &Helix,

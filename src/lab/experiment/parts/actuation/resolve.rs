@@ -134,10 +134,7 @@ fn course<D: Dimension>(section: &Section<'_>, keys: &Keys<'_, D>) -> Course {
         ("schedule", keys.schedule.is_some()),
     ] {
         if given {
-            section.fault(
-                key,
-                "this key is for waves; give it or `values`, not both",
-            );
+            section.fault(key, "this key is for waves; give it or `values`, not both");
         }
     }
     if typed.is_empty() {
