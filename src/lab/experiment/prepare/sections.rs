@@ -149,9 +149,10 @@ fn section(
     }
 }
 
-/// Natural strains at the nodes of an open rod: the integral ∫ κ φ ds of the curvature with the
-/// hat function φ of the node, so that nodes are on the natural shape. The twist is integrated
-/// between the middles of the two edges at the node.
+/// Natural strains at the nodes of an open rod: the integral ∫ κ φ ds of the curvature with the hat
+/// function φ of the node, so that nodes are on the natural shape, and the integral of the twist
+/// between the middles of the edges at the node. Both are divided by half of the length of these
+/// edges.
 fn natural_strains(
     rod: &Rod,
     sections: &[Placed<'_>],
