@@ -262,8 +262,8 @@ impl Stiffness {
 /// A held or driven node.
 ///
 /// Holding the frame adds a ghost half edge at the node: an edge of prescribed direction and
-/// material frame with a Voronoi length of half an edge, so that the wall is at the node itself.
-/// At an inner node there is one on either side. If another clamp holds the position, but not the
+/// material frame. Its Voronoi length is half an edge, so that the wall is at the node itself. At
+/// an inner node there is one on either side. If another clamp holds the position, but not the
 /// frame, of the node at the other end of an edge, the edge itself is the wall: its material frame
 /// is held, without a ghost edge.
 #[derive(Clone, Debug)]

@@ -1,7 +1,8 @@
 //! Least squares with a trust region and bounds.
 //!
-//! The sum over all numbers i of ρ(rᵢ), rᵢ = (predicted − measured)/σᵢ, and of half the squares of the priors is minimised by
-//! the method of Levenberg and Marquardt: with the Jacobian J of the weighted residuals a step solves
+//! The sum over all numbers i of ρ(rᵢ), rᵢ = (predicted − measured)/σᵢ, and of half the squares of
+//! the priors is minimised by the method of Levenberg and Marquardt. With the Jacobian J of the
+//! weighted residuals, a step solves
 //!
 //! ```text
 //! (JᵀJ + λ D) s = −Jᵀr,    D = diag(JᵀJ)

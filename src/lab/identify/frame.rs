@@ -8,8 +8,8 @@ use super::problem::Problem;
 const MIRRORED: f64 = -0.9;
 /// Minimum number of points in a file for the check.
 const FEWEST: usize = 4;
-/// Spread of an axis, relative to the widest one, below which it has no direction: noise of a few
-/// points out of the plane of a shape is often correlated with anything.
+/// Spread of an axis, relative to the widest one, below which it has no direction. For a few
+/// points, noise out of the plane of a shape often has a chance correlation.
 const THIN: f64 = 0.03;
 
 /// A line of a file, the measured and the predicted coordinate, m.

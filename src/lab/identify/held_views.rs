@@ -2,9 +2,9 @@
 //!
 //! The poses of the hand and of the camera are known. A point of the traced centreline defines a
 //! ray from the camera; its depth along the ray is unknown. Each traced point therefore gives one
-//! number: the distance of the rod from the plane that contains the ray and the direction of the
-//! rod at its point nearest to the ray in the picture. With the eye c, the direction d of the ray,
-//! and the position p and tangent t of the rod at that point,
+//! number: the distance of the rod from a plane. The plane contains the ray, and the direction of
+//! the rod at the point that is nearest to the ray in the picture. With the eye c, the direction d
+//! of the ray, and the position p and tangent t of the rod at that point,
 //!
 //! ```text
 //! n · p = n · c,    n = d × t/|d × t|,

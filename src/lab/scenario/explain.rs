@@ -93,8 +93,8 @@ struct Sentence<'a> {
 }
 
 impl Sentence<'_> {
-    /// Whether a sentence about the type of a key can be left out: the text about the key lists the
-    /// alternatives of the type, or is the same in other words.
+    /// Whether a sentence about the type of a key can be left out, because the text about the key
+    /// lists the alternatives of the type, or has the same meaning.
     fn adds_nothing_to(&self, of_key: &str) -> bool {
         let is_heading = self.schema.get("oneOf").is_some();
         !self.words.contains('\n')

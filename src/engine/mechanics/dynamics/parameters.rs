@@ -7,8 +7,8 @@ pub struct IntegrationParameters {
     /// handles impacts and friction directly, and damps motions that its steps do not resolve.
     pub scheme: Scheme,
     /// Size of the time step, s. 1 ms by default: a clamped rod with a radius of a millimetre, a
-    /// modulus of a MPa and a length of some centimetres swings in tenths of a second, and at
-    /// walking speed it moves by less than its own radius per step.
+    /// modulus of a MPa and a length of some centimetres swings in tenths of a second. At walking
+    /// speed it moves by less than its own radius per step.
     pub step: StepSize,
     /// Newton stops when the residual of every degree of freedom is below this multiple of the force
     /// scale: the largest of EI/L² of the stiffest rod, the nodal loads and the contact forces.

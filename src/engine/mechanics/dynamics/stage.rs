@@ -385,8 +385,8 @@ impl Workspace {
         });
     }
 
-    /// What is found at the prediction, shortened where it crosses a contact, with the inertia for which the contact stiffness is; and the
-    /// part of the prediction that is left.
+    /// Returns the result of `find` at the prediction, shortened where it crosses a contact, with
+    /// the inertia for which the contact stiffness is; and the part of the prediction that is left.
     pub(super) fn at_prediction<T>(
         &mut self,
         setting: &Setting,

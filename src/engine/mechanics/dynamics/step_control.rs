@@ -76,7 +76,7 @@ impl StepControl {
         Self { proposal }
     }
 
-    /// The initial state for a scheme that needs earlier steps for its order: the first steps are
+    /// The initial state for a scheme that needs earlier steps for its order. The first steps are
     /// so small that their lower order does not matter, and grow to the whole step.
     pub(crate) fn beginning_small(size: &StepSize) -> Self {
         let whole = Self::new(size);
@@ -173,8 +173,8 @@ impl StepControl {
     }
 
     /// Restarts with a small step after an event. The step is at least the first step of a
-    /// simulation whose largest step is `maximum`; it may be larger if that is `harmless`, or if
-    /// the next event is closer than `maximum`: `spacing` is the time to it. All in s.
+    /// simulation whose largest step is `maximum`. It may be larger if that is `harmless`, or if
+    /// the next event is closer than `maximum`; `spacing` is the time to this event. All in s.
     pub(crate) fn begin_again(&mut self, maximum: f64, harmless: f64, spacing: f64) {
         let first = FIRST_STEP * maximum;
         let dense = if spacing < maximum {

@@ -1,8 +1,8 @@
 //! Remarks on the validity of a simulation: strains beyond the theory, spurious energy, steps far
 //! smaller than requested.
 //!
-//! Each is a warning in the log when it first happens, and a remark at the end with its largest
-//! size: the numbers are those of the model, but a real rod would behave differently.
+//! Each causes a warning in the log when it first happens, and a remark with its largest size at
+//! the end. The numbers are those of the model, but a real rod would behave differently.
 
 use super::parameters::StepSize;
 use super::report::{Energies, StepReport};

@@ -2,8 +2,9 @@
 //!
 //! The coefficients of resistive force theory depend on the length of a filament. If the ends of
 //! two filaments are joined, without other joints there, the two count as one filament of their
-//! total length: a rod made of pieces has the drag of one made in one piece. Where three or more
-//! nodes meet, or an end meets the middle of another filament, each filament keeps its own length.
+//! total length. A rod made of pieces therefore has the drag of a rod made in one piece. Where
+//! three or more nodes meet, or an end meets the middle of another filament, each filament keeps
+//! its own length.
 
 use super::{Connections, Filament};
 use crate::mechanics::Vector3;

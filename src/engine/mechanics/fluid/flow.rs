@@ -229,7 +229,7 @@ impl Stations {
 }
 
 /// Degree of the expansions for a relative error of the drag. For helices 3 mm and 3 cm apart the
-/// velocities have errors of about 0.015 · 0.37ᵖ at degree p, and the forces ten times as much:
+/// velocities have errors of about 0.015 · 0.37ᵖ at degree p, and the forces ten times as much. The
 /// errors of the expansions vary from node to node, and such velocities take larger forces than
 /// smooth ones.
 fn order_for(far_field_error: f64) -> usize {

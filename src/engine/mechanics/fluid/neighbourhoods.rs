@@ -17,9 +17,9 @@ use rayon::prelude::*;
 /// neighbours.
 const NEIGHBOURS_PER_NODE: usize = 8;
 
-/// Restricted additive Schwarz (Cai and Sarkis 1999): the forces of consecutive nodes in small
-/// groups follow from the exact solution of the flow among the nodes nearest to the group, on any
-/// filament.
+/// Restricted additive Schwarz (Cai and Sarkis 1999): consecutive nodes form small groups, and the
+/// forces of a group follow from the exact solution of the flow among the nodes nearest to the
+/// group, on any filament.
 ///
 /// Blocks of whole filaments would do as well for distant filaments, but take 46 iterations
 /// instead of 17 in a tight bundle, where the nearest neighbours of a node are on other filaments.

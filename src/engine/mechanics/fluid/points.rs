@@ -8,11 +8,11 @@
 //! 8πη u_p = R A W f_p
 //! ```
 //!
-//! where W gives each station the force density of its point (so that the density is continuous
-//! where filaments meet, as it is along a filament), and R takes the row of one station for each
-//! point. Two halves of a filament that meet at their ends have exactly the flow of the whole. A
-//! station that slides along a rail has no row; its density is that of the rail there, linear
-//! between the rail's stations.
+//! where R takes the row of one station for each point, and W gives each station the force density
+//! of its point. The density is thus continuous where filaments meet, as it is along a filament.
+//! Two halves of a filament that meet at their ends have exactly the flow of the whole. A station
+//! that slides along a rail has no row; its density is that of the rail there, linear between the
+//! rail's stations.
 //!
 //! Stations that are tied but not joined may move relative to each other. Their point has the mean
 //! of their velocities, weighted by their Voronoi lengths, which preserves the power of the flow.

@@ -19,8 +19,8 @@ pub(super) const NEIGHBOURHOOD: usize = 32;
 const PRICE_OF_ELIMINATION: f64 = 2.5;
 
 /// A two-level Schwarz method (Smith, Bjørstad and Gropp 1996): the coarse level solves for the
-/// total force on each aggregate of a filament, with all others; then neighbourhoods solve for the
-/// forces of nodes from the remaining flow.
+/// total forces on all aggregates of filaments together. Then neighbourhoods solve for the forces
+/// of nodes from the remaining flow.
 ///
 /// ```text
 /// A⁻¹ ≈ Q + S (1 − A Q)

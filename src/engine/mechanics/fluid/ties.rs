@@ -10,7 +10,7 @@
 //! when the tie is released.
 //!
 //! Only nodes that are joined, or that start so close, are ever tied. A node that slides along a
-//! filament is not a point of its own while it is on the filament: its velocity follows from that
+//! filament is not a point of its own while it is on the filament. Its velocity follows from that
 //! of the rail, and its force density is that of the rail there ([`points`](super::points)).
 
 use super::chain::Link;

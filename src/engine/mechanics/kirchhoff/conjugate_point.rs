@@ -32,12 +32,12 @@ type Solutions = SMatrix<f64, 12, 6>;
 /// Distance at which the helical rod of unit length along the direction of `helix` loses
 /// stability; `None` if it stays stable up to a distance of 100.
 ///
-/// A helix with clamped ends is stable if and only if no conjugate point lies in (0, L]: no arc
-/// length s at which a solution of the linearised equations, not identically zero, has θ = ρ = 0
-/// at 0 and at s (Borum & Bretl 2020). This means det J(s) = 0, with J(s) the 6×6 block of exp(A
-/// s) that takes (μ, ν) at 0 to (θ, ρ) at s. The rod of length 1 at distance S is, scaled, the rod
-/// of length S at distance 1: the first conjugate point of the unit direction is the critical
-/// distance.
+/// A helix with clamped ends is stable if and only if no conjugate point lies in (0, L] (Borum &
+/// Bretl 2020). At a conjugate point s a solution of the linearised equations that is not
+/// identically zero has θ = ρ = 0 at 0 and at s. This means det J(s) = 0, with J(s) the 6×6 block
+/// of exp(A s) that takes (μ, ν) at 0 to (θ, ρ) at s. The rod of length 1 at distance S is, scaled,
+/// the rod of length S at distance 1: the first conjugate point of the unit direction is the
+/// critical distance.
 pub fn critical_distance(helix: &Helix) -> Option<CriticalDistance> {
     let direction = helix.scaled(1.0 / helix.distance());
     if direction.curvature.abs() < STRAIGHT {

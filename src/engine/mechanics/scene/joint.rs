@@ -11,8 +11,8 @@ pub struct RodNode {
     pub node: usize,
 }
 
-/// Two nodes, of one rod or of two, that are the same point from time zero on, or only at time
-/// zero if the first slides along the rod of the second.
+/// Two nodes, of one rod or of two, that are the same point from time zero on. If the first slides
+/// along the rod of the second, they are the same point only at time zero.
 ///
 /// They share one position exactly, as one set of unknowns. Any number of joints may meet at a
 /// point.

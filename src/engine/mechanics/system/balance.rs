@@ -314,9 +314,9 @@ impl System {
 
     /// Whether the residual of the last evaluation, at `unknowns` that were only predicted, is so
     /// small that no correction is needed. At every unknown with a load the residual is compared
-    /// with that load alone, at other unknowns with the largest force on their rod (loads,
-    /// inertia, drag, contact, springs, reactions of clamps), and without any such force with the
-    /// rounding error.
+    /// with that load alone. At other unknowns it is compared with the largest force on their rod
+    /// (loads, inertia, drag, contact, springs, reactions of clamps) or, without any such force,
+    /// with the rounding error.
     pub(crate) fn is_balanced_as_predicted(
         &mut self,
         unknowns: &[f64],

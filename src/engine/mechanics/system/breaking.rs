@@ -1,11 +1,11 @@
 //! Joints that break if the force or the moment on them is too large.
 //!
 //! The force and moment of a spring are k (r − L), pulled or pushed, and c θ. In a joint of two
-//! nodes, one node has the position of the other; the force of the joint is the one that holds
-//! this node: the residual M a + ∇E − F of its own rod there, before it is added to that of the
-//! other node. The force of a slide is the one that holds the sliding node. The moment of a rigid
-//! joint or hinge is the sum of all moments on the frame of one of its rods. A weld that may break
-//! has a frame for either rod; one of these has the unknowns of the other ([`super::joints`]).
+//! nodes, one node has the position of the other. The force of the joint holds this node: it is the
+//! residual M a + ∇E − F of the node's own rod there, before it is added to that of the other node.
+//! The force of a slide is the one that holds the sliding node. The moment of a rigid joint or
+//! hinge is the sum of all moments on the frame of one of its rods. A weld that may break has a
+//! frame for either rod; one of these has the unknowns of the other ([`super::joints`]).
 //!
 //! A joint breaks at the end of a step with a load above its strength: the spring is removed, and
 //! the node and the frame get their own unknowns and keep their velocities. Contact still ignores

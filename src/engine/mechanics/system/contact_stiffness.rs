@@ -3,9 +3,9 @@
 //! A contact that carries a force stores the energy k φ(g) at its gap g. When its stiffness k
 //! rises from one step to the next, as it does with the contact forces, the gap is still that of
 //! the softer contact, so the energy rises spuriously with k. Under typical contact forces the
-//! increase is a force times a fraction of δ, and is lost again as contacts open. Rods that
-//! collide at high speed, however, penetrate far into a soft contact; a contact that becomes a
-//! thousand times as stiff pushes them apart with many times their initial energy. So k rises only
+//! increase is a force times a fraction of δ, and is lost again as contacts open. Rods that collide
+//! at high speed, however, penetrate far into a soft contact. If this contact becomes a thousand
+//! times as stiff, it pushes the rods apart with many times their initial energy. So k rises only
 //! as far as the added energy is small.
 
 use super::{Stage, System, copy_positions};

@@ -18,7 +18,8 @@ const ENTRIES: usize = 144;
 
 type Block = [[f64; 3]; 3];
 
-/// Places of the first entries of the blocks of two nodes, by their positions in two windows.
+/// Places of the first entries of blocks. A block belongs to two nodes, given by their positions in
+/// two windows.
 #[derive(Clone)]
 struct Places([[u32; WINDOW]; WINDOW]);
 

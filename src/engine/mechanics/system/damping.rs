@@ -174,8 +174,8 @@ impl Damping {
         )
     }
 
-    /// r γ and e^(−x) of each strain in the present stage, and both times K; `None` if no rod
-    /// relaxes.
+    /// r γ and e^(−x) of each strain in the present stage, and the products of both with K; `None`
+    /// if no rod relaxes.
     pub(super) fn relaxation(&self, assembly: &Assembly) -> Option<[Vec<f64>; 4]> {
         if self.stage.is_none() || !self.relaxes() {
             return None;
@@ -334,8 +334,8 @@ impl Damping {
         self.relaxing = relaxing;
     }
 
-    /// Accepts a step: the strains at its start become those of the step before, and q relaxes up
-    /// to the last evaluation, or completely if that evaluation had no stage.
+    /// Accepts a step. The strains at its start become those of the step before. The relaxing parts
+    /// q relax up to the last evaluation, or completely if that evaluation had no stage.
     pub(crate) fn keep(&mut self, assembly: &Assembly, geometry: &RodGeometry) {
         if self.relaxes() {
             let mut relaxing = std::mem::take(&mut self.relaxing);

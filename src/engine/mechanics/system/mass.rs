@@ -26,12 +26,12 @@
 //! lumped masses they are too slow by (kh)²/24.
 //!
 //! **Curved rods.** The nodes follow w − h²/12 w'', the least-squares projection of the centreline
-//! onto polygons: where it is bent they are h²κ/12 outside it, and a polygon around an arc of the
-//! length h has edges of h (1 + φ²/24) where it turns by φ. Edges here keep the length h, which
-//! leaves an error of second order. The error is small if loads bend a straight rod that measures
-//! the angle by which it turns ([`crate::mechanics::rod::BendingStrain`]), and large for rods with
-//! a strong natural curvature: the lowest frequency of a ring of 25 edges is 1.5 % too high, with
-//! lumped masses 0.6 %.
+//! onto polygons: where the centreline is bent, the nodes are h²κ/12 outside it. If an arc of the
+//! length h turns by φ, the edges of a polygon around it have the length h (1 + φ²/24). Edges here
+//! keep the length h, which leaves an error of second order. The error is small if loads bend a
+//! straight rod that measures the angle by which it turns
+//! ([`crate::mechanics::rod::BendingStrain`]), and large for rods with a strong natural curvature:
+//! the lowest frequency of a ring of 25 edges is 1.5 % too high, with lumped masses 0.6 %.
 //!
 //! **Conservation.** The matrix is constant and the same for x, y and z. Σ Mᵢⱼ vⱼ and Σ Mᵢⱼ xᵢ ×
 //! vⱼ are momentum and angular momentum, which balance the forces and their moments exactly in

@@ -51,9 +51,9 @@ impl SectionScale {
         }
     }
 
-    /// The scale of a node whose halves have different sections. Both carry the moment of the
-    /// node, so the strain M c_i/EI_i is that of the half in which c_i/EI_i is larger, relative to
-    /// the mean curvature M/EI with the harmonic mean of EI_i.
+    /// The scale of a node whose halves have different sections. Both halves carry the moment of
+    /// the node, so the strain M c_i/EI_i is that of the half with the larger c_i/EI_i. The scale
+    /// is relative to the mean curvature M/EI, with the harmonic mean of EI_i.
     fn of_halves(one: ([f64; 2], Self), other: ([f64; 2], Self)) -> Self {
         let mean = |axis: usize| 2.0 / (1.0 / one.0[axis] + 1.0 / other.0[axis]);
         let fibre = |axis: usize| {

@@ -3,8 +3,8 @@
 //! An implicit step with the force f = −∇φ at the end of the step removes at most the stored
 //! amount from a convex energy φ: f·(q₁ − q₀) ≤ φ(q₀) − φ(q₁). The energy of a contact is convex
 //! in its gap, and elastic energy in the strains. Gaps and strains are nearly linear in the
-//! unknowns if rotations within the step are small. However, rods that move around each other by a
-//! large part of their thickness are pushed apart along a normal that has turned meanwhile, and a
+//! unknowns if rotations within the step are small. However, if rods move around each other by a
+//! large part of their thickness, they are pushed apart along a normal that has turned meanwhile. A
 //! compressed edge is accelerated as it turns. A step in which this adds energy is repeated.
 
 use super::term::Kind;

@@ -2,10 +2,10 @@
 //!
 //! The ends of a rod are extended straight up and joined far above the table; for a second closed
 //! curve they are extended down and joined far below it. With two rods the end of each is joined
-//! to the start of the other, so that the closed curve follows both rods forwards; the two joining
-//! paths have different heights. If both closed curves have the same determinant and signature,
-//! the knot does not depend on how ends are joined. If they differ, an end lies within the loops
-//! of a rod, and the knot does not hold.
+//! to the start of the other, so that the closed curve follows both rods forwards. The two joining
+//! paths have different heights. If both closed curves have the same determinant and signature, the
+//! knot does not depend on how ends are joined. If they differ, an end lies within the loops of a
+//! rod, and the knot does not hold.
 //!
 //! A reef knot has two bights. Each comes from one side and returns to it through the other bight.
 //! B enters from the right below the upper strand of A's bight and returns below the lower strand,

@@ -1,9 +1,9 @@
 //! Posts on the table, and whether a rod passes them as its pattern does.
 //!
-//! A rod is placed if every peg, seen from above, is on the same side of the rod as of the
-//! pattern, and the rod lies beside the peg below its top. The side is a topological property: rod
-//! and pattern, joined by straight lines at their ends, form a closed curve that must not go
-//! around the peg.
+//! A rod is placed if two conditions hold at every peg. Seen from above, the peg is on the same
+//! side of the rod as of the pattern; and the rod lies beside the peg, below its top. The side is a
+//! topological property: rod and pattern, joined by straight lines at their ends, form a closed
+//! curve that must not go around the peg.
 
 use super::keys::Peg;
 use crate::experiment::prepare::round_rod;

@@ -2,14 +2,14 @@
 //!
 //! **Geometry.** All axes are along z. Each flagellum is a right-handed helix x = a cos T, y = a
 //! sin T, z = b T (b = pitch/2π) of evenly spaced nodes, all in phase. With the hook, the helix is
-//! preceded by a ramp of two edges at 45°, from the axis at z = −a to the helix at T = 0, and the
-//! ramp by an inlet of one edge along the axis, as long as an edge of the helix. The natural shape
-//! is the placed one. The axes are at the corners of a regular polygon around the origin: for M =
-//! 2 at the ends of a segment, for M = 1 at the origin. Each helix begins on the x side of its own
-//! axis. `orientation` is the angle about z from the x axis to the first corner. At the default,
-//! 180°, the first helix begins towards the centre. In the released reference code the axes are
-//! along x, and the helices are (y, z) = a (cos T, sin T). The corners are at (R − R cos t, R sin
-//! t) in this plane, so that, seen from the centre, the first corner is at 180°.
+//! preceded by a ramp of two edges at 45°, from the axis at z = −a to the helix at T = 0. The ramp
+//! is preceded by an inlet of one edge along the axis, as long as an edge of the helix. The natural
+//! shape is the placed one. The axes are at the corners of a regular polygon around the origin: for
+//! M = 2 at the ends of a segment, for M = 1 at the origin. Each helix begins on the x side of its
+//! own axis. `orientation` is the angle about z from the x axis to the first corner. At the
+//! default, 180°, the first helix begins towards the centre. In the released reference code the
+//! axes are along x, and the helices are (y, z) = a (cos T, sin T). The corners are at (R − R cos
+//! t, R sin t) in this plane, so that, seen from the centre, the first corner is at 180°.
 //!
 //! **Drive.** The head is clamped and turns by −ω t about +z. So a positive `angular_velocity` ω sends the
 //! wave of a right-handed helix from head to tip and presses the head against its wall, as bacteria swim;

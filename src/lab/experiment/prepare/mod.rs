@@ -168,8 +168,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         issues.push(issue);
     }
     if prepared.table.is_some() && prepared.start.is_some() {
-        let message =
-            "this experiment places its rods itself, again and again; leave the table out";
+        let message = "this experiment places its own rods repeatedly; leave the table out";
         issues.push(Issue::new(KeyPath::from("start"), message));
     }
     if prepared.table.is_none() {

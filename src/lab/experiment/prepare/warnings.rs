@@ -1,6 +1,6 @@
-//! Warnings about properties of a scene that can be checked before a run and may be unintended:
-//! polylines that become shorter when they are cut into edges, scenes in which no rod can move, or
-//! in which nothing acts.
+//! Warnings about unintended properties of a scene that can be found before a run: polylines that
+//! become shorter when they are cut into edges, and scenes in which no rod can move or nothing
+//! acts.
 
 use crate::scenario::{NaturalShape, Scenario, Shape};
 use rodlab_engine::mechanics::Vector3;

@@ -1,8 +1,9 @@
 //! Backward differences that are exact for steady rotation (Gautschi 1961), in the form of an
 //! implicit Euler stage.
 //!
-//! The velocity at the end of a step h is the derivative of the function a + b t + c cos ωt + d sin ωt through the
-//! last four points, the acceleration that of a + c cos ωt + d sin ωt through the last three velocities:
+//! The velocity at the end of a step h is the derivative of the function a + b t + c cos ωt + d sin
+//! ωt through the last four points. The acceleration is the derivative of a + c cos ωt + d sin ωt
+//! through the last three velocities:
 //!
 //! ```text
 //! q̇ = (q − q̂)/H,     q̂ = qₙ + α₁ (qₙ₋₁ − qₙ) + α₂ (qₙ₋₂ − qₙ)
@@ -12,8 +13,8 @@
 //!
 //! with the size h₀ of the step before. For ω = 0, where S(t) = t, these are BDF3 and BDF2 (Gear
 //! 1971). Differences of third order alone would feed oscillations that no drag damps (they are
-//! not A-stable). With an acceleration of second order they damp all oscillations; only the
-//! inertia of motions other than rotation is then of second order, and it is small where drag
+//! not A-stable). With an acceleration of second order they damp all oscillations. Only the inertia
+//! of motions other than rotation is then of second order; this inertia is small where drag
 //! dominates. So positions and velocities advance by an Euler stage of size H from q̂ and v̂.
 //! Contact and elasticity are evaluated at the end of the step.
 //!

@@ -39,9 +39,9 @@ pub(super) trait TimeScheme {
         false
     }
 
-    /// Largest eigenvalue of D⁻¹ R, the resistance of a flow over its local part, for which a step
-    /// may leave (R − D) (v − v₀) to the next one without ringing; 0 if it may never. The least
-    /// inertia of a node is `inertia` times D hₐ.
+    /// Largest eigenvalue of D⁻¹ R, the resistance of a flow over its local part, up to which a
+    /// step may leave (R − D) (v − v₀) to the next step without ringing; 0 if it never may. The
+    /// least inertia of a node is `inertia` times D hₐ.
     fn largest_lagged_ratio(&self, inertia: f64) -> f64;
 
     /// Whether the first steps of a motion must be small, because the scheme needs earlier steps

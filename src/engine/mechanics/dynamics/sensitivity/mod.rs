@@ -31,8 +31,8 @@
 //! **Accuracy.** A difference over ±ε has an error of ε² ∂³R/6 and of rounding errors over ε. The
 //! relative ε of 2e-5 that [`Variation`] recommends leaves 1e-10 to 3e-8 of both in positions and
 //! velocities; [`Sensitivity::amplitude`] reports how far the neighbours have moved away. The step
-//! sizes are those of the scene itself, as if they did not depend on p, and so are the states of
-//! switches: a force with a kink exactly there gets the mean of its two derivatives.
+//! sizes and the states of switches are those of the scene itself, as if they did not depend on p.
+//! A force with a kink exactly there gets the mean of its two derivatives.
 //!
 //! **Reactions.** The reaction at a held unknown is its row of R, so its derivative is J dq/dp +
 //! ∂R/∂s ds/dp + ∂R/∂p with this row. A difference of the neighbours would have an error of EA ε²,
@@ -48,8 +48,8 @@
 //!
 //! **Joints and bodies.** Dependent positions, such as the tips of the axes of bodies, have the
 //! differences of the neighbours at the ends of their steps. In all neighbours, rotation vectors
-//! are reset and joints break when they do in the simulation itself: like the step sizes, the step
-//! at whose end a joint breaks does not depend on p.
+//! are reset and joints break in the same steps as in the simulation itself. Like the step sizes,
+//! these steps do not depend on p.
 //!
 //! **Flow.** The operator of regularized Stokeslets is stored in single precision. A relative ε of
 //! 2e-3 leaves errors of 1e-6 to 1e-5 from its rounding and from truncation.
@@ -61,8 +61,8 @@
 //! differentiated.
 //!
 //! **Not supported**, and rejected: flows by clusters, controllers and other interventions. A step
-//! that the neighbours cannot repeat is an error, such as a step of the midpoint rule that an
-//! impact ended, or one within which the drag of a flow is solved for.
+//! that the neighbours cannot repeat is an error. Examples are a step of the midpoint rule that an
+//! impact ended, and a step within which the drag of a flow is solved for.
 //!
 //! | file | what |
 //! |---|---|

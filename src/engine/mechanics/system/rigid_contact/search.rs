@@ -8,9 +8,9 @@
 //! the smoothed laws is therefore shortened without another solution of a linear system.
 //!
 //! The rods are linearised again as they move, and forces are solved only to the corresponding
-//! accuracy: smoothed laws are followed down to a width proportional to the motion, and further
-//! after the next linearisation. If they cannot be followed further, the laws are solved at a
-//! larger width, and the rods are linearised at that solution. Near the end, the states of narrow
+//! accuracy: the width of the smoothed laws is reduced to a value proportional to the motion, and
+//! further after the next linearisation. If they cannot be followed further, the laws are solved at
+//! a larger width, and the rods are linearised at that solution. Near the end, the states of narrow
 //! laws are those of the exact laws with few exceptions.
 
 use super::{RigidContact, State};

@@ -96,8 +96,8 @@ keys! {
     table Knot "tied_knot" {
         /// Second pass of the rod at each crossing of the pattern, "over" or "under", in the order
         /// of these passes. While the rod is laid, it passes over. With two rods the list has all
-        /// crossings: first those that the second rod covers while it is laid, then those to which
-        /// its end is led, then those to which the end of the first rod is led.
+        /// crossings: first those of the second rod as it is laid, then those of its end, then
+        /// those of the end of the first rod.
         crossings: raw(Vec<Pass>) raw,
         /// Height to which strands are lifted. Default: eight radii of the rod; with two rods, of
         /// the thicker one.
