@@ -121,7 +121,7 @@ impl Follower {
         };
         if !is_reachable {
             return Err(format!(
-                "joint `{}`: its limits, {} to {}, leave joint `{}`, which it mimics, no range",
+                "joint `{}`: its limits, {} to {}, leave no range for joint `{}`, which it mimics",
                 self.name, self.limits.lower, self.limits.upper, leader.name
             ));
         }

@@ -275,7 +275,7 @@ length="0.4" | length="0" | `length` 0
 velocity="0.5" | velocity="-0.5" | `velocity` of its limit is -0.5
 <joint name="c" | <joint name="b" | joint `b` is in the file twice
 <link name="slide"/> | <link name="slide"/><link name="base"/> | link `base` is in the file twice
-lower="-9" upper="9" | lower="2" upper="3" | joint `m`: its limits, 2 to 3, leave joint `b`, which it mimics, no range
+lower="-9" upper="9" | lower="2" upper="3" | joint `m`: its limits, 2 to 3, leave no range for joint `b`, which it mimics
 "#;
 
 #[test]

@@ -45,7 +45,7 @@ fn limits_of_mimic_joints_bound_the_joint_they_follow() {
     // Half of the limit of the mimicked joint, although the arm gives 1 rad/s for all joints.
     assert_eq!(limits.velocity, 0.5);
     for (good, bad, expected) in [
-        ("offset = 0.5", "offset = 90.0", "which it mimics, no range"),
+        ("offset = 0.5", "offset = 90.0", "leave no range for joint"),
         ("lower = -0.5", "lower = 2.0", "must be below `upper`"),
         ("offset = 0.5", "offset = nan", "finite"),
         ("multiplier = 2.0", "multiplier = inf", "finite"),

@@ -44,10 +44,7 @@ pub fn strains(context: &Context<'_>, section: &Section<'_>, typed: &typed::Stra
     for (key, list) in COLUMNS[1..].iter().zip(others) {
         if list.len() != rows {
             let found = list.len();
-            section.fault(
-                key,
-                format!("{found} numbers beside {rows} of `arc_length`"),
-            );
+            section.fault(key, format!("{found} numbers, but `arc_length` has {rows}"));
         }
     }
     if let Err((row, message)) = check(&arc_length) {

@@ -77,7 +77,7 @@ fn rows(context: &Context<'_>, section: &Section<'_>, typed: &typed::Profile) ->
     let radii = numbers("radius", &typed.radius, POSITIVE);
     if radii.len() != places.len() {
         let message = format!(
-            "{} numbers beside {} of `arc_length`",
+            "{} numbers, but `arc_length` has {}",
             radii.len(),
             places.len()
         );

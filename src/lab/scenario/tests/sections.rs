@@ -154,7 +154,10 @@ fn a_profile_is_short_for_sections_between_its_rows() {
         read(&sections).unwrap().to_toml()
     );
     for (keys, word) in [
-        ("arc_length = [0, 1], radius = [0.1]", "1 numbers beside 2"),
+        (
+            "arc_length = [0, 1], radius = [0.1]",
+            "1 numbers, but `arc_length` has 2",
+        ),
         (
             "arc_length = [0, 0], radius = [0.1, 0.1]",
             "number 2: 0 m does not exceed",

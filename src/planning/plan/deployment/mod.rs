@@ -100,7 +100,7 @@ pub enum DeploymentError {
     },
     /// There is no grasp of the whole rod.
     #[error(
-        "the rod is {rod_m} m long: allowed for this rod: a length from {least_m:.4} m to {most_m:.4} m, that is {least} to {most} \
+        "the rod is {rod_m} m long; allowed: {least_m:.4} m to {most_m:.4} m, that is {least} to {most} \
          gravito-bending lengths of {unit_m} m",
         least = GraspProblem::LENGTHS[0],
         most = GraspProblem::LENGTHS[1]

@@ -122,7 +122,7 @@ pub fn checked_trajectory(
     if rejected > 0 {
         let [position, angle] = TOLERANCES;
         tracing::warn!(
-            "{rejected} of {} outputs of the network were more than {position} L_gb or {:.1}° off \
+            "{rejected} of {} outputs of the network were wrong by more than {position} L_gb or {:.1}° \
              and were replaced by exact grasps",
             points.len(),
             angle.to_degrees()
