@@ -94,7 +94,7 @@ pub struct ExploreArguments {
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 struct DirectionArguments {
-    /// Table of directions: columns kappa, tau and omega, vectors of any length
+    /// Table of directions: vectors with columns kappa, tau and omega
     #[arg(long, value_name = "FILE")]
     directions: Option<PathBuf>,
     /// Number of directions, evenly spread over κ > 0 and τ > 0
