@@ -18,8 +18,8 @@ Examples:
 The curve is a CSV file with columns x_m,y_m,z_m, from the first node of the rod to its last. With
 rods.NAME.natural_curvature alone, the rod is moved onto the curve with its clamps, and the natural
 shape with which it rests there is found. natural.csv has this shape, as a table for
-rods.natural_shape. Other keys are numbers that --set takes, vectors such as loads.0.force, and
-clamps.N.pose, the place and the turn of clamp N, counted from 0. Their values are found so that the
+rods.natural_shape. Other keys are numbers that --set takes, vectors such as loads.0.force, or
+clamps.N.pose: the place and the turn of clamp N, counted from 0. Their values are found so that the
 equilibrium is closest to the curve. The loads are those of the scenario at time zero. designed.toml
 is the scenario with the result. Exit code 3: the values have not converged. `rodlab guide design`
 has the equations."

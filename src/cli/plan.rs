@@ -33,8 +33,8 @@ Examples:
   rodlab plan fold --paper origami --crease diagonal-strip --out results/fold_origami",
     "\
 The edge is lifted without a push along the table. The end of the lift, and the path over the force
-manifold that follows, are searched on a grid of 0.0548 L_gb (thesis Algorithm 4); its points are
-then moved until the sum of λ no longer decreases.
+manifold that follows it, are searched on a grid of 0.0548 L_gb (thesis Algorithm 4). The points of
+the path are then moved until the sum of λ no longer decreases.
 
 Writes trajectory.csv (time_s, x_m, y_m, z_m, qw, qx, qy, qz), folds.csv, fold.svg (the sheet along
 its path) and friction.svg. Prints the largest λ = |F_x|/|F_z| at the touchdown point, and the

@@ -1,4 +1,4 @@
-//! Extension of ends across another strand at which they seem to stop.
+//! Extension of ends that seem to stop at another strand: they are continued across it.
 
 use super::Point;
 use super::centreline::Strand;

@@ -134,8 +134,8 @@ impl Placement {
         }
     }
 
-    /// Reference twist from the last edge of a ring to its first, rad: the angle left by transport
-    /// once around.
+    /// Reference twist from the last edge of a ring to its first, rad: the angle that remains after
+    /// transport once around the ring.
     pub(crate) fn joint_reference_twist(&self) -> f64 {
         let last = self.tangents.len() - 1;
         let carried = parallel_transport(
