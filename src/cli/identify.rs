@@ -104,7 +104,7 @@ pub fn identify(arguments: &IdentifyArguments, common: &Common) -> Result<(), Fa
     };
     if held.choice.cell.is_some() {
         return Err(Failure::Input(
-            "--cell is for a rod that an arm identifies, --rod; a scenario is fitted to --data"
+            "--cell needs --rod, a rod that an arm identifies; a scenario is fitted to --data"
                 .into(),
         ));
     }

@@ -17,8 +17,8 @@ pub const SNAKE: f64 = 2.0;
 /// Cheatham 1990). The energy e = ½ k⁴ − ½ f k² + 1 first becomes zero for k⁴ = 2 and f = 2√2.
 pub const EVEN_HELIX: f64 = 2.0 * std::f64::consts::SQRT_2;
 
-/// Push at which a helix with the wave number k that turns faster near the top, θ = kx + a sin kx,
-/// has the energy of the straight rod. To second order in a
+/// Push at which a helix, θ = kx + a sin kx, has the energy of the straight rod. The helix has the
+/// wave number k and turns faster near the top. To second order in a
 ///
 /// ```text
 /// e = ½ k⁴ − ½ f k² + 1 + ½ a + q a²,     q = (7 k⁴ − f k²)/4

@@ -15,7 +15,7 @@ use std::path::Path;
 use toml::{Table, Value, toml};
 
 /// Largest distance of the hand from its pose for a freely hanging rod, in gravito-bending
-/// lengths, and largest rotation, rad: the user can bend the rod by that much.
+/// lengths, and largest rotation, rad. The user can bend the rod by these amounts.
 const REACH: [f64; 2] = [2.0, 0.6];
 /// Least horizontal part of the hand's y axis for which the rod has a direction on the table.
 const LEVEL: f64 = 0.5;

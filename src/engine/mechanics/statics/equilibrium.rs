@@ -307,9 +307,9 @@ impl Descent {
         system.largest_step(unknowns, &self.trial) >= 1.0
     }
 
-    /// Corrects `trial`, which is `part` of the direction from `unknowns`, for the lengthening of
-    /// edges beyond first order, with the factors of the Hessian at the start; returns false if
-    /// that fails. Straight paths lengthen edges that rotate, and edges of nodes that slide around
+    /// Corrects `trial` for the lengthening of edges beyond first order, with the factors of the
+    /// Hessian at the start; returns false if that fails. `trial` is `part` of the direction from
+    /// `unknowns`. Straight paths lengthen edges that rotate, and edges of nodes that slide around
     /// a curve.
     fn bend_back(&mut self, system: &mut System, unknowns: &[f64], part: f64) -> bool {
         self.correction.fill(0.0);

@@ -34,8 +34,7 @@ const NEGATIVE: f64 = 1e-7;
 /// Norm of a new vector, relative to that before orthogonalisation, below which the space is
 /// complete.
 const EXHAUSTED: f64 = 1e-13;
-/// σ relative to EI/L³ over the mass of all rods; the lowest μ of a cantilever is 12.4 times that
-/// unit.
+/// σ in the unit EI/L³ over the mass of all rods, in which the lowest μ of a cantilever is 12.4.
 const SHIFT: f64 = 10.0;
 
 /// Number of growing small motions.
