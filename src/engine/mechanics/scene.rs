@@ -7,6 +7,7 @@ mod actuation;
 mod joint;
 mod node_force;
 mod section;
+mod yielding;
 
 pub use actuation::{ActuatedStrain, Actuation, Course, Wave};
 
@@ -20,6 +21,7 @@ pub use super::piecewise::piecewise_linear;
 pub(crate) use super::piecewise::piecewise_turning;
 
 pub use section::{EdgeSection, Section, edge_sections, pieces};
+pub use yielding::{Layer, PlasticBending, Yielding, YieldingMaterial};
 
 use super::contact::ContactParameters;
 use super::fluid::{BackgroundFlow, FluidModel};
@@ -124,6 +126,8 @@ pub struct RodDescription {
     pub retardation_time: f64,
     /// Viscous part of its stiffness, if any.
     pub relaxation: Option<Relaxation>,
+    /// Plastic law of the section; `None` for an elastic rod.
+    pub yielding: Option<Yielding>,
     /// Velocity of every node at time zero, m/s.
     pub velocity: Vector3,
     /// Angular velocity about the rod's centroid at time zero, rad/s (nodes' velocities only).
@@ -181,6 +185,7 @@ impl RodDescription {
             inertia: Inertia::Lumped,
             retardation_time: 0.0,
             relaxation: None,
+            yielding: None,
             velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
             held: false,

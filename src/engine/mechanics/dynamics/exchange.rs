@@ -36,7 +36,7 @@ impl AcceptedStep<'_> {
         Exchange {
             clamp_work: self.clamp_work(),
             friction_loss: self.friction_loss(),
-            drag_loss: self.drag_loss() + self.system.viscous_loss(),
+            drag_loss: self.drag_loss() + self.system.viscous_loss() + self.system.plastic_loss(),
         }
     }
 

@@ -108,6 +108,8 @@ mod parallel_tests;
 #[cfg(test)]
 mod path_tests;
 #[cfg(test)]
+mod plasticity_tests;
+#[cfg(test)]
 mod rolling_tests;
 #[cfg(test)]
 mod section_contact_tests;

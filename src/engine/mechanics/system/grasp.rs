@@ -122,6 +122,7 @@ impl System {
             motion: Motion::default(),
         };
         let frame = self.frame_at(&neighbours, node);
+        self.terms.plasticity.withdraw(&mut self.assembly.rods);
         self.terms.actuators.withdraw(&mut self.assembly.rods);
         let mut drive = Drive::new(&clamp, node, position(unknowns, node), frame);
         if grasp.position {
@@ -172,6 +173,7 @@ impl System {
         if holds_position {
             self.assembly.held[STRIDE * node..STRIDE * node + 3].fill(false);
         }
+        self.terms.plasticity.withdraw(&mut self.assembly.rods);
         self.terms.actuators.withdraw(&mut self.assembly.rods);
         self.remove_walls(ghosts);
         let drive = &mut self.assembly.drives[clamp];
@@ -195,6 +197,7 @@ impl System {
     pub(crate) fn interventions(&self) -> Interventions {
         let switched = || {
             let mut rods = self.assembly.rods.clone();
+            self.terms.plasticity.withdraw(&mut rods);
             self.terms.actuators.withdraw(&mut rods);
             Switched {
                 held: self.assembly.held.clone(),
@@ -243,12 +246,14 @@ impl System {
         }
         (self.terms.loads.external_mut()).copy_from_slice(&done.external_forces);
         if let Some(switched) = done.switched {
+            self.terms.plasticity.withdraw(&mut assembly.rods);
             self.terms.actuators.withdraw(&mut assembly.rods);
             assembly.held = switched.held;
             assembly.rods.vertices = switched.vertices;
             assembly.rods.ghosts = switched.ghosts;
             assembly.consistent.share(&assembly.rods);
             self.terms.actuators.resolve(assembly);
+            self.terms.plasticity.place(assembly);
             let any = GhostEdge {
                 tangent: Vector3::x(),
                 director: Vector3::y(),
@@ -275,6 +280,7 @@ impl System {
         self.note_prescribed_nodes();
         self.terms.damping.rest();
         self.terms.damping.place(&self.assembly);
+        self.terms.plasticity.place(&self.assembly);
         self.assembly.consistent.share(&self.assembly.rods);
         self.terms.actuators.resolve(&self.assembly);
         self.geometry = RodGeometry::new(&self.assembly.rods);

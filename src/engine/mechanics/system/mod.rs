@@ -49,6 +49,7 @@ mod newton_matrix;
 mod node_element;
 mod node_forces;
 mod obstacles;
+mod plasticity;
 mod residual;
 mod resultants;
 mod rigid_contact;
@@ -248,6 +249,7 @@ impl System {
         (self.assembly.joints).turn_ghosts(unknowns, &mut self.ghosts);
         self.geometry
             .update(&self.assembly.rods, unknowns, &self.reference, &self.ghosts);
+        self.yield_rods();
         let parts = self.parts(unknowns, None);
         for term in parts.terms.all_mut() {
             term.update(&parts.at);

@@ -94,6 +94,8 @@ impl System {
             .terms
             .damping
             .relaxing_energy(&self.assembly, Some(rod));
+        let yielding = &self.terms.plasticity;
+        energy = energy + yielding.energy_at(rods, &self.geometry, |node| nodes.contains(&node));
         for edge in rods.edges.iter().filter(|edge| nodes.contains(&edge.start)) {
             let length = self.geometry.edges[edge.start].length;
             let strain = length / edge.natural_length - 1.0;

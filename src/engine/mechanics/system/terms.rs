@@ -12,6 +12,7 @@ use super::linear_drag::LinearDrag;
 use super::loads::Loads;
 use super::local_drag::LocalDrag;
 use super::node_forces::NodeForces;
+use super::plasticity::Plasticity;
 use super::springs::Springs;
 use super::term::Term;
 use crate::linalg::Element;
@@ -55,6 +56,8 @@ terms! {
     actuators: Actuators,
     /// Stretching, bending and twisting of the rods.
     elasticity: Elasticity,
+    /// Plastic strains of the rods, which change their natural strains at each evaluation.
+    plasticity: Plasticity,
     /// Springs between nodes, between frames and about hinges.
     springs: Springs,
     /// Forces that the scene defines by code.
@@ -108,7 +111,9 @@ impl Terms {
         for term in self.all_mut() {
             term.restore(&mut memory)?;
         }
-        // Only dashpots have data whose size depends on the scene.
-        memory.next().map_or(Ok(()), |_| Err("damping"))
+        // Only dashpots and rods that yield have data whose size depends on the scene.
+        memory
+            .next()
+            .map_or(Ok(()), |_| Err("damping or plastic strains"))
     }
 }

@@ -301,6 +301,10 @@ fn refuse(
             "derivatives with respect to fields need fluid.model = \"resistive\"",
         ),
         (
+            system.yields(),
+            "derivatives over fields support no rods that yield",
+        ),
+        (
             lengthens,
             "derivatives with respect to fields support no rods that lengthen by themselves",
         ),

@@ -225,6 +225,11 @@ fn sharp(
     parameters: &IntegrationParameters,
 ) -> Result<Simulation, SensitivityError> {
     let mut simulation = Simulation::new(scene, parameters)?;
+    if simulation.system.yields() {
+        return Err(SensitivityError::Unsuitable(
+            "derivatives support no rods that yield",
+        ));
+    }
     match simulation.integrator.fluid.sharpen(FLOW_TOLERANCE) {
         true => Ok(simulation),
         false => Err(SensitivityError::Unsuitable(
