@@ -81,8 +81,7 @@ mod tests {
 
     /// Whether the only fault of a command line is a file that only its reader has.
     fn lacks_a_file(error: &clap::Error) -> bool {
-        error.kind() == ErrorKind::ValueValidation
-            && error.to_string().contains("there is no such file")
+        error.kind() == ErrorKind::ValueValidation && error.to_string().contains("there is no such")
     }
 
     #[test]

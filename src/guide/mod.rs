@@ -42,6 +42,7 @@ pages! {
     parameters
     sections
     actuation
+    plasticity
     contact
     smooth_contact
     joints

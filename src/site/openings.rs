@@ -33,6 +33,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab run swimmer",
     ],
     [
+        "plasticity",
+        "bent_wire.svg",
+        "A wire is bent, let go, and springs back",
+        "rodlab run bent_wire",
+    ],
+    [
         "contact",
         "pile.png",
         "Two hundred rods in a heap",

@@ -49,6 +49,7 @@ mod ties;
 mod tube_buckling;
 mod turning_springs;
 mod vibration;
+mod yielding;
 
 pub use check::{Check, Expectation, Verdict, table};
 pub use page::markdown;
@@ -63,7 +64,7 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 27] = [
+const GROUPS: [(&str, CheckGroup); 28] = [
     ("derivatives", derivatives::checks),
     ("sensitivities", sensitivities::checks),
     ("statics", statics::checks),
@@ -71,6 +72,7 @@ const GROUPS: [(&str, CheckGroup); 27] = [
     ("vibration", vibration::checks),
     ("sections", sections::checks),
     ("damping", damping::checks),
+    ("yielding", yielding::checks),
     ("actuation", actuation::checks),
     ("buckling", buckling::checks),
     ("continuation", continuation::checks),

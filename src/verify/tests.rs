@@ -36,6 +36,7 @@ groups_pass! {
     sections_pass: "sections",
     actuation_passes: "actuation",
     damping_passes: "damping",
+    yielding_passes: "yielding",
     buckling_passes: "buckling",
     helix_manipulation_passes: "helix manipulation",
     localized_buckling_passes: "localised buckling",

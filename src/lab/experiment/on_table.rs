@@ -83,6 +83,8 @@ pub fn material(rod: &DeployedRod, density: f64) -> Material {
         viscosity: 0.0,
         relaxing_modulus: 0.0,
         relaxation_time: 0.0,
+        yield_stress: 0.0,
+        tangent_modulus: 0.0,
     }
 }
 

@@ -27,6 +27,10 @@ const EXPERIMENTS: &[(&[&str], &str)] = &[
         "let the rod swing freely and record markers until the motion has decayed",
     ),
     (
+        &["yield_stress", "tangent_modulus"],
+        "bend the rod beyond its elastic range, release it, and measure the shape that it keeps",
+    ),
+    (
         &["friction", "mu"],
         "let the rod slide, and record its motion, the tangential force, or when it begins to slide as a load grows (`sliding_onset_s`)",
     ),

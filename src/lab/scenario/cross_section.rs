@@ -118,6 +118,8 @@ mod tests {
             viscosity: 0.0,
             relaxing_modulus: 0.0,
             relaxation_time: 0.0,
+            yield_stress: 0.0,
+            tangent_modulus: 0.0,
         };
         let stiffness = strip.stiffness(f64::NAN, &material);
         assert_eq!(stiffness.stretching, 12.0);

@@ -7,8 +7,8 @@ use crate::mechanics::scene::{
 };
 use crate::mechanics::system::System;
 use crate::mechanics::test_support::{
-    advance_to, assert_close, clamp, drag, farthest, fixed, moment_on, resumed, run, run_with, section,
-    straight_rod,
+    advance_to, assert_close, clamp, drag, farthest, fixed, moment_on, resumed, run, run_with,
+    section, straight_rod,
 };
 use std::f64::consts::PI;
 

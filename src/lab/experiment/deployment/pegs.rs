@@ -24,6 +24,8 @@ const STEEL: Material = Material {
     viscosity: 0.0,
     relaxing_modulus: 0.0,
     relaxation_time: 0.0,
+    yield_stress: 0.0,
+    tangent_modulus: 0.0,
 };
 /// Points of a pattern seen from above.
 const OUTLINE: usize = 2000;

@@ -194,6 +194,8 @@ mod tests {
         viscosity: 0.0,
         relaxing_modulus: 0.0,
         relaxation_time: 0.0,
+        yield_stress: 0.0,
+        tangent_modulus: 0.0,
     };
     const ROD: BuilderRod = BuilderRod {
         radius: 1e-3,

@@ -3,7 +3,7 @@
 use super::curve::{SampledCurve, sample};
 use super::gripper_motion::gripper_motion;
 use super::natural_strains;
-use super::round_rod::relaxation;
+use super::round_rod::{relaxation, yielding};
 use super::sections::lay_out;
 use crate::experiment::places::{find_place, find_rod};
 use crate::scenario::{
@@ -73,6 +73,7 @@ pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescr
         },
         retardation_time: rod.material.retardation_time(),
         relaxation: relaxation(&rod.material),
+        yielding: yielding(&rod.cross_section, rod.radius, &rod.material),
         velocity: Vector3::from(rod.velocity),
         angular_velocity: Vector3::from(rod.angular_velocity),
         held: rod.held,

@@ -134,6 +134,12 @@ pub fn member(
     let below = section.below("stiffness");
     let stiffness = typed.stiffness.resolve(&below, derived);
     refuse_degenerate(section, &stiffness);
+    if material.yield_stress > 0.0 && stiffness != derived {
+        section.fault(
+            "stiffness",
+            "a rod with a yield stress has the stiffness of its material and cross-section",
+        );
+    }
     let natural_shape = natural_shape(context, section, typed);
     Rod {
         name: member.name,
@@ -262,6 +268,12 @@ fn own_material(
             .and_then(|typed| relaxation(&common.section, typed))
     });
     let [relaxing_modulus, relaxation_time] = relaxing.unwrap_or_default();
+    let [yield_stress, tangent_modulus] = yielding(section, own, youngs_modulus)
+        .or_else(|| {
+            let typed = common.typed?;
+            yielding(&common.section, typed, youngs_modulus)
+        })
+        .unwrap_or_default();
     Material {
         youngs_modulus,
         poissons_ratio: choose!(poissons_ratio),
@@ -271,7 +283,27 @@ fn own_material(
             .unwrap_or(0.0),
         relaxing_modulus,
         relaxation_time,
+        yield_stress,
+        tangent_modulus,
     }
+}
+
+/// Yield stress and tangent modulus, Pa, if a yield stress is given.
+fn yielding(
+    section: &Section<'_>,
+    typed: &typed::Material,
+    youngs_modulus: f64,
+) -> Option<[f64; 2]> {
+    let stress = typed.yield_stress(section);
+    let modulus = typed.tangent_modulus(section);
+    if let Some(modulus) = modulus.filter(|modulus| *modulus >= youngs_modulus) {
+        let allowed = format_args!("less than Young's modulus, {youngs_modulus:?} Pa");
+        section.out_of_range("tangent_modulus", format_args!("{modulus:?} Pa"), allowed);
+    }
+    if stress.is_none() && modulus.is_some() {
+        section.missing("yield_stress", "the stress beyond which it is the modulus");
+    }
+    stress.map(|stress| [stress, modulus.unwrap_or(0.0)])
 }
 
 /// Relaxing modulus, Pa, and relaxation time, s, if given.
@@ -320,6 +352,8 @@ fn viscosity(section: &Section<'_>, typed: &typed::Material, youngs_modulus: f64
 pub fn material(section: &Section<'_>, typed: &typed::Material) -> Material {
     let youngs_modulus = typed.youngs_modulus(section);
     let [relaxing_modulus, relaxation_time] = relaxation(section, typed).unwrap_or_default();
+    let [yield_stress, tangent_modulus] =
+        yielding(section, typed, youngs_modulus).unwrap_or_default();
     Material {
         youngs_modulus,
         poissons_ratio: typed.poissons_ratio(section),
@@ -327,6 +361,8 @@ pub fn material(section: &Section<'_>, typed: &typed::Material) -> Material {
         viscosity: viscosity(section, typed, youngs_modulus).unwrap_or(0.0),
         relaxing_modulus,
         relaxation_time,
+        yield_stress,
+        tangent_modulus,
     }
 }
 

@@ -66,7 +66,7 @@ pub enum Inertia {
     Consistent,
 }
 
-/// A linear elastic material.
+/// An elastic material, which may be viscous or yield.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Material {
     /// Young's modulus E, Pa.
@@ -84,6 +84,12 @@ pub struct Material {
     /// Relaxation time, s; 0 without relaxation.
     #[serde(skip_serializing_if = "is_zero")]
     pub relaxation_time: f64,
+    /// Yield stress, Pa; 0 if the material does not yield.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub yield_stress: f64,
+    /// Tangent modulus beyond it, Pa.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub tangent_modulus: f64,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]

@@ -308,6 +308,34 @@ proptest! {
 }
 
 #[test]
+fn a_tangent_modulus_needs_a_yield_stress_and_is_below_youngs_modulus() {
+    let with = |keys: &str| {
+        let keys = format!("density = 1000.0\n{keys}");
+        BEAM.replacen("density = 1000.0", &keys, 1)
+    };
+    let fault = |keys: &str| read(&with(keys)).unwrap_err().to_string();
+    for (keys, expected) in [
+        ("tangent_modulus = 1e6", "missing key `yield_stress`"),
+        ("yield_stress = 0.0", "greater than 0"),
+        (
+            "yield_stress = 1e6\ntangent_modulus = 1e15",
+            "less than Young's modulus",
+        ),
+    ] {
+        let error = fault(keys);
+        assert!(error.contains(expected), "{error}");
+    }
+    let text = with("yield_stress = \"2 MPa\"\ntangent_modulus = \"1 MPa\"");
+    let scenario = read(&text).unwrap();
+    let material = scenario.rods[0].material;
+    assert_eq!(
+        (material.yield_stress, material.tangent_modulus),
+        (2e6, 1e6)
+    );
+    assert_eq!(read(&scenario.to_toml()).unwrap(), scenario);
+}
+
+#[test]
 fn the_viscosity_of_a_material_is_given_once_and_what_relaxes_with_its_time() {
     let fault = |keys: &str| {
         let with =

@@ -13,7 +13,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 keys! {
-    /// A linear elastic material.
+    /// An elastic material, which may be viscous or yield.
     table Material "material" {
         /// Young's modulus E, greater than 0.
         youngs_modulus: number(Pressure, POSITIVE) required,
@@ -35,6 +35,12 @@ keys! {
         relaxing_modulus: number(Pressure, POSITIVE) optional,
         /// Relaxation time τ in which the stress of `relaxing_modulus` falls to 1/e at constant strain, greater than 0.
         relaxation_time: number(Time, POSITIVE) optional,
+        /// Yield stress σ_y, greater than 0: bending and twisting beyond it are plastic, so that a wire keeps its bend. Not
+        /// with viscosity, relaxation, `sections`, actuation, rigid joints, and the scheme "implicit-midpoint". Default: no yielding.
+        yield_stress: number(Pressure, POSITIVE) optional,
+        /// Tangent modulus E_t beyond the yield stress (linear kinematic hardening), less than Young's modulus. Default: 0,
+        /// perfectly plastic.
+        tangent_modulus: number(Pressure, NON_NEGATIVE) optional,
     }
 }
 
