@@ -15,6 +15,7 @@ mod drawn_files;
 mod exact_answers;
 mod explained;
 mod exploration;
+mod export;
 mod fold_in_cell;
 mod folding;
 mod fuzz;

@@ -4,7 +4,7 @@ use super::in_cell::InCell;
 use super::prelude::*;
 use super::{
     calibrate, cell, check, completions, dataset, deploy, design, evaluate, expand, explain,
-    explore, fold_arguments, gather, guide, identify, init, man, measure, movie, place, plan, plot,
+    explore, export, fold_arguments, gather, guide, identify, init, man, measure, movie, place, plan, plot,
     presets, reproduce, run, score, sensitivity, site, solve, status, stream, submit, tie, trace,
     train, verify, view,
 };
@@ -98,6 +98,8 @@ pub enum Command {
     View(view::ViewArguments),
     /// Write a film of a results directory: GIF, MP4 or pictures
     Movie(movie::MovieArguments),
+    /// Write results for other programs: glTF, USD, OBJ; or a scenario for MuJoCo
+    Export(export::ExportArguments),
     /// Stream a joint trajectory to the arms and axes of a cell
     Stream(stream::StreamArguments),
     /// Serve a virtual robot cell: arms, grippers, a table and a camera

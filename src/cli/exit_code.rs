@@ -5,7 +5,7 @@ use rodlab_engine::mechanics::dynamics::SimulationError;
 use rodlab_files::figure::FilmError;
 use rodlab_files::results::ResultsError;
 use rodlab_lab::cluster::ClusterError;
-use rodlab_lab::report::{MovieError, PlotError, ViewError};
+use rodlab_lab::report::{ExportError, MovieError, PlotError, ViewError};
 use rodlab_lab::run::{RunError, StopRequest};
 use rodlab_lab::sweep::SweepOutcome;
 
@@ -119,6 +119,16 @@ impl ExitCode for ViewError {
     fn exit_code(&self) -> u8 {
         match self {
             Self::NotResults(_) | Self::NoNodes(_) | Self::NoPage { .. } => 2,
+            Self::Results(error) => error.exit_code(),
+        }
+    }
+}
+
+impl ExitCode for ExportError {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Case(error) => error.exit_code(),
+            Self::Exchange(_) => 2,
             Self::Results(error) => error.exit_code(),
         }
     }

@@ -35,6 +35,7 @@ mod exit_code;
 mod expand;
 mod explain;
 mod explore;
+mod export;
 mod failure;
 mod figure_arguments;
 mod file_size;
@@ -263,6 +264,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Plot(command) => plot::plot(command),
         Command::View(command) => view::view(command, &arguments.common),
         Command::Movie(command) => movie::movie(command, &arguments.common),
+        Command::Export(command) => export::export(command),
         Command::Stream(command) => stream::stream(command),
         Command::Deploy(command) => deploy::deploy(command, &arguments.common),
         Command::Place(command) => command.run(&arguments.common),

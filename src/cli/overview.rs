@@ -6,7 +6,7 @@ use std::fmt::Write;
 /// Groups of subcommands. Titles and names fit into their columns.
 const GROUPS: [(&str, &[&str]); 8] = [
     ("Simulate", &["run", "check", "init", "presets", "expand"]),
-    ("Look", &["plot", "view", "movie"]),
+    ("Look", &["plot", "view", "movie", "export"]),
     ("Sweep", &["submit", "status", "gather"]),
     (
         "Solve, plan",

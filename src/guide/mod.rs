@@ -69,6 +69,7 @@ pages! {
     photographs
     design
     figures
+    exchange
     robots
     cell
     virtual_cell

@@ -195,6 +195,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab plot results/reef",
     ],
     [
+        "exchange",
+        "plectoneme.svg",
+        "A plectoneme, whose tube `rodlab export` writes for Blender",
+        "rodlab export results/driven_plectoneme --format gltf --out plectoneme.glb",
+    ],
+    [
         "robots",
         "tab5.2-cell/tab5.2-cell_laid.svg",
         "Patterns laid by an arm",

@@ -3,13 +3,15 @@
 //! A [`Figure`] holds the content: [`snapshots()`] shows rods as shaded tubes at several times,
 //! [`line_plots`] curves over a common axis. A figure is drawn on a [`Paper`], whose width and font
 //! size set everything else, and saved in a [`Format`]. [`movie_page`] makes the interactive page
-//! of rods in motion, [`Film`] a film of them, and [`surface_page`] the page of a surface.
+//! of rods in motion, [`Film`] a film of them, and [`surface_page`] the page of a surface. [`glb`],
+//! [`usda`] and [`obj()`] write rods as files for other programs.
 
 mod axis;
 mod colour_field;
 mod curve;
 mod document;
 mod drawing;
+mod exchange;
 mod film;
 mod font;
 mod legend;
@@ -39,6 +41,7 @@ pub use axis::AxisScale;
 pub use colour_field::ColourField;
 pub use curve::{Curve, LinePlot, Look};
 pub use document::{document_page, markdown_html};
+pub use exchange::{ExchangeError, Tempo, glb, obj, usda};
 pub use film::{Film, FilmError, FilmOptions, Pace};
 pub use line_plot::{
     LineFigure, PlotStyle, line_plots, named_plots, plot_to_scale, styled_line_plots,

@@ -150,7 +150,7 @@ pub fn write_film(
 ) -> Result<WrittenFilm, MovieError> {
     let format = Format::of(to)?;
     let manifest = rods_in_motion(directory)?;
-    let folder = case_of(directory, request.case.as_deref())?;
+    let folder = case_of(directory, request.case.as_deref(), "a film shows")?;
     let motion = CaseMotion::read(&folder, &manifest, MOST_OUTPUTS)?;
     let scene = motion
         .ok_or_else(|| ViewError::NoNodes(directory.to_owned()))?
@@ -174,8 +174,12 @@ pub fn write_film(
     })
 }
 
-/// The requested case, or the only one.
-fn case_of(directory: &Path, case: Option<&str>) -> Result<CaseFolder, MovieError> {
+/// The requested case, or the only one. `shows`: what shows a case, for messages.
+pub(super) fn case_of(
+    directory: &Path,
+    case: Option<&str>,
+    shows: &str,
+) -> Result<CaseFolder, MovieError> {
     let mut folders = case_folders(directory)?;
     let names = || folders.iter().map(|folder| folder.name.clone()).collect();
     let found = match case {
@@ -187,7 +191,7 @@ fn case_of(directory: &Path, case: Option<&str>) -> Result<CaseFolder, MovieErro
             reason: case.map_or_else(
                 || {
                     format!(
-                        "`{}` is a sweep, and a film shows one case",
+                        "`{}` is a sweep, and {shows} one case",
                         directory.display()
                     )
                 },

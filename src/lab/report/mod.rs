@@ -1,18 +1,23 @@
 //! Figures, pages and films of a results directory: the output of `plot`, `view` and `movie`.
+//! `export` writes files for other programs.
 
 mod branches;
 mod carried_bodies;
 mod case_folders;
 mod drawn_springs;
+mod export;
 mod film;
 mod labels;
+mod mjcf;
 mod motion;
 mod obstacles;
 mod plot;
 mod rod_places;
 mod view;
 
+pub use export::{ExportError, ExportFormat, ExportRequest, WrittenExport, write_export};
 pub use film::{FilmRequest, MovieError, WrittenFilm, write_film};
+pub use mjcf::{Mjcf, mjcf};
 pub use plot::rods_figure;
 pub use plot::{
     CustomFigure, PlotError, custom_figure, plot_results, write_figure, write_in_formats,

@@ -61,7 +61,7 @@ fn pose_of_directions(pose: &[f64; 16]) -> [f64; 16] {
 
 /// The mean normal at each corner of the adjacent faces, weighted by their areas, without those
 /// beyond a crease.
-fn normals(triangles: &[[Vector3<f64>; 3]]) -> Vec<[Vector3<f64>; 3]> {
+pub(in crate::figure) fn normals(triangles: &[[Vector3<f64>; 3]]) -> Vec<[Vector3<f64>; 3]> {
     let key =
         |corner: &Vector3<f64>| [corner.x, corner.y, corner.z].map(|x| (x as f32 + 0.0).to_bits());
     let areas: Vec<Vector3<f64>> = triangles

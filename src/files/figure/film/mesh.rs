@@ -6,7 +6,7 @@ use super::samples::{Corner, Samples};
 use std::ops::Range;
 
 /// A vector in samples: right, down, towards the eye.
-pub(super) type Place = [f32; 3];
+pub(in crate::figure) type Place = [f32; 3];
 
 /// Minimum drawn thickness, samples: thinner objects would be invisible.
 const LEAST_RADIUS: f32 = 1.4;
@@ -25,7 +25,7 @@ struct Part {
 
 /// The surface of a scene at one time.
 #[derive(Default)]
-pub(super) struct Mesh {
+pub(in crate::figure) struct Mesh {
     corners: Vec<Corner>,
     triangles: Vec<[u32; 3]>,
     parts: Vec<Part>,
@@ -45,7 +45,7 @@ struct Ring {
 }
 
 /// A rod in the axes of the picture.
-pub(super) struct DrawnRod<'a> {
+pub(in crate::figure) struct DrawnRod<'a> {
     pub nodes: &'a [Place],
     /// Directions along the width of a strip at each node; empty for a tube.
     pub across: &'a [Place],
@@ -75,8 +75,18 @@ impl Mesh {
         self.corners.iter().map(|corner| corner.at)
     }
 
+    /// Position and normal of each corner.
+    pub fn corners(&self) -> impl Iterator<Item = [Place; 2]> {
+        self.corners.iter().map(|corner| [corner.at, corner.normal])
+    }
+
+    /// Numbers of the corners of each triangle.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
     /// Draws the triangles.
-    pub fn draw(&self, samples: &mut Samples) {
+    pub(super) fn draw(&self, samples: &mut Samples) {
         for part in &self.parts {
             for triangle in &self.triangles[part.triangles.clone()] {
                 let corners = triangle.map(|corner| &self.corners[corner as usize]);
@@ -274,7 +284,7 @@ impl Mesh {
     }
 
     /// Adds triangles with a normal at each corner.
-    pub fn add_body(&mut self, corners: impl Iterator<Item = [Corner; 3]>, material: u8) {
+    pub(super) fn add_body(&mut self, corners: impl Iterator<Item = [Corner; 3]>, material: u8) {
         let first = self.triangles.len();
         for triangle in corners {
             let number = self.corners.len() as u32;

@@ -20,6 +20,9 @@ mod timeline;
 
 pub use timeline::MOST_PICTURES;
 
+pub(in crate::figure) use bodies::normals;
+pub(in crate::figure) use mesh::{DrawnRod, Mesh};
+
 use super::motion::{MovieCase, room};
 use super::palette::Color;
 use super::tube::rod_color;
@@ -28,7 +31,7 @@ use camera::{Camera, CameraPath, FreePart};
 use develop::Workspace;
 use labels::{Stamp, scale_bar, text};
 use light::Light;
-use mesh::DrawnRod;
+
 use nalgebra::Vector3;
 use timeline::{Moment, Timeline};
 
@@ -271,7 +274,7 @@ impl<'a> Film<'a> {
 }
 
 /// A colour in linear light, 1 for white.
-fn linear(colour: Color) -> [f32; 3] {
+pub(in crate::figure) fn linear(colour: Color) -> [f32; 3] {
     colour.0.map(|channel| libm::pow(channel, 2.2) as f32)
 }
 

@@ -9,4 +9,6 @@ pub use movie::{
 };
 pub use strip::Strip;
 
+pub(in crate::figure) use strip::{square_to, tangent, turned};
+
 pub(in crate::figure) use outline::{Outline, centre, outline, placed, room};

@@ -56,7 +56,7 @@ impl Strip {
 }
 
 /// Unit tangent of a rod at a node, from its neighbours; at an open end, along the edge.
-fn tangent(node: usize, points: &[Vector3<f64>], closed: bool) -> Vector3<f64> {
+pub(in crate::figure) fn tangent(node: usize, points: &[Vector3<f64>], closed: bool) -> Vector3<f64> {
     let last = points.len() - 1;
     let (before, after) = match (closed, node) {
         (true, _) => ((node + last) % (last + 1), (node + 1) % (last + 1)),
@@ -68,7 +68,7 @@ fn tangent(node: usize, points: &[Vector3<f64>], closed: bool) -> Vector3<f64> {
 
 /// A unit vector normal to `from`, after the smallest rotation from `from` to `to`; for opposite
 /// vectors, after half a turn.
-fn turned(vector: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
+pub(in crate::figure) fn turned(vector: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     let along = from.dot(to);
     if along < -1.0 + 1e-9 {
         return square_to(vector, to);
@@ -79,7 +79,7 @@ fn turned(vector: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Vect
 }
 
 /// The component of a vector normal to a unit tangent, normalised; any normal if it is zero.
-fn square_to(vector: &Vector3<f64>, tangent: &Vector3<f64>) -> Vector3<f64> {
+pub(in crate::figure) fn square_to(vector: &Vector3<f64>, tangent: &Vector3<f64>) -> Vector3<f64> {
     let square =
         |vector: &Vector3<f64>| (vector - tangent * tangent.dot(vector)).try_normalize(1e-9);
     let other = if tangent.z.abs() < 0.8 {

@@ -1,0 +1,152 @@
+//! `rodlab export`.
+
+use super::prelude::*;
+use rodlab_files::figure::Tempo;
+use rodlab_files::results::replace_own;
+use rodlab_lab::experiment::{load, prepare};
+use rodlab_lab::report::{ExportFormat, ExportRequest, mjcf, write_export};
+
+const HELP: [&str; 2] = help!(
+    "\
+Examples:
+  rodlab export results/whip --format gltf --out whip.glb --speed 0.1    ten times slower
+  rodlab export results/sweep --case friction-0.3 --format usd --out slide.usda
+  rodlab export results/knot --format obj --out knot.obj --at 0.5s
+  rodlab export beam.toml --format mjcf --out beam.xml",
+    "\
+gltf: tubes with a joint for each node, keyed at each output; y is up.
+usd: curves with widths and time samples, meshes of bodies; z is up.
+obj: tubes and bodies at one output; z is up.
+mjcf: rods as flexes of MuJoCo 4. The command lists what the file does not contain.
+`rodlab guide exchange` describes the files."
+);
+
+/// Arguments of `rodlab export`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP[0], after_long_help = HELP[1])]
+pub struct ExportArguments {
+    /// A results directory, finished or still running; for mjcf a scenario file
+    #[arg(value_name = "DIR|SCENARIO")]
+    pub source: PathBuf,
+    /// Format of the file
+    #[arg(long, value_name = "FORMAT")]
+    pub format: FormatName,
+    /// Output file: .glb, .usda, .obj or .xml
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// The case of a sweep, by its id
+    #[arg(long, value_name = "ID")]
+    pub case: Option<String>,
+    /// Time of the output for obj, such as 0.5s [default: the last output]
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub at: Option<std::time::Duration>,
+    /// Simulated seconds per second of animation: 0.1 is ten times slower than life
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = positive)]
+    pub speed: f64,
+    /// Export at most this many outputs, evenly spread
+    #[arg(long, value_name = "N", default_value = "1000", value_parser = clap::value_parser!(u32).range(1..))]
+    pub outputs: u32,
+    /// Set a key of the scenario, for mjcf; repeatable
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+}
+
+/// Formats of `rodlab export`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FormatName {
+    /// Binary glTF 2.0
+    Gltf,
+    /// USD text
+    Usd,
+    /// Wavefront OBJ
+    Obj,
+    /// Model of MuJoCo 4
+    Mjcf,
+}
+
+impl FormatName {
+    /// Ending of its files.
+    fn ending(self) -> &'static str {
+        match self {
+            Self::Gltf => "glb",
+            Self::Usd => "usda",
+            Self::Obj => "obj",
+            Self::Mjcf => "xml",
+        }
+    }
+}
+
+/// Writes a file for another program and prints its path.
+pub fn export(arguments: &ExportArguments) -> Result<(), Failure> {
+    let out = &arguments.out;
+    let ending = arguments.format.ending();
+    if out.extension().is_none_or(|found| !found.eq_ignore_ascii_case(ending)) {
+        return Err(Failure::Input(format!(
+            "--out {}: a file of this format ends in .{ending}",
+            out.display()
+        )));
+    }
+    let format = match arguments.format {
+        FormatName::Mjcf => return export_scenario(arguments),
+        FormatName::Gltf => ExportFormat::Gltf,
+        FormatName::Usd => ExportFormat::Usd,
+        FormatName::Obj => ExportFormat::Obj(arguments.at.map(|time| time.as_secs_f64())),
+    };
+    if arguments.at.is_some() && arguments.format != FormatName::Obj {
+        return Err(Failure::Input("--at belongs to --format obj".into()));
+    }
+    if !arguments.overrides.is_empty() {
+        return Err(Failure::Input("--set belongs to --format mjcf".into()));
+    }
+    let request = ExportRequest {
+        format,
+        case: arguments.case.clone(),
+        outputs: arguments.outputs as usize,
+        tempo: Tempo {
+            speed: arguments.speed,
+        },
+    };
+    let written = write_export(&arguments.source, out, &request)?;
+    if written.thinned {
+        tracing::warn!(
+            "only {} outputs were read; --outputs reads more",
+            arguments.outputs
+        );
+    }
+    let content = match written.time {
+        Some(time) => format!("the output at {time} s"),
+        None if written.outputs == 1 => "1 output".into(),
+        None => format!("{} outputs", written.outputs),
+    };
+    let megabytes = written.bytes as f64 / 1e6;
+    print(&format!("{}\n{content}, {megabytes:.1} MB\n", out.display()))
+}
+
+/// Writes the model of a scenario.
+fn export_scenario(arguments: &ExportArguments) -> Result<(), Failure> {
+    let source = &arguments.source;
+    if source.is_dir() {
+        return Err(Failure::Input(format!(
+            "`{}` is a directory; --format mjcf exports a scenario file, such as its scenario.toml",
+            source.display()
+        )));
+    }
+    if arguments.case.is_some() || arguments.at.is_some() {
+        return Err(Failure::Input("--case and --at belong to a results directory".into()));
+    }
+    let loaded = load(source, &arguments.overrides)?;
+    let prepared = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
+    let model = mjcf(&prepared).map_err(|faults| {
+        let name = source.display();
+        let lines = faults.iter().map(|fault| format!("{name}: {fault}"));
+        Failure::Input(lines.collect::<Vec<_>>().join("\nerror: "))
+    })?;
+    replace_own(&arguments.out, model.text.as_bytes(), |head| {
+        head.starts_with(b"<!-- rodlab ")
+    })?;
+    let mut text = format!("{}\nnot in the file:\n", arguments.out.display());
+    for line in &model.left_out {
+        _ = writeln!(text, "  {line}");
+    }
+    print(&text)
+}

@@ -1,0 +1,91 @@
+//! What a model does not contain.
+
+use super::flex::Flex;
+use super::surroundings::is_carried_over;
+use crate::run::{Mode, PreparedRun};
+use rodlab_engine::mechanics::scene::LoadKind;
+
+/// What the model of a scenario does not contain, or replaces, a phrase each.
+pub(super) fn left_out(prepared: &PreparedRun, flexes: &[Flex]) -> Vec<String> {
+    let scene = &prepared.scene;
+    let mut lines = vec!["stretching: edges keep their lengths".to_owned()];
+    let mut add = |is_there: bool, line: &str| {
+        if is_there {
+            lines.push(line.to_owned());
+        }
+    };
+    add(
+        scene.contact.is_some(),
+        "contact: MuJoCo's soft contact with the same friction replaces the contact model; \
+         rods do not touch themselves",
+    );
+    let is = |test: fn(&LoadKind) -> bool| scene.loads.iter().any(|load| test(&load.kind));
+    add(
+        is(|kind| matches!(kind, LoadKind::Force { .. } | LoadKind::FollowerForce { .. })),
+        "loads: forces; set `xfrc_applied` of the bodies of nodes",
+    );
+    add(
+        is(|kind| matches!(kind, LoadKind::Moment { .. } | LoadKind::FollowerMoment { .. })),
+        "loads: moments",
+    );
+    add(
+        is(|kind| {
+            let distributed = matches!(kind, LoadKind::Distributed { .. });
+            distributed || matches!(kind, LoadKind::FollowerDistributed { .. })
+        }),
+        "loads: forces per length",
+    );
+    add(is(|kind| matches!(kind, LoadKind::Drag { .. })), "loads: drag");
+    add(
+        scene.loads.iter().any(|load| {
+            !load.schedule.is_empty() && matches!(load.kind, LoadKind::Gravity { .. })
+        }),
+        "loads: changes of gravity; the file has that at time zero",
+    );
+    add(scene.fluid.is_some(), "fluid");
+    add(!scene.springs.is_empty(), "springs");
+    add(!scene.actuations.is_empty(), "actuation");
+    add(!scene.forces.is_empty(), "forces of other parts");
+    add(
+        scene.bodies.iter().any(|body| body.inertia.is_some()),
+        "bodies with moments of inertia; point masses are in the file",
+    );
+    add(
+        scene.obstacles.iter().any(|obstacle| !is_carried_over(obstacle)),
+        "obstacles with faces, hollow or moving ones",
+    );
+    add(
+        scene.clamps.iter().any(|clamp| clamp.holds_frame && !clamp.holds_position),
+        "clamps that hold only the frame of a node",
+    );
+    add(
+        scene.rods.iter().any(|rod| rod.pretension != 0.0),
+        "pretension",
+    );
+    add(
+        scene.rods.iter().any(|rod| rod.relaxation.is_some()),
+        "relaxation of the material",
+    );
+    add(
+        scene.rods.iter().any(|rod| {
+            rod.velocity.norm() > 0.0 || rod.angular_velocity.norm() > 0.0
+        }),
+        "velocities at time zero",
+    );
+    add(!prepared.controllers.is_empty(), "the controller of the experiment");
+    if !matches!(prepared.mode, Mode::Dynamic { .. }) {
+        let longest = flexes.iter().map(|flex| flex.damping).fold(0.0, f64::max);
+        lines.push(format!(
+            "the search for equilibria: a damping time of {longest:.3} s brings the rods to rest"
+        ));
+    }
+    let moving = flexes.iter().flat_map(Flex::moving);
+    let moving: Vec<&str> = moving.map(|(name, _)| name).collect();
+    if !moving.is_empty() {
+        lines.push(format!(
+            "paths of clamps: set `mocap_pos` and `mocap_quat` of {}",
+            moving.join(", ")
+        ));
+    }
+    lines
+}
