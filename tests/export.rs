@@ -60,10 +60,14 @@ fn results(scenario: &str) -> tempfile::TempDir {
 /// Positions of the last node at each output, with the time.
 fn tips(directory: &Path) -> Vec<[f64; 4]> {
     let text = fs::read_to_string(directory.join("beam/nodes.csv")).unwrap();
-    let rows = text.lines().skip(1).map(|line| line.split(',').collect::<Vec<_>>());
+    let rows = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').collect::<Vec<_>>());
     let rows = rows.filter(|row| row[2] == "20");
     let number = |word: &str| word.parse().unwrap();
-    rows.map(|row| [row[0], row[3], row[4], row[5]].map(number)).collect()
+    rows.map(|row| [row[0], row[3], row[4], row[5]].map(number))
+        .collect()
 }
 
 #[test]
@@ -87,20 +91,32 @@ fn results_are_written_in_every_format() {
     }
     rodlab(
         directory.path(),
-        &["export", "beam", "--format", "obj", "--out", "b.obj", "--at", "0.31s"],
+        &[
+            "export", "beam", "--format", "obj", "--out", "b.obj", "--at", "0.31s",
+        ],
     )
     .assert()
     .success();
     let text = fs::read_to_string(directory.path().join("b.obj")).unwrap();
-    assert!(text.lines().next().unwrap().contains("t = 0.3 s"), "{text:.80}");
+    assert!(
+        text.lines().next().unwrap().contains("t = 0.3 s"),
+        "{text:.80}"
+    );
 }
 
 #[test]
 fn bad_input_ends_with_code_2_and_leaves_no_file() {
     let directory = results(HEAVY);
     fs::write(directory.path().join("letter.glb"), "Dear reader").unwrap();
-    let closed = HEAVY.replace("kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0]", "kind = \"ring\", centre = [0, 0, 0], normal = [0, 0, 1], radius = 0.2");
-    fs::write(directory.path().join("ring.toml"), closed.split("[[clamps]]").next().unwrap()).unwrap();
+    let closed = HEAVY.replace(
+        "kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0]",
+        "kind = \"ring\", centre = [0, 0, 0], normal = [0, 0, 1], radius = 0.2",
+    );
+    fs::write(
+        directory.path().join("ring.toml"),
+        closed.split("[[clamps]]").next().unwrap(),
+    )
+    .unwrap();
     let refused = |arguments: &[&str], words: &[&str]| {
         let failed = rodlab(directory.path(), arguments).assert().code(2);
         let said = String::from_utf8(failed.get_output().stderr.clone()).unwrap();
@@ -111,16 +127,28 @@ fn bad_input_ends_with_code_2_and_leaves_no_file() {
     let to = |source: &'static str, format: &'static str, name: &'static str| {
         ["export", source, "--format", format, "--out", name]
     };
-    refused(&to("nowhere", "gltf", "new.glb"), &["nowhere", "manifest.json"]);
+    refused(
+        &to("nowhere", "gltf", "new.glb"),
+        &["nowhere", "manifest.json"],
+    );
     refused(&to("beam", "gltf", "new.usda"), &["new.usda", ".glb"]);
-    refused(&to("beam", "gltf", "letter.glb"), &["letter.glb", "another kind"]);
+    refused(
+        &to("beam", "gltf", "letter.glb"),
+        &["letter.glb", "another kind"],
+    );
     refused(&to("beam", "mjcf", "new.xml"), &["beam", "scenario"]);
-    refused(&to("ring.toml", "mjcf", "new.xml"), &["ring.toml: rods.beam.shape"]);
+    refused(
+        &to("ring.toml", "mjcf", "new.xml"),
+        &["ring.toml: rods.beam.shape"],
+    );
     refused(&to("beam.toml", "gltf", "new.glb"), &["beam.toml"]);
     for name in ["new.glb", "new.usda", "new.xml"] {
         assert!(!directory.path().join(name).exists(), "{name}");
     }
-    assert_eq!(fs::read(directory.path().join("letter.glb")).unwrap(), b"Dear reader");
+    assert_eq!(
+        fs::read(directory.path().join("letter.glb")).unwrap(),
+        b"Dear reader"
+    );
 }
 
 /// Steps a model; prints the time and the place of the last node at each tenth of a second, and at
@@ -175,7 +203,14 @@ fn shown_by_mujoco(directory: &Path) -> Option<Vec<[f64; 4]>> {
     let python = python_with_mujoco()?;
     rodlab(
         directory,
-        &["export", "beam.toml", "--format", "mjcf", "--out", "beam.xml"],
+        &[
+            "export",
+            "beam.toml",
+            "--format",
+            "mjcf",
+            "--out",
+            "beam.xml",
+        ],
     )
     .assert()
     .success();
@@ -195,7 +230,10 @@ fn shown_by_mujoco(directory: &Path) -> Option<Vec<[f64; 4]>> {
 
 /// Distance between two places after their times.
 fn distance(one: &[f64; 4], other: &[f64; 4]) -> f64 {
-    (1..4).map(|k| (one[k] - other[k]).powi(2)).sum::<f64>().sqrt()
+    (1..4)
+        .map(|k| (one[k] - other[k]).powi(2))
+        .sum::<f64>()
+        .sqrt()
 }
 
 #[test]

@@ -4,9 +4,9 @@ use super::in_cell::InCell;
 use super::prelude::*;
 use super::{
     calibrate, cell, check, completions, dataset, deploy, design, evaluate, expand, explain,
-    explore, export, fold_arguments, gather, guide, identify, init, man, measure, movie, place, plan, plot,
-    presets, reproduce, run, score, sensitivity, site, solve, status, stream, submit, tie, trace,
-    train, verify, view,
+    explore, export, fold_arguments, gather, guide, identify, init, man, measure, movie, place,
+    plan, plot, presets, reproduce, run, score, sensitivity, site, solve, status, stream, submit,
+    tie, trace, train, verify, view,
 };
 use clap::Parser;
 use std::sync::OnceLock;

@@ -80,7 +80,10 @@ impl FormatName {
 pub fn export(arguments: &ExportArguments) -> Result<(), Failure> {
     let out = &arguments.out;
     let ending = arguments.format.ending();
-    if out.extension().is_none_or(|found| !found.eq_ignore_ascii_case(ending)) {
+    if out
+        .extension()
+        .is_none_or(|found| !found.eq_ignore_ascii_case(ending))
+    {
         return Err(Failure::Input(format!(
             "--out {}: a file of this format ends in .{ending}",
             out.display()
@@ -119,7 +122,10 @@ pub fn export(arguments: &ExportArguments) -> Result<(), Failure> {
         None => format!("{} outputs", written.outputs),
     };
     let megabytes = written.bytes as f64 / 1e6;
-    print(&format!("{}\n{content}, {megabytes:.1} MB\n", out.display()))
+    print(&format!(
+        "{}\n{content}, {megabytes:.1} MB\n",
+        out.display()
+    ))
 }
 
 /// Writes the model of a scenario.
@@ -132,7 +138,9 @@ fn export_scenario(arguments: &ExportArguments) -> Result<(), Failure> {
         )));
     }
     if arguments.case.is_some() || arguments.at.is_some() {
-        return Err(Failure::Input("--case and --at belong to a results directory".into()));
+        return Err(Failure::Input(
+            "--case and --at belong to a results directory".into(),
+        ));
     }
     let loaded = load(source, &arguments.overrides)?;
     let prepared = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;

@@ -82,7 +82,8 @@ pub fn write_export(
     let manifest = rods_in_motion(directory).map_err(MovieError::from)?;
     let folder = case_of(directory, request.case.as_deref(), "the file holds")?;
     let motion = CaseMotion::read(&folder, &manifest, request.outputs)?;
-    let motion = motion.ok_or_else(|| MovieError::View(ViewError::NoNodes(directory.to_owned())))?;
+    let motion =
+        motion.ok_or_else(|| MovieError::View(ViewError::NoNodes(directory.to_owned())))?;
     let scene = motion.scene();
     let generator = format!("rodlab {VERSION}");
     let (bytes, time) = match request.format {

@@ -189,12 +189,7 @@ pub(super) fn case_of(
     let Some(found) = found else {
         return Err(MovieError::NoCase {
             reason: case.map_or_else(
-                || {
-                    format!(
-                        "`{}` is a sweep, and {shows} one case",
-                        directory.display()
-                    )
-                },
+                || format!("`{}` is a sweep, and {shows} one case", directory.display()),
                 |case| format!("`{}` has no case `{case}`", directory.display()),
             ),
             cases: names(),

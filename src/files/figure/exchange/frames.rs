@@ -47,9 +47,11 @@ pub(super) fn sections(
         let from = sections.last().or(before.and_then(|before| before.first()));
         let across = match (&rod.strip, from) {
             (Some(strip), _) => strip.across(node, points, rod.closed),
-            (None, Some(from)) => {
-                turned(&from.axes.column(0).into(), &from.axes.column(2).into(), &along)
-            }
+            (None, Some(from)) => turned(
+                &from.axes.column(0).into(),
+                &from.axes.column(2).into(),
+                &along,
+            ),
             (None, None) => square_to(&Vector3::x(), &along),
         };
         sections.push(Section {

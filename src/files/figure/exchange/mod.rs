@@ -13,6 +13,8 @@
 
 mod frames;
 mod glb;
+#[cfg(test)]
+mod glb_tests;
 mod obj;
 mod packed;
 mod surface;
@@ -44,7 +46,10 @@ pub enum ExchangeError {
     )]
     TooLarge,
     /// A rod has more nodes than a skin may have joints.
-    #[error("rod `{name}` has {nodes} nodes; allowed in glTF: at most {}", u16::MAX)]
+    #[error(
+        "rod `{name}` has {nodes} nodes; allowed in glTF: at most {}",
+        u16::MAX
+    )]
     TooManyNodes {
         /// Name of the rod.
         name: String,
@@ -86,7 +91,13 @@ fn square(case: &MovieCase, plane: &MoviePlane) -> [Vector3<f64>; 4] {
     };
     let first = (other - normal * normal.dot(&other)).normalize() * extent.norm();
     let second = normal.cross(&first);
-    [-first - second, first - second, first + second, second - first].map(|side| foot + side)
+    [
+        -first - second,
+        first - second,
+        first + second,
+        second - first,
+    ]
+    .map(|side| foot + side)
 }
 
 #[cfg(test)]
@@ -106,8 +117,9 @@ pub(super) mod tests {
             held: false,
             strip: None,
         };
-        let straight: Vec<Vector3<f64>> =
-            (0..5).map(|k| Vector3::new(0.0, 0.1, 0.02 * k as f64)).collect();
+        let straight: Vec<Vector3<f64>> = (0..5)
+            .map(|k| Vector3::new(0.0, 0.1, 0.02 * k as f64))
+            .collect();
         let rods = vec![
             MovieRod {
                 radii: vec![2e-3, 1.75e-3, 1.5e-3, 1.25e-3, 1e-3],
@@ -115,13 +127,7 @@ pub(super) mod tests {
             },
             rod("2nd ring", 8, true),
             MovieRod {
-                strip: Some(Strip::placed(
-                    0.04,
-                    1e-4,
-                    &Vector3::y(),
-                    &straight,
-                    false,
-                )),
+                strip: Some(Strip::placed(0.04, 1e-4, &Vector3::y(), &straight, false)),
                 ..rod("sheet", 5, false)
             },
         ];
@@ -133,9 +139,14 @@ pub(super) mod tests {
             });
             let ring = (0..8).map(|k| {
                 let angle = std::f64::consts::TAU * k as f64 / 8.0;
-                Vector3::new(0.05 * angle.cos(), 0.05 * angle.sin(), 0.03 * time * angle.sin())
+                Vector3::new(
+                    0.05 * angle.cos(),
+                    0.05 * angle.sin(),
+                    0.03 * time * angle.sin(),
+                )
             });
-            let sheet = (0..5).map(|k| Vector3::new(0.01 * time * (k * k) as f64, 0.1, 0.02 * k as f64));
+            let sheet =
+                (0..5).map(|k| Vector3::new(0.01 * time * (k * k) as f64, 0.1, 0.02 * k as f64));
             MovieFrame {
                 time,
                 positions: arc.chain(ring).chain(sheet).collect(),
@@ -143,7 +154,9 @@ pub(super) mod tests {
             }
         };
         let pose = |x: f64| {
-            [0., 1., 0., 0., -1., 0., 0., 0., 0., 0., 2., 0., x, 0., 0.5, 1.]
+            [
+                0., 1., 0., 0., -1., 0., 0., 0., 0., 0., 2., 0., x, 0., 0.5, 1.,
+            ]
         };
         let corner = |x: f64, y: f64, z: f64| Vector3::new(x, y, z);
         MovieCase {
@@ -157,8 +170,16 @@ pub(super) mod tests {
             }],
             obstacles: vec![MovieObstacle {
                 triangles: vec![
-                    [corner(0., 0., 0.), corner(0.01, 0., 0.), corner(0., 0.01, 0.)],
-                    [corner(0., 0., 0.), corner(0., 0.01, 0.), corner(0., 0., 0.01)],
+                    [
+                        corner(0., 0., 0.),
+                        corner(0.01, 0., 0.),
+                        corner(0., 0.01, 0.),
+                    ],
+                    [
+                        corner(0., 0., 0.),
+                        corner(0., 0.01, 0.),
+                        corner(0., 0., 0.01),
+                    ],
                 ],
                 poses: vec![pose(0.0), pose(0.1), pose(0.2)],
                 hollow: false,
@@ -190,7 +211,11 @@ pub(super) mod tests {
         let case = scene();
         let [a, b, c, _] = square(&case, &case.planes[0]);
         assert!((b - a).cross(&(c - b)).z > 0.0);
-        assert!([a, b, c].iter().all(|corner| (corner.z + 0.1).abs() < 1e-12));
+        assert!(
+            [a, b, c]
+                .iter()
+                .all(|corner| (corner.z + 0.1).abs() < 1e-12)
+        );
         assert!(a.x < -0.05 && c.x > 0.05 && a.y < -0.05 && c.y > 0.1);
     }
 }

@@ -118,7 +118,10 @@ mod tests {
         }
         assert!(thickest > 1.9e-3);
         // The first section and its cap have the radius of the first node.
-        let cap = mesh.vertices.iter().map(|vertex| (Vector3::from(*vertex) - nodes[0]).norm());
+        let cap = mesh
+            .vertices
+            .iter()
+            .map(|vertex| (Vector3::from(*vertex) - nodes[0]).norm());
         let nearest = cap.fold(f64::INFINITY, f64::min);
         assert!((nearest - 2e-3).abs() < 1e-8, "{nearest}");
     }
@@ -127,12 +130,15 @@ mod tests {
     fn every_rod_and_body_is_an_object_with_numbers_that_count_on() {
         let case = scene();
         let text = obj(&case, 1, "test");
-        let objects: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("o ")).collect();
+        let objects: Vec<&str> = text
+            .lines()
+            .filter_map(|line| line.strip_prefix("o "))
+            .collect();
         assert_eq!(objects, ["tip_\"a\"", "2nd_ring", "sheet", "body_1"]);
         let mesh = mesh::parse(text.as_bytes(), "obj").unwrap();
         let last = mesh.triangles.last().unwrap();
         assert_eq!(*last, [3, 2, 1].map(|back| mesh.vertices.len() - back));
         // The body has moved by 0.1 m along x and by half a metre along z.
-        assert_eq!(mesh.vertices[last[0]], [0.1f32 as f64, 0.0, 0.5]);
+        assert_eq!(mesh.vertices[last[0]], [0.1, 0.0, 0.5]);
     }
 }

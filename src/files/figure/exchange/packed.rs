@@ -50,7 +50,10 @@ impl Packed {
             let bound = |pick: fn(f32, f32) -> f32| -> Vec<f32> {
                 let mut bound = values[0];
                 for value in values {
-                    bound.iter_mut().zip(value).for_each(|(a, b)| *a = pick(*a, *b));
+                    bound
+                        .iter_mut()
+                        .zip(value)
+                        .for_each(|(a, b)| *a = pick(*a, *b));
                 }
                 bound.to_vec()
             };

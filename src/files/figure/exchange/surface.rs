@@ -63,11 +63,16 @@ fn surface_of(mesh: &Mesh, place: impl Fn([f32; 3]) -> Vector3<f64>) -> Surface 
     for &triangle in mesh.triangles() {
         let [a, b, c] = triangle.map(|corner| &surface.vertices[corner as usize]);
         let faces = (b - a).cross(&(c - a));
-        let out: Vector3<f64> = triangle.map(|corner| surface.normals[corner as usize]).iter().sum();
+        let out: Vector3<f64> = triangle
+            .map(|corner| surface.normals[corner as usize])
+            .iter()
+            .sum();
         let [a, b, c] = triangle;
-        surface
-            .triangles
-            .push(if faces.dot(&out) < 0.0 { [a, c, b] } else { [a, b, c] });
+        surface.triangles.push(if faces.dot(&out) < 0.0 {
+            [a, c, b]
+        } else {
+            [a, b, c]
+        });
     }
     surface
 }
@@ -91,7 +96,9 @@ pub(super) fn in_place(rod: &MovieRod, points: &[Vector3<f64>]) -> Surface {
         radii: &radii,
         material: 0,
     });
-    surface_of(&mesh, |at| origin + Vector3::from(at.map(f64::from)) / scale)
+    surface_of(&mesh, |at| {
+        origin + Vector3::from(at.map(f64::from)) / scale
+    })
 }
 
 fn across(strip: Option<&Strip>, points: &[Vector3<f64>], closed: bool) -> Vec<[f32; 3]> {
@@ -99,7 +106,9 @@ fn across(strip: Option<&Strip>, points: &[Vector3<f64>], closed: bool) -> Vec<[
         return Vec::new();
     };
     let across = (0..points.len()).map(|node| strip.across(node, points, closed));
-    across.map(|across| across.map(|x| x as f32).into()).collect()
+    across
+        .map(|across| across.map(|x| x as f32).into())
+        .collect()
 }
 
 /// The surface of a rod without a place: for each vertex the number of its section, and its position
@@ -171,7 +180,9 @@ mod tests {
     fn volume(surface: &Surface) -> f64 {
         let at = |corner: u32| &surface.vertices[corner as usize];
         let cones = surface.triangles.iter();
-        cones.map(|[a, b, c]| at(*a).dot(&at(*b).cross(at(*c))) / 6.0).sum()
+        cones
+            .map(|[a, b, c]| at(*a).dot(&at(*b).cross(at(*c))) / 6.0)
+            .sum()
     }
 
     #[test]

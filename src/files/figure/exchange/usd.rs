@@ -128,7 +128,10 @@ impl Stage<'_> {
             (false, true) => "uniform token wrap = \"nonperiodic\"",
             (false, false) => "uniform token wrap = \"pinned\"",
         });
-        let half = rod.strip.as_ref().map_or(rod.radius, |strip| 0.5 * strip.width);
+        let half = rod
+            .strip
+            .as_ref()
+            .map_or(rod.radius, |strip| 0.5 * strip.width);
         let nodes = |sections: &'_ [Section]| -> Vec<Vector3<f64>> {
             let nodes = sections.iter().take(rod.nodes);
             nodes.map(|section| section.centre).collect()
@@ -138,12 +141,19 @@ impl Stage<'_> {
             .map(|sections| list(&extent(&nodes(sections), half)))
             .collect();
         self.sampled("float3[] extent", &extents, "");
-        let points: Vec<String> = motion.iter().map(|sections| list(&nodes(sections))).collect();
+        let points: Vec<String> = motion
+            .iter()
+            .map(|sections| list(&nodes(sections)))
+            .collect();
         self.sampled("point3f[] points", &points, "");
         if rod.strip.is_some() {
             let faces = |sections: &Vec<Section>| {
                 let nodes = sections.iter().take(rod.nodes);
-                list(&nodes.map(|section| section.axes.column(1).into()).collect::<Vec<_>>())
+                list(
+                    &nodes
+                        .map(|section| section.axes.column(1).into())
+                        .collect::<Vec<_>>(),
+                )
             };
             let faces: Vec<String> = motion.iter().map(faces).collect();
             let metadata = " (\n            interpolation = \"vertex\"\n        )";
@@ -152,9 +162,15 @@ impl Stage<'_> {
         let (widths, interpolation) = if rod.radii.is_empty() || rod.strip.is_some() {
             (vec![2.0 * half], "constant")
         } else {
-            (rod.radii.iter().map(|radius| 2.0 * radius).collect(), "vertex")
+            (
+                rod.radii.iter().map(|radius| 2.0 * radius).collect(),
+                "vertex",
+            )
         };
-        let widths: Vec<String> = widths.iter().map(|width| (*width as f32).to_string()).collect();
+        let widths: Vec<String> = widths
+            .iter()
+            .map(|width| (*width as f32).to_string())
+            .collect();
         self.line(format_args!(
             "float[] widths = [{}] (\n            interpolation = \"{interpolation}\"\n        )",
             widths.join(", ")
@@ -182,11 +198,22 @@ impl Stage<'_> {
         poses: &[[f64; 16]],
     ) {
         self.begin("Mesh", name, name);
-        self.line(format_args!("float3[] extent = {}", list(&extent(corners, 0.0))));
+        self.line(format_args!(
+            "float3[] extent = {}",
+            list(&extent(corners, 0.0))
+        ));
         let counts = vec![sides.to_string(); corners.len() / sides];
-        self.line(format_args!("int[] faceVertexCounts = [{}]", counts.join(", ")));
-        let numbers: Vec<String> = (0..corners.len()).map(|number| number.to_string()).collect();
-        self.line(format_args!("int[] faceVertexIndices = [{}]", numbers.join(", ")));
+        self.line(format_args!(
+            "int[] faceVertexCounts = [{}]",
+            counts.join(", ")
+        ));
+        let numbers: Vec<String> = (0..corners.len())
+            .map(|number| number.to_string())
+            .collect();
+        self.line(format_args!(
+            "int[] faceVertexIndices = [{}]",
+            numbers.join(", ")
+        ));
         self.line(format_args!("point3f[] points = {}", list(corners)));
         self.line("uniform token subdivisionScheme = \"none\"");
         self.line("uniform bool doubleSided = 1");
@@ -217,8 +244,12 @@ fn list(vectors: &[Vector3<f64>]) -> String {
 
 /// Corners of the box around points with a reach, m.
 fn extent(points: &[Vector3<f64>], reach: f64) -> [Vector3<f64>; 2] {
-    let lower = points.iter().fold(Vector3::repeat(f64::INFINITY), |a, b| a.inf(b));
-    let upper = points.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |a, b| a.sup(b));
+    let lower = points
+        .iter()
+        .fold(Vector3::repeat(f64::INFINITY), |a, b| a.inf(b));
+    let upper = points
+        .iter()
+        .fold(Vector3::repeat(f64::NEG_INFINITY), |a, b| a.sup(b));
     [lower.add_scalar(-reach), upper.add_scalar(reach)]
 }
 
@@ -259,7 +290,8 @@ mod tests {
             assert!(curve.contains(&format!("curveVertexCounts = [{}]", rod.nodes)));
             let samples = curve.split_once("points.timeSamples = {\n").unwrap().1;
             let lines: Vec<&str> = samples.lines().take(3).collect();
-            for (line, (frame, code)) in lines.iter().zip(case.frames.iter().zip([0.0, 24.0, 96.0])) {
+            for (line, (frame, code)) in lines.iter().zip(case.frames.iter().zip([0.0, 24.0, 96.0]))
+            {
                 let (time, points) = line.split_once(": [").unwrap();
                 assert_eq!(time.trim().parse::<f64>().unwrap(), code);
                 let nodes = &frame.positions[nodes.clone()];
@@ -270,10 +302,16 @@ mod tests {
                 assert_eq!(written, expected);
             }
         }
-        for line in ["metersPerUnit = 1", "upAxis = \"Z\"", "timeCodesPerSecond = 24", "endTimeCode = 96"] {
+        for line in [
+            "metersPerUnit = 1",
+            "upAxis = \"Z\"",
+            "timeCodesPerSecond = 24",
+            "endTimeCode = 96",
+        ] {
             assert!(text.contains(line), "{line}");
         }
-        let depth = |open: char, close: char| text.matches(open).count() == text.matches(close).count();
+        let depth =
+            |open: char, close: char| text.matches(open).count() == text.matches(close).count();
         assert!(depth('{', '}') && depth('[', ']') && depth('(', ')'));
     }
 
@@ -282,7 +320,10 @@ mod tests {
         let text = usda(&scene(), Tempo { speed: 1.0 }, "test");
         let widths = |name: &str| {
             let curve = block(&text, &format!("def BasisCurves \"{name}\""));
-            let line = curve.lines().find(|line| line.contains("widths = ")).unwrap();
+            let line = curve
+                .lines()
+                .find(|line| line.contains("widths = "))
+                .unwrap();
             numbers(line.split_once('=').unwrap().1)
         };
         assert_eq!(widths("tip__a_"), [0.004, 0.0035, 0.003, 0.0025, 0.002]);
@@ -297,11 +338,16 @@ mod tests {
     fn a_body_moves_by_matrices_that_multiply_rows() {
         let text = usda(&scene(), Tempo { speed: 1.0 }, "test");
         let body = block(&text, "def Mesh \"body_1\"");
-        let poses = body.split_once("xformOp:transform.timeSamples = {\n").unwrap().1;
+        let poses = body
+            .split_once("xformOp:transform.timeSamples = {\n")
+            .unwrap()
+            .1;
         let last = poses.lines().nth(2).unwrap();
         assert_eq!(
             numbers(last.split_once(':').unwrap().1),
-            [0., 1., 0., 0., -1., 0., 0., 0., 0., 0., 2., 0., 0.2, 0., 0.5, 1.]
+            [
+                0., 1., 0., 0., -1., 0., 0., 0., 0., 0., 2., 0., 0.2, 0., 0.5, 1.
+            ]
         );
         assert!(text.contains("def Mesh \"plane_1\""));
     }

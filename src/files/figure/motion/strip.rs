@@ -56,7 +56,11 @@ impl Strip {
 }
 
 /// Unit tangent of a rod at a node, from its neighbours; at an open end, along the edge.
-pub(in crate::figure) fn tangent(node: usize, points: &[Vector3<f64>], closed: bool) -> Vector3<f64> {
+pub(in crate::figure) fn tangent(
+    node: usize,
+    points: &[Vector3<f64>],
+    closed: bool,
+) -> Vector3<f64> {
     let last = points.len() - 1;
     let (before, after) = match (closed, node) {
         (true, _) => ((node + last) % (last + 1), (node + 1) % (last + 1)),
@@ -68,7 +72,11 @@ pub(in crate::figure) fn tangent(node: usize, points: &[Vector3<f64>], closed: b
 
 /// A unit vector normal to `from`, after the smallest rotation from `from` to `to`; for opposite
 /// vectors, after half a turn.
-pub(in crate::figure) fn turned(vector: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
+pub(in crate::figure) fn turned(
+    vector: &Vector3<f64>,
+    from: &Vector3<f64>,
+    to: &Vector3<f64>,
+) -> Vector3<f64> {
     let along = from.dot(to);
     if along < -1.0 + 1e-9 {
         return square_to(vector, to);

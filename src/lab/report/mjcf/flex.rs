@@ -62,7 +62,11 @@ impl Flex {
         damping: f64,
     ) -> Result<Self, Vec<(&'static str, String)>> {
         let rod = &scene.rods[index];
-        let clamps: Vec<&Clamp> = scene.clamps.iter().filter(|clamp| clamp.rod == index).collect();
+        let clamps: Vec<&Clamp> = scene
+            .clamps
+            .iter()
+            .filter(|clamp| clamp.rod == index)
+            .collect();
         let faults = faults(rod, &clamps);
         if !faults.is_empty() {
             return Err(faults);
@@ -87,7 +91,9 @@ impl Flex {
         for (node, at) in nodes.iter().enumerate() {
             let before = if node > 0 { length(node - 1) } else { 0.0 };
             let after = if node < last { length(node) } else { 0.0 };
-            let held = clamps.iter().find(|clamp| clamp.node == node && clamp.holds_position);
+            let held = clamps
+                .iter()
+                .find(|clamp| clamp.node == node && clamp.holds_position);
             let holder = match held {
                 None => {
                     let carried = scene.bodies.iter().filter(|body| {
@@ -168,11 +174,18 @@ impl Flex {
             );
         }
         for (edge, ends) in self.vertices.windows(2).enumerate() {
-            if ends.iter().all(|end| !matches!(end.holder, Holder::Free(..))) {
+            if ends
+                .iter()
+                .all(|end| !matches!(end.holder, Holder::Free(..)))
+            {
                 continue;
             }
             let is_last = edge + 2 == self.vertices.len();
-            let number = if is_last { String::new() } else { format!("_{edge}") };
+            let number = if is_last {
+                String::new()
+            } else {
+                format!("_{edge}")
+            };
             let name = format!("{}_twist{number}", self.name);
             let spin = self.spins[edge];
             _ = writeln!(
@@ -240,14 +253,23 @@ fn faults(rod: &RodDescription, clamps: &[&Clamp]) -> Vec<(&'static str, String)
     let mut faults: Vec<(&'static str, String)> = Vec::new();
     let mut refuse = |key, reason: &str| faults.push((key, reason.to_owned()));
     if rod.closed {
-        refuse("shape", "closed rods have no twist in MuJoCo; cut the rod open and clamp its ends");
+        refuse(
+            "shape",
+            "closed rods have no twist in MuJoCo; cut the rod open and clamp its ends",
+        );
     }
     let [first, second] = rod.stiffness.bending;
     if (first - second).abs() > EQUAL * first.max(second) {
-        refuse("cross_section", "the rods of MuJoCo are equally stiff in all directions");
+        refuse(
+            "cross_section",
+            "the rods of MuJoCo are equally stiff in all directions",
+        );
     }
     if !rod.sections.is_empty() {
-        refuse("sections", "the rods of MuJoCo have the same section everywhere");
+        refuse(
+            "sections",
+            "the rods of MuJoCo have the same section everywhere",
+        );
     }
     let is_straight = rod.centreline.windows(3).all(|nodes| {
         let [before, after] = [nodes[1] - nodes[0], nodes[2] - nodes[1]];
@@ -262,15 +284,21 @@ fn faults(rod: &RodDescription, clamps: &[&Clamp]) -> Vec<(&'static str, String)
         _ => false,
     };
     if !is_as_placed {
-        refuse("natural_shape", "the rods of MuJoCo are without stress as placed; allowed: \"as-placed\"");
+        refuse(
+            "natural_shape",
+            "the rods of MuJoCo are without stress as placed; allowed: \"as-placed\"",
+        );
     }
     let last = rod.centreline.len() - 1;
-    let inner = (clamps.iter()).find(|clamp| clamp.holds_frame && clamp.node != 0 && clamp.node != last);
+    let inner =
+        (clamps.iter()).find(|clamp| clamp.holds_frame && clamp.node != 0 && clamp.node != last);
     if let Some(clamp) = inner {
         let node = clamp.node;
         faults.push((
             "name",
-            format!("a clamp holds the frame at its inner node {node}; allowed: clamps at its ends"),
+            format!(
+                "a clamp holds the frame at its inner node {node}; allowed: clamps at its ends"
+            ),
         ));
     }
     faults

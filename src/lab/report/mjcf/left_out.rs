@@ -21,11 +21,21 @@ pub(super) fn left_out(prepared: &PreparedRun, flexes: &[Flex]) -> Vec<String> {
     );
     let is = |test: fn(&LoadKind) -> bool| scene.loads.iter().any(|load| test(&load.kind));
     add(
-        is(|kind| matches!(kind, LoadKind::Force { .. } | LoadKind::FollowerForce { .. })),
+        is(|kind| {
+            matches!(
+                kind,
+                LoadKind::Force { .. } | LoadKind::FollowerForce { .. }
+            )
+        }),
         "loads: forces; set `xfrc_applied` of the bodies of nodes",
     );
     add(
-        is(|kind| matches!(kind, LoadKind::Moment { .. } | LoadKind::FollowerMoment { .. })),
+        is(|kind| {
+            matches!(
+                kind,
+                LoadKind::Moment { .. } | LoadKind::FollowerMoment { .. }
+            )
+        }),
         "loads: moments",
     );
     add(
@@ -35,11 +45,15 @@ pub(super) fn left_out(prepared: &PreparedRun, flexes: &[Flex]) -> Vec<String> {
         }),
         "loads: forces per length",
     );
-    add(is(|kind| matches!(kind, LoadKind::Drag { .. })), "loads: drag");
     add(
-        scene.loads.iter().any(|load| {
-            !load.schedule.is_empty() && matches!(load.kind, LoadKind::Gravity { .. })
-        }),
+        is(|kind| matches!(kind, LoadKind::Drag { .. })),
+        "loads: drag",
+    );
+    add(
+        scene
+            .loads
+            .iter()
+            .any(|load| !load.schedule.is_empty() && matches!(load.kind, LoadKind::Gravity { .. })),
         "loads: changes of gravity; the file has that at time zero",
     );
     add(scene.fluid.is_some(), "fluid");
@@ -51,11 +65,17 @@ pub(super) fn left_out(prepared: &PreparedRun, flexes: &[Flex]) -> Vec<String> {
         "bodies with moments of inertia; point masses are in the file",
     );
     add(
-        scene.obstacles.iter().any(|obstacle| !is_carried_over(obstacle)),
+        scene
+            .obstacles
+            .iter()
+            .any(|obstacle| !is_carried_over(obstacle)),
         "obstacles with faces, hollow or moving ones",
     );
     add(
-        scene.clamps.iter().any(|clamp| clamp.holds_frame && !clamp.holds_position),
+        scene
+            .clamps
+            .iter()
+            .any(|clamp| clamp.holds_frame && !clamp.holds_position),
         "clamps that hold only the frame of a node",
     );
     add(
@@ -67,12 +87,16 @@ pub(super) fn left_out(prepared: &PreparedRun, flexes: &[Flex]) -> Vec<String> {
         "relaxation of the material",
     );
     add(
-        scene.rods.iter().any(|rod| {
-            rod.velocity.norm() > 0.0 || rod.angular_velocity.norm() > 0.0
-        }),
+        scene
+            .rods
+            .iter()
+            .any(|rod| rod.velocity.norm() > 0.0 || rod.angular_velocity.norm() > 0.0),
         "velocities at time zero",
     );
-    add(!prepared.controllers.is_empty(), "the controller of the experiment");
+    add(
+        !prepared.controllers.is_empty(),
+        "the controller of the experiment",
+    );
     if !matches!(prepared.mode, Mode::Dynamic { .. }) {
         let longest = flexes.iter().map(|flex| flex.damping).fold(0.0, f64::max);
         lines.push(format!(

@@ -68,7 +68,8 @@ pub fn mjcf(prepared: &PreparedRun) -> Result<Mjcf, Vec<String>> {
             match Flex::of(scene, index, damping(prepared, rod)) {
                 Ok(flex) => flexes.push(flex),
                 Err(reasons) => faults.extend(
-                    (reasons.into_iter()).map(|(key, reason)| format!("rods.{}.{key}: {reason}", rod.name)),
+                    (reasons.into_iter())
+                        .map(|(key, reason)| format!("rods.{}.{key}: {reason}", rod.name)),
                 ),
             }
         }
@@ -84,7 +85,11 @@ pub fn mjcf(prepared: &PreparedRun) -> Result<Mjcf, Vec<String>> {
 
 /// The time √(ρA L⁴/EI) of a rod, s.
 fn unit(rod: &RodDescription) -> f64 {
-    let length: f64 = rod.centreline.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
+    let length: f64 = rod
+        .centreline
+        .windows(2)
+        .map(|ends| (ends[1] - ends[0]).norm())
+        .sum();
     length * length * (rod.mass_per_length / rod.stiffness.bending[0]).sqrt()
 }
 
@@ -142,8 +147,13 @@ fn written(prepared: &PreparedRun, flexes: &[Flex], step: f64) -> String {
     text += &surroundings(scene);
     flexes.iter().for_each(|flex| flex.write_bodies(&mut text));
     text += "  </worldbody>\n  <deformable>\n";
-    let friction = scene.contact.as_ref().map_or(0.0, |contact| contact.friction);
-    flexes.iter().for_each(|flex| flex.write(&mut text, friction));
+    let friction = scene
+        .contact
+        .as_ref()
+        .map_or(0.0, |contact| contact.friction);
+    flexes
+        .iter()
+        .for_each(|flex| flex.write(&mut text, friction));
     text += "  </deformable>\n  <equality>\n";
     (flexes.iter()).for_each(|flex| flex.write_constraints(&mut text, 2.0 * step));
     text += "  </equality>\n</mujoco>\n";
@@ -201,10 +211,16 @@ mod tests {
     fn scenes_that_would_mean_something_else_are_refused_by_key() {
         let refused = |overrides: &[&str], key: &str| {
             let faults = model(CANTILEVER, overrides).unwrap_err();
-            assert!(faults.iter().any(|fault| fault.starts_with(key)), "{faults:?}");
+            assert!(
+                faults.iter().any(|fault| fault.starts_with(key)),
+                "{faults:?}"
+            );
         };
         refused(
-            &["rods.beam.shape={ kind = \"points\", points = [[0,0,0],[0.1,0,0],[0.2,0.1,0],[0.2,0.2,0],[0.2,0.3,0]] }", "rods.beam.natural_shape=\"straight\""],
+            &[
+                "rods.beam.shape={ kind = \"points\", points = [[0,0,0],[0.1,0,0],[0.2,0.1,0],[0.2,0.2,0],[0.2,0.3,0]] }",
+                "rods.beam.natural_shape=\"straight\"",
+            ],
             "rods.beam.natural_shape",
         );
         refused(
@@ -222,7 +238,11 @@ mod tests {
         )
         .unwrap();
         for word in ["stretching", "force", "rest"] {
-            assert!(model.left_out.iter().any(|line| line.contains(word)), "{word} {:?}", model.left_out);
+            assert!(
+                model.left_out.iter().any(|line| line.contains(word)),
+                "{word} {:?}",
+                model.left_out
+            );
         }
     }
 }

@@ -14,7 +14,10 @@ pub(super) fn is_carried_over(obstacle: &Obstacle) -> bool {
 /// The geoms of a scene.
 pub(super) fn surroundings(scene: &Scene) -> String {
     let mut text = String::new();
-    let usual = scene.contact.as_ref().map_or(0.0, |contact| contact.friction);
+    let usual = scene
+        .contact
+        .as_ref()
+        .map_or(0.0, |contact| contact.friction);
     for plane in &scene.planes {
         let friction = plane.friction.unwrap_or(usual);
         _ = writeln!(
