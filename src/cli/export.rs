@@ -123,7 +123,7 @@ pub fn export(arguments: &ExportArguments) -> Result<(), Failure> {
     };
     let megabytes = written.bytes as f64 / 1e6;
     print(&format!(
-        "{}\n{content}, {megabytes:.1} MB\n",
+        "{}\n{content}, {megabytes:.2} MB\n",
         out.display()
     ))
 }

@@ -19,7 +19,7 @@ const CODES_PER_SECOND: f64 = 24.0;
 pub fn usda(case: &MovieCase, tempo: Tempo, generator: &str) -> String {
     let codes: Vec<f64> = seconds(case, tempo)
         .iter()
-        .map(|second| CODES_PER_SECOND * second)
+        .map(|second| (1e6 * CODES_PER_SECOND * second).round() / 1e6)
         .collect();
     let last = codes.last().copied().unwrap_or(0.0);
     let mut text = format!(
