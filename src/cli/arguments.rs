@@ -98,7 +98,7 @@ pub enum Command {
     View(view::ViewArguments),
     /// Write a film of a results directory: GIF, MP4 or pictures
     Movie(movie::MovieArguments),
-    /// Write results for other programs: glTF, USD, OBJ; or a scenario for MuJoCo
+    /// Write results as glTF, USD or OBJ, or a scenario as a MuJoCo model
     Export(export::ExportArguments),
     /// Stream a joint trajectory to the arms and axes of a cell
     Stream(stream::StreamArguments),
