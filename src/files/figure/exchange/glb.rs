@@ -351,17 +351,19 @@ fn unplacing(section: &Section) -> [f32; 16] {
     matrix
 }
 
-/// The pose of a body whose matrix has orthogonal axes.
+/// The pose of a body whose matrix has orthogonal axes. A third axis without length, as that of a
+/// thread between two nodes at one place, is square to the others.
 fn pose_of(matrix: &[f64; 16]) -> Pose {
     let column = |k: usize| Vector3::new(matrix[4 * k], matrix[4 * k + 1], matrix[4 * k + 2]);
     let axes = [column(0), column(1), column(2)];
     let mut lengths = Vector3::from(axes.map(|axis| axis.norm()));
-    let mut units = Matrix3::from_columns(&axes.map(|axis| axis.normalize()));
-    if units.determinant() < 0.0 {
+    let [first, second] = [axes[0].normalize(), axes[1].normalize()];
+    let square = first.cross(&second);
+    if axes[2].dot(&square) < 0.0 {
         lengths.z = -lengths.z;
-        units.set_column(2, &-units.column(2));
     }
-    let rotation = Rotation3::from_matrix_unchecked(units);
+    let rotation =
+        Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[first, second, square]));
     Pose {
         translation: floats(column(3)),
         rotation: quaternion(&UnitQuaternion::from_rotation_matrix(&rotation)),

@@ -71,7 +71,10 @@ fn seconds(case: &MovieCase, tempo: Tempo) -> Vec<f64> {
         } else {
             (frame.time - first) / tempo.speed
         };
-        let least = seconds.last().map_or(0.0, |before| before + LEAST);
+        let least = seconds.last().map_or(0.0, |before| {
+            // Files hold single precision.
+            f64::from((*before as f32).next_up()).max(before + LEAST)
+        });
         seconds.push(place.max(least));
     }
     seconds
@@ -202,8 +205,15 @@ pub(super) mod tests {
         assert_eq!(path, [0.0, 1.0 / 6.0, 2.0 / 6.0]);
         case.branches = None;
         case.frames.iter_mut().for_each(|frame| frame.time = 3.0);
-        let still = seconds(&case, Tempo { speed: 1.0 });
-        assert!(still.is_sorted_by(|a, b| a < b), "{still:?}");
+        for speed in [1.0, 1e-4] {
+            let mut still = case.clone();
+            still.frames[0].time = 0.0;
+            let keys = seconds(&still, Tempo { speed });
+            assert!(
+                keys.is_sorted_by(|a, b| (*a as f32) < *b as f32),
+                "{keys:?}"
+            );
+        }
     }
 
     #[test]
