@@ -61,6 +61,7 @@ fn scene() -> Scene {
             inertia: Inertia::Lumped,
             retardation_time: 0.0,
             relaxation: None,
+            yielding: None,
             velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
             held: false,

@@ -118,7 +118,7 @@ fn a_wire_keeps_the_plastic_part_of_its_twist() {
     let stiffness = shear_modulus * 0.5 * PI * RADIUS.powi(4);
     let limit = MATERIAL.yield_stress / 3.0_f64.sqrt() / (shear_modulus * RADIUS);
     let factor: f64 = 1.2;
-    let over = (4.0 - 3.0 * factor).powf(-1.0 / 3.0);
+    let over = libm::pow(4.0 - 3.0 * factor, -1.0 / 3.0);
     let scene = loaded(wire(), Vector3::x() * (factor * stiffness * limit));
     let mut simulation = run_with(&scene, &fixed(0.02), 4.0);
     assert_close(middle(&simulation)[1].abs(), over * limit, 5e-3);

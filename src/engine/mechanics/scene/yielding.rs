@@ -140,7 +140,7 @@ fn bands(from: f64, to: f64) -> impl Iterator<Item = f64> {
 /// ∫ |y| dA of a circle between the distances −y and y from a diameter, m³.
 fn first_moment(radius: f64, y: f64) -> f64 {
     let square = radius * radius;
-    4.0 / 3.0 * (square * radius - (square - y * y).max(0.0).powf(1.5))
+    4.0 / 3.0 * (square * radius - libm::pow((square - y * y).max(0.0), 1.5))
 }
 
 /// ∫ y² dA of a circle between the distances −y and y from a diameter, m⁴.

@@ -118,6 +118,11 @@ pub fn natural_strains(scene: &Scene, rod: usize) -> Result<Designed, DesignErro
             "a natural shape is found for rods that are clamped at their ends only",
         ));
     }
+    if description.yielding.is_some() {
+        return Err(DesignError::Unsuitable(
+            "a natural shape is found for rods that do not yield",
+        ));
+    }
     if !scene.joints.is_empty() || !scene.actuations.is_empty() || scene.start.is_some() {
         return Err(DesignError::Unsuitable(
             "a natural shape is found for scenes without joints, actuation and `start`",

@@ -87,6 +87,10 @@ pub(super) fn left_out(prepared: &PreparedRun, flexes: &[Flex]) -> Vec<String> {
         "relaxation of the material",
     );
     add(
+        scene.rods.iter().any(|rod| rod.yielding.is_some()),
+        "yielding of the material",
+    );
+    add(
         scene
             .rods
             .iter()
