@@ -355,7 +355,7 @@ fn patterns_may_be_drawings() {
     for (line, expected) in [
         ("score laid.csv lines.svg", "2 strokes"),
         ("score laid.csv lines.svg --stroke 3", "no stroke 3"),
-        ("score laid.csv laid.txt", ".svg or a .csv"),
+        ("score laid.csv laid.txt", ".svg or .csv file"),
         (
             "score laid.csv lines.svg --stroke 1 --begin 30mm",
             "too short for a pattern",

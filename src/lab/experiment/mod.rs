@@ -198,7 +198,10 @@ pub fn rescaled(text: &str, scales: &Scales) -> Result<String, toml::de::Error> 
 
 /// The SI unit of a key of scenario files, if it has one.
 pub fn unit(key: &str) -> Option<String> {
-    scenario::unit(*EXPERIMENTS, key)
+    // A fit needs units in each of its iterations, and to build the schema takes longer than a small
+    // simulation.
+    static SCHEMA: LazyLock<serde_json::Value> = LazyLock::new(json_schema);
+    scenario::unit(&SCHEMA, key)
 }
 
 /// Explains a dotted key; see [`scenario::explain`].

@@ -52,9 +52,8 @@ fn functions() -> String {
 
 /// The SI unit of a dotted key; `None` if it has none or the key does not exist. The key may
 /// contain names of rods.
-pub fn unit(experiments: Experiments, key: &str) -> Option<String> {
-    let schema = json_schema(experiments);
-    let explainer = Explainer { root: &schema };
+pub fn unit(schema: &Value, key: &str) -> Option<String> {
+    let explainer = Explainer { root: schema };
     let steps: Vec<&str> = key.split('.').collect();
     let without_name = || [&steps[..1], &steps[2..]].concat().join(".");
     let (meanings, _) = explainer
@@ -515,6 +514,7 @@ keys: actuation, bodies, clamps, contact, continuation, experiment, extends, fla
 
     #[test]
     fn keys_have_units_and_may_hold_names_of_rods() {
+        let schema = json_schema(*EXPERIMENTS);
         for (key, expected) in [
             ("rods.beam.radius", Some("m")),
             ("rods.0.radius", Some("m")),
@@ -523,7 +523,7 @@ keys: actuation, bodies, clamps, contact, continuation, experiment, extends, fla
             ("contact.model", None),
             ("no.such.key", None),
         ] {
-            assert_eq!(unit(*EXPERIMENTS, key).as_deref(), expected, "{key}");
+            assert_eq!(unit(&schema, key).as_deref(), expected, "{key}");
         }
     }
 
