@@ -144,8 +144,8 @@ fn requests_that_cannot_be_met_state_what_is_allowed() {
         files: vec![file],
     };
     for (keys, expected) in [
-        (&["parameters.ei"] as &[&str], "states no number"),
-        (&["material.youngs_moduls"], "states no number"),
+        (&["parameters.ei"] as &[&str], "no value for this key"),
+        (&["material.youngs_moduls"], "no value for this key"),
         (&[], "--fit KEY"),
         (&["material.density", "material.density"], "fitted twice"),
         (
