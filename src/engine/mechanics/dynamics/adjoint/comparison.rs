@@ -7,6 +7,7 @@ use crate::mechanics::dynamics::state::State;
 use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::Scene;
+use crate::mechanics::system::Assembly;
 use crate::mechanics::test_support::{advance_to, fixed_steps};
 
 const STEPS: usize = 30;
@@ -81,6 +82,13 @@ pub(super) fn results(simulation: &Simulation) -> Vec<f64> {
 /// Adds an amount to a value of a node.
 pub(super) type Change = fn(&mut Simulation, usize, f64);
 
+/// Indices of the vertices at a node.
+fn vertices_at(assembly: &Assembly, node: usize) -> Vec<usize> {
+    let vertices = assembly.rods.vertices.iter().enumerate();
+    let at = vertices.filter(|(_, vertex)| assembly.node_of(vertex) == node);
+    at.map(|(index, _)| index).collect()
+}
+
 /// Adds to the natural strains of the vertices at a node: to κ about m₁, κ about m₂, or the twist.
 fn strain(simulation: &mut Simulation, node: usize, [first, second, twist]: [f64; 3]) {
     let assembly = &mut simulation.system.assembly;
@@ -89,19 +97,8 @@ fn strain(simulation: &mut Simulation, node: usize, [first, second, twist]: [f64
         let edge = edges.iter().find(|edge| edge.start == start);
         edge.map_or(0.0, |edge| edge.natural_length)
     };
-    let at: Vec<bool> = assembly
-        .rods
-        .vertices
-        .iter()
-        .map(|vertex| assembly.node_of(vertex) == node)
-        .collect();
-    for (vertex, _) in assembly
-        .rods
-        .vertices
-        .iter_mut()
-        .zip(at)
-        .filter(|(_, at)| *at)
-    {
+    for index in vertices_at(assembly, node) {
+        let vertex = &mut assembly.rods.vertices[index];
         let voronoi = 0.5 * (length(vertex.before) + length(vertex.after));
         for frame in 0..2 {
             vertex.natural.curvature[2 * frame] += second * voronoi;
@@ -114,19 +111,8 @@ fn strain(simulation: &mut Simulation, node: usize, [first, second, twist]: [f64
 /// Multiplies stiffnesses of the vertices at a node.
 fn stiffen(simulation: &mut Simulation, node: usize, [first, second, twisting]: [f64; 3]) {
     let assembly = &mut simulation.system.assembly;
-    let at: Vec<bool> = assembly
-        .rods
-        .vertices
-        .iter()
-        .map(|vertex| assembly.node_of(vertex) == node)
-        .collect();
-    for (vertex, _) in assembly
-        .rods
-        .vertices
-        .iter_mut()
-        .zip(at)
-        .filter(|(_, at)| *at)
-    {
+    for index in vertices_at(assembly, node) {
+        let vertex = &mut assembly.rods.vertices[index];
         vertex.stiffness.bending[1] *= 1.0 + first;
         vertex.stiffness.bending[0] *= 1.0 + second;
         vertex.stiffness.twisting *= 1.0 + twisting;
