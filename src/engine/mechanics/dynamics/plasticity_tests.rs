@@ -7,8 +7,8 @@ use crate::mechanics::scene::{
 };
 use crate::mechanics::system::System;
 use crate::mechanics::test_support::{
-    advance_to, assert_close, clamp, drag, farthest, fixed, moment_on, resumed, run, run_with,
-    section, straight_rod,
+    advance_to, assert_close, at_rest, clamp, drag, farthest, fixed, moment_on, resumed, run,
+    run_with, section, straight_rod,
 };
 use std::f64::consts::PI;
 
@@ -109,6 +109,24 @@ fn a_strip_springs_back_by_the_elastic_part_of_its_curvature() {
         advance_to(&mut simulation, 9.0);
         assert_close(middle(&simulation)[0], (low - factor) * limit, 0.01);
     }
+}
+
+/// The equilibrium of a rod that is loaded in one go is that of the slow motion.
+#[test]
+fn a_loaded_strip_has_the_curvature_of_the_closed_form_in_equilibrium() {
+    let limit = MATERIAL.yield_stress / MATERIAL.youngs_modulus / (0.5 * THICKNESS);
+    let stiffness = MATERIAL.youngs_modulus * WIDTH * THICKNESS.powi(3) / 12.0;
+    let factor: f64 = 1.3;
+    let scene = Scene {
+        loads: vec![moment_on(
+            0,
+            EDGES - 1,
+            Vector3::z() * (factor * stiffness * limit),
+        )],
+        ..loaded(strip(), Vector3::zeros())
+    };
+    let expected = limit / (3.0 - 2.0 * factor).sqrt();
+    assert_close(middle(&at_rest(&scene))[0], expected, 5e-3);
 }
 
 /// T = T_y (4 − (τ_y/τ)³)/3.

@@ -40,4 +40,5 @@ pub(crate) use placement::{Placement, PlacementError};
 pub use topology::{RodRange, STRIDE};
 pub use turning_angle::BendingStrain;
 pub(crate) use turning_ghost::TURNING_ROTATION;
+pub(crate) use vertex_lanes::VERTEX_UNKNOWNS;
 pub(crate) use virtual_strain::EdgeMotion;

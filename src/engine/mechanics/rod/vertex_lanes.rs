@@ -11,7 +11,7 @@ use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use crate::mechanics::Vector3;
 
 /// Unknowns (x₋, θ⁰, x, θ¹, x₊) of a vertex.
-pub(super) const VERTEX_UNKNOWNS: usize = 11;
+pub(crate) const VERTEX_UNKNOWNS: usize = 11;
 
 /// Strains, structure of arrays; meaning and units as in [`VertexStrains`].
 #[derive(Clone, Debug)]

@@ -534,6 +534,14 @@ impl Assembly {
         self.rods.rods[rod].end_of(vertex.before)
     }
 
+    /// Place of a vertex that stays the same when clamps are added or removed elsewhere: its node,
+    /// and whether its edges are those of clamps.
+    pub(super) fn place_of(&self, vertex: &Vertex) -> (usize, [bool; 2]) {
+        let is_of_clamp = |edge: usize| edge >= self.rods.nodes;
+        let edges = [vertex.before, vertex.after];
+        (self.node_of(vertex), edges.map(is_of_clamp))
+    }
+
     /// Includes the rounding error of a position in the rounding error of a force with a stiffness
     /// (N/m) at a node.
     pub(super) fn round(&mut self, node: usize, stiffness: f64) {

@@ -40,7 +40,7 @@ use super::demand::Demand;
 use super::term::{Configuration, Kind, Term};
 use super::virtual_work::OF_VERTEX;
 use crate::mechanics::SceneError;
-use crate::mechanics::rod::{ElasticEnergy, ElasticRods, RodGeometry, Vertex};
+use crate::mechanics::rod::{ElasticEnergy, ElasticRods, RodGeometry};
 use crate::mechanics::scene::{Relaxation, Scene};
 
 /// Ratio of step to relaxation time below which (1 − γ)/x equals ½ − x/6 to all significant
@@ -310,13 +310,8 @@ impl Damping {
         if !self.relaxes() {
             return;
         }
-        let rods = &assembly.rods;
-        let is_of_clamp = |edge: usize| edge >= rods.nodes;
-        let place = |vertex: &Vertex| {
-            let edges = [vertex.before, vertex.after];
-            (assembly.node_of(vertex), edges.map(is_of_clamp))
-        };
-        let places = rods.vertices.iter().map(place).collect();
+        let vertices = assembly.rods.vertices.iter();
+        let places = vertices.map(|vertex| assembly.place_of(vertex)).collect();
         let before = std::mem::replace(&mut self.places, places);
         if before.is_empty() || self.relaxing.is_empty() {
             return;

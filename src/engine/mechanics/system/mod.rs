@@ -49,6 +49,7 @@ mod newton_matrix;
 mod node_element;
 mod node_forces;
 mod obstacles;
+mod plastic_layers;
 mod plasticity;
 mod residual;
 mod resultants;

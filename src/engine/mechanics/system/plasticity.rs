@@ -27,18 +27,17 @@ use super::System;
 use super::build::Assembly;
 use super::demand::Demand;
 use super::newton_matrix::Entries;
+use super::plastic_layers::{PlasticLayer, Strains, Tangent, list_layers};
 use super::term::{Configuration, Kind, Term};
+use super::virtual_work::OF_VERTEX as STRAINS;
 use crate::linalg::{Element, ElementMatrix, HALF_BANDWIDTH};
 use crate::mechanics::rod::vertex::VertexStrains;
 use crate::mechanics::rod::{
-    EdgeMotion, ElasticEnergy, ElasticRods, RodGeometry, Vertex, VertexUnknowns,
+    EdgeMotion, ElasticEnergy, ElasticRods, RodGeometry, VERTEX_UNKNOWNS, Vertex, VertexUnknowns,
 };
-use crate::mechanics::scene::{Layer, PlasticBending, RodDescription, Scene, Yielding};
+use crate::mechanics::scene::{RodDescription, Scene, Yielding};
 use crate::mechanics::{SceneError, Vector3};
 use std::ops::Range;
-
-/// Unknowns (x₋, θ⁰, x, θ¹, x₊) of a vertex.
-const OF_VERTEX: usize = 11;
 
 const NO_MIDPOINT: SceneError = SceneError::Unsuitable(
     "rods that yield need time.scheme = \"implicit-euler\" or \"backward-differences\"",
@@ -85,101 +84,6 @@ struct PlasticVertex {
     tangent: Tangent,
 }
 
-/// C of a vertex, N m.
-#[derive(Clone, Copy, Debug, Default)]
-struct Tangent {
-    /// Of κ¹ and κ² in the frame of each edge: the entries 11, 12 and 22.
-    bending: [[f64; 3]; 2],
-    twisting: f64,
-    /// Whether any layer yields.
-    yields: bool,
-}
-
-/// Strains to which a layer belongs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Strains {
-    /// κ¹ and κ² in the frame of an edge.
-    Bending(usize),
-    /// One of κ¹⁰, κ²⁰, κ¹¹, κ²¹.
-    Component(usize),
-    /// τ.
-    Twist,
-}
-
-/// A layer of a vertex.
-#[derive(Clone, Copy, Debug)]
-struct PlasticLayer {
-    strains: Strains,
-    /// K c, N m.
-    stiffness: f64,
-    /// c.
-    share: f64,
-    /// ε_y, rad.
-    limit: f64,
-    /// pₙ and p, rad; without a second component if there is one strain.
-    start: [f64; 2],
-    plastic: [f64; 2],
-}
-
-impl PlasticLayer {
-    /// The strains of the layer among those of a vertex.
-    fn strain(&self, strains: &VertexStrains) -> [f64; 2] {
-        let curvature = &strains.curvature;
-        match self.strains {
-            Strains::Bending(frame) => [curvature[2 * frame], curvature[2 * frame + 1]],
-            Strains::Component(component) => [curvature[component], 0.0],
-            Strains::Twist => [strains.twist, 0.0],
-        }
-    }
-
-    /// Returns p to the surface of yielding, and adds C to that of the vertex.
-    fn flow(&mut self, strain: [f64; 2], tangent: &mut Tangent) {
-        let trial = [strain[0] - self.start[0], strain[1] - self.start[1]];
-        let size = (trial[0] * trial[0] + trial[1] * trial[1]).sqrt();
-        if size <= self.limit {
-            self.plastic = self.start;
-            return;
-        }
-        let ratio = self.limit / size;
-        self.plastic = std::array::from_fn(|k| strain[k] - ratio * trial[k]);
-        tangent.yields = true;
-        let normal = trial.map(|own| own / size);
-        let across = self.stiffness * (1.0 - ratio);
-        let along = self.stiffness - across;
-        match self.strains {
-            Strains::Bending(frame) => {
-                let own = &mut tangent.bending[frame];
-                own[0] -= across + along * normal[0] * normal[0];
-                own[1] -= along * normal[0] * normal[1];
-                own[2] -= across + along * normal[1] * normal[1];
-            }
-            Strains::Component(component) => {
-                tangent.bending[component / 2][2 * (component % 2)] -= self.stiffness;
-            }
-            Strains::Twist => tangent.twisting -= self.stiffness,
-        }
-    }
-
-    /// Adds c p to natural strains.
-    fn bend(&self, natural: &mut VertexStrains) {
-        let [first, second] = self.plastic.map(|plastic| self.share * plastic);
-        match self.strains {
-            Strains::Bending(frame) => {
-                natural.curvature[2 * frame] += first;
-                natural.curvature[2 * frame + 1] += second;
-            }
-            Strains::Component(component) => natural.curvature[component] += first,
-            Strains::Twist => natural.twist += first,
-        }
-    }
-
-    /// K c ε_y |p − pₙ|, J.
-    fn loss(&self) -> f64 {
-        let [first, second] = [0, 1].map(|k| self.plastic[k] - self.start[k]);
-        self.stiffness * self.limit * (first * first + second * second).sqrt()
-    }
-}
-
 impl Plasticity {
     /// Whether all rods are elastic.
     pub(crate) fn is_empty(&self) -> bool {
@@ -201,11 +105,7 @@ impl Plasticity {
             let Some((law, stiffness)) = &self.laws[rod] else {
                 continue;
             };
-            let is_of_clamp = |edge: usize| edge >= rods.nodes;
-            let place = (
-                assembly.node_of(vertex),
-                [vertex.before, vertex.after].map(is_of_clamp),
-            );
+            let place = assembly.place_of(vertex);
             let first = self.layers.len();
             list_layers(&mut self.layers, law, *stiffness, vertex);
             if let Some(same) = before.iter().find(|earlier| earlier.place == place) {
@@ -301,48 +201,6 @@ impl Plasticity {
     }
 }
 
-/// Adds the layers of a vertex of a rod with the stiffnesses EI₁, EI₂, GJ.
-fn list_layers(
-    layers: &mut Vec<PlasticLayer>,
-    law: &Yielding,
-    [bending_1, bending_2, twisting]: [f64; 3],
-    vertex: &Vertex,
-) {
-    let mut add = |own: &[Layer], strains: Strains, stiffness: f64, length: f64| {
-        layers.extend(own.iter().map(|layer| PlasticLayer {
-            strains,
-            stiffness: stiffness * layer.share,
-            share: layer.share,
-            limit: layer.limit * length,
-            start: [0.0; 2],
-            plastic: [0.0; 2],
-        }));
-    };
-    // The lengths over which strains are curvatures: those in the stiffness EI/2l̄ and GJ/l̄.
-    let [along_1, along_2] = vertex.stiffness.bending;
-    for frame in 0..2 {
-        match &law.bending {
-            PlasticBending::Round(own) => {
-                let length = 0.5 * bending_2 / along_1;
-                add(own, Strains::Bending(frame), along_1, length);
-            }
-            PlasticBending::AboutDirectors([about_1, about_2]) => {
-                let first = Strains::Component(2 * frame);
-                add(about_2, first, along_1, 0.5 * bending_2 / along_1);
-                let second = Strains::Component(2 * frame + 1);
-                add(about_1, second, along_2, 0.5 * bending_1 / along_2);
-            }
-        }
-    }
-    let stiffness = vertex.stiffness.twisting;
-    add(
-        &law.twisting,
-        Strains::Twist,
-        stiffness,
-        twisting / stiffness,
-    );
-}
-
 /// Derivatives ∂ε/∂q of the strains κ¹⁰, κ²⁰, κ¹¹, κ²¹, τ of a vertex with respect to its unknowns;
 /// zero for those of a clamp.
 fn strains_over_unknowns(
@@ -350,7 +208,7 @@ fn strains_over_unknowns(
     index: usize,
     rods: &ElasticRods,
     geometry: &RodGeometry,
-) -> [[f64; 5]; OF_VERTEX] {
+) -> [[f64; STRAINS]; VERTEX_UNKNOWNS] {
     let edges = [vertex.before, vertex.after];
     let frames = edges.map(|edge| &geometry.edges[edge]);
     let strains = geometry.strains(index, vertex);
@@ -378,24 +236,9 @@ fn strains_over_unknowns(
     })
 }
 
-impl Tangent {
-    /// C ε.
-    fn times(&self, strains: &[f64; 5]) -> [f64; 5] {
-        let [k0, k1, k2, k3, twist] = *strains;
-        let [before, after] = &self.bending;
-        [
-            before[0] * k0 + before[1] * k1,
-            before[1] * k0 + before[2] * k1,
-            after[0] * k2 + after[1] * k3,
-            after[1] * k2 + after[2] * k3,
-            self.twisting * twist,
-        ]
-    }
-}
-
 /// Adds Bᵀ C B to the band or to the element of a vertex.
 fn scatter(
-    matrix: &[[f64; OF_VERTEX]; OF_VERTEX],
+    matrix: &[[f64; VERTEX_UNKNOWNS]; VERTEX_UNKNOWNS],
     unknowns: VertexUnknowns,
     columns: &mut [[f64; HALF_BANDWIDTH + 1]],
     element: Option<&mut ElementMatrix>,
@@ -410,8 +253,8 @@ fn scatter(
             }
         }
         (_, Some(element)) => {
-            for i in 0..OF_VERTEX {
-                for j in 0..OF_VERTEX {
+            for i in 0..VERTEX_UNKNOWNS {
+                for j in 0..VERTEX_UNKNOWNS {
                     element[i][j] += matrix[i][j];
                 }
             }
@@ -499,7 +342,7 @@ impl Term for Plasticity {
             let vertex = &rods.vertices[plastic.index];
             let over = strains_over_unknowns(vertex, plastic.index, rods, at.geometry);
             let forces = over.map(|strains| plastic.tangent.times(&strains));
-            let mut matrix = [[0.0; OF_VERTEX]; OF_VERTEX];
+            let mut matrix = [[0.0; VERTEX_UNKNOWNS]; VERTEX_UNKNOWNS];
             for (row, force) in matrix.iter_mut().zip(&forces) {
                 for (entry, strains) in row.iter_mut().zip(&over) {
                     *entry = force.iter().zip(strains).map(|(f, s)| f * s).sum();
