@@ -113,7 +113,7 @@ fn advice(kind: PresetKind, path: &Path) -> Option<String> {
         (None, None) => {
             let files = match kind {
                 PresetKind::Pattern => ".svg or .csv",
-                _ => ".toml",
+                _ => kind.ending(),
             };
             format!("there is no such {files} file, and no {kind} preset of this name")
         }

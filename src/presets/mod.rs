@@ -66,7 +66,8 @@ impl PresetKind {
         }
     }
 
-    fn ending(self) -> &'static str {
+    /// Ending of the names of its files.
+    pub fn ending(self) -> &'static str {
         match self {
             Self::Pattern => ".svg",
             _ => ".toml",
