@@ -3,7 +3,7 @@
 use super::rods::run_until;
 use super::scenario::simulation;
 use super::{Check, Expectation, GroupError};
-use rodlab_engine::mechanics::dynamics::Simulation;
+use rodlab_engine::mechanics::dynamics::{Resultants, Simulation};
 use std::f64::consts::PI;
 
 const STRIP: &str = include_str!("scenes/yielding_strip.toml");
@@ -90,7 +90,7 @@ fn exceeded(load: f64, law: impl Fn(f64) -> f64) -> f64 {
 fn loaded(
     scene: &str,
     keys: &[String],
-    strain: impl Fn(&rodlab_engine::mechanics::dynamics::Resultants) -> f64,
+    strain: impl Fn(&Resultants) -> f64,
 ) -> Result<[f64; 2], GroupError> {
     let mut simulation = simulation(scene, keys)?;
     let of = |simulation: &Simulation| {
