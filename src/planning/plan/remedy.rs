@@ -196,7 +196,7 @@ mod tests {
             };
             let error = error.to_string();
             assert!(
-                !is_allowed && error.contains("a length from 0.0020 m to 2.0000 m"),
+                !is_allowed && error.contains("allowed: 0.0020 m to 2.0000 m"),
                 "{relative}: {error}"
             );
         }

@@ -236,7 +236,7 @@ fn angle(name: &str) -> Option<&str> {
 /// Name of a quantity in a legend: without its angle, and without its unit, which its relative
 /// error does not have.
 fn legend(name: &str) -> &str {
-    const UNITS: [&str; 8] = ["mm", "s", "degrees", "rad", "10⁻⁴", "√(g/L)", "x/L", "y/L"];
+    const UNITS: [&str; 6] = ["mm", "s", "degrees", "rad", "10⁻⁴", "√(g/L)"];
     let name = name.split_once(": ").map_or(name, |(_, name)| name);
     match name.rsplit_once(", ") {
         Some((words, unit)) if UNITS.contains(&unit) => words,
@@ -255,4 +255,22 @@ fn second_order<'a>(rows: impl Iterator<Item = &'a Row>) -> Option<Curve> {
         (edges as f64, error * (first as f64 / edges as f64).powi(2))
     });
     Some(line.looking(Look::Dashed))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::BENCHMARKS;
+    use super::*;
+
+    #[test]
+    fn curves_of_a_panel_have_different_names() {
+        for benchmark in BENCHMARKS {
+            let names = benchmark.quantities.iter().map(|quantity| quantity.name);
+            let mut named: Vec<_> = names.map(|name| (angle(name), legend(name))).collect();
+            named.sort_unstable();
+            named.dedup();
+            let different = named.len();
+            assert_eq!(different, benchmark.quantities.len(), "{}", benchmark.name);
+        }
+    }
 }
