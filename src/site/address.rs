@@ -1,6 +1,7 @@
 //! Addresses of links, which are paths in the repository.
 
 use std::fmt;
+use std::path::Path;
 
 /// Target of a link in the repository.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,6 +27,16 @@ impl Address {
             path => joined(page, path),
         };
         Some(Self { path, anchor })
+    }
+
+    /// The page of a folder of the repository, its `README.md`; other targets are unchanged.
+    #[must_use]
+    pub fn of_folder(self, repository: &Path) -> Self {
+        let page = format!("{}/README.md", self.path);
+        match repository.join(&page).is_file() {
+            true => Self { path: page, ..self },
+            false => self,
+        }
     }
 
     /// Whether the target is a page of the site.

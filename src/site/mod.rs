@@ -129,7 +129,7 @@ fn collect(
             // The missing page is reported with the page that links to it.
             None => continue,
         };
-        let page = render(&path, &opened(&path, &text));
+        let page = render(&path, &opened(&path, &text), repository);
         let pages = page.links.iter().filter(|link| link.is_page());
         waiting.extend(pages.map(|link| link.path.clone()));
         site.insert(path, page);
@@ -185,9 +185,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (from, to) = (folder.path().join("from"), folder.path().join("to"));
         fs::create_dir_all(from.join("guide")).unwrap();
-        let page = "# Rods\n\n[more](guide/knots.md#tight-knots) ![a rod](rod.svg) [web](https://example.org)\n";
+        let page = "# Rods\n\n[more](guide/knots.md#tight-knots) ![a rod](rod.svg) [web](https://example.org) [cases](cases)\n";
         fs::write(from.join("README.md"), page).unwrap();
         fs::write(from.join("rod.svg"), "<svg/>").unwrap();
+        fs::create_dir_all(from.join("cases")).unwrap();
+        fs::write(from.join("cases/README.md"), "# Cases\n").unwrap();
         let knots =
             "# Knots\n\n## Tight knots\n\n[back](../README.md) [keys][k]\n\n[k]: ../keys.md\n";
         fs::write(from.join("guide/knots.md"), knots).unwrap();
@@ -198,10 +200,11 @@ mod tests {
         let menu = [("keys.md".to_owned(), "Keys".to_owned())];
         assert_eq!(
             build(&from, std::slice::from_ref(&keys), &menu, &to).unwrap(),
-            3
+            4
         );
         let read = |name: &str| fs::read_to_string(to.join(name)).unwrap();
         assert!(read("index.html").contains("href=\"guide/knots.html#tight-knots\""));
+        assert!(read("index.html").contains("href=\"cases/README.html\""));
         assert!(read("guide/knots.html").contains("href=\"../index.html\""));
         assert!(read("guide/knots.html").contains("href=\"../keys.html\">Keys"));
         assert_eq!(read("rod.svg"), "<svg/>");

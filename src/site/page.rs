@@ -3,6 +3,7 @@
 use super::address::{Address, html_path, relative};
 use rodlab_files::figure::markdown_html;
 use std::collections::BTreeSet;
+use std::path::Path;
 
 /// A page.
 pub struct Rendered {
@@ -18,11 +19,11 @@ pub struct Rendered {
     pub links: Vec<Address>,
 }
 
-/// Renders the Markdown of a page at a place.
-pub fn render(path: &str, markdown: &str) -> Rendered {
+/// Renders the Markdown of a page at a place in a repository.
+pub fn render(path: &str, markdown: &str, repository: &Path) -> Rendered {
     let mut links = Vec::new();
     let html = markdown_html(markdown, &mut |link| {
-        let address = Address::of(path, link)?;
+        let address = Address::of(path, link)?.of_folder(repository);
         let anchor = address.anchor.as_ref();
         let anchor = anchor.map_or(String::new(), |anchor| format!("#{anchor}"));
         let place = relative(&html_path(path), &html_path(&address.path));
@@ -63,6 +64,7 @@ mod tests {
         let page = render(
             "a.md",
             "# `run` a <b>\n\nForces & *moments*\n\n| x |\n|---|\n| 1 |\n",
+            Path::new(""),
         );
         assert_eq!(page.title, "run a <b>");
         assert!(
