@@ -212,6 +212,30 @@ mod tests {
         Isometry3::from_parts(Translation3::from(place), turn * tilt)
     }
 
+    /// A fit moves from a straight rod to a slightly curved one without a jump of its shape.
+    #[test]
+    fn the_shape_of_a_held_rod_changes_smoothly_with_its_natural_curvature() {
+        let rod = HeldRod {
+            title: "rod".to_owned(),
+            length: 0.15,
+            radius: 2e-3,
+            density: 1000.0,
+            gravito_bending_length: 0.03,
+        };
+        let hand = hand([0.12, 0.0, 1.1], 1.5, 1.57);
+        let shapes = (0..12).map(|k| {
+            let curvature = 0.01 * f64::from(k);
+            rod.nodes(&hand, [0.03, 0.2 * curvature, curvature]).unwrap()
+        });
+        let shapes: Vec<_> = shapes.collect();
+        for three in shapes.windows(3) {
+            for ((before, here), after) in three[0].iter().zip(&three[1]).zip(&three[2]) {
+                let bend = (before - here * 2.0 + after).norm();
+                assert!(bend < 1e-6, "{bend:e}");
+            }
+        }
+    }
+
     #[test]
     fn three_pictures_from_above_give_length_and_curvature_of_a_rod_that_is_not_the_expected_one() {
         let rod = HeldRod {
