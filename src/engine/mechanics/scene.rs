@@ -7,6 +7,7 @@ mod actuation;
 mod joint;
 mod node_force;
 mod section;
+mod tendon;
 mod yielding;
 
 pub use actuation::{ActuatedStrain, Actuation, Course, Wave};
@@ -21,6 +22,7 @@ pub use super::piecewise::piecewise_linear;
 pub(crate) use super::piecewise::piecewise_turning;
 
 pub use section::{EdgeSection, Section, edge_sections, pieces};
+pub use tendon::{Eyelet, Pull, Tendon};
 pub use yielding::{Layer, PlasticBending, Yielding, YieldingMaterial};
 
 use super::contact::ContactParameters;
@@ -41,6 +43,8 @@ pub struct Scene {
     pub joints: Vec<Joint>,
     /// Springs between nodes.
     pub springs: Vec<Spring>,
+    /// Cables through eyelets on rods.
+    pub tendons: Vec<Tendon>,
     /// Point masses and rigid bodies on rods.
     pub bodies: Vec<Body>,
     /// Forces between nodes, or on nodes, that are defined in code.

@@ -81,6 +81,16 @@ impl Simulation {
         self.system.spring_force(spring)
     }
 
+    /// Tension of a tendon of the scene, N; 0 where it is slack.
+    pub fn tendon_tension(&self, tendon: usize) -> f64 {
+        self.system.tendon_tension(tendon)
+    }
+
+    /// Length of a tendon of the scene from its first to its last eyelet, m.
+    pub fn tendon_length(&self, tendon: usize) -> f64 {
+        self.system.tendon_length(tendon)
+    }
+
     /// Force of one of [`Scene::forces`](crate::mechanics::scene::Scene::forces) on its first node, N.
     pub fn node_force(&self, number: usize) -> Vector3 {
         self.system.node_force(number)

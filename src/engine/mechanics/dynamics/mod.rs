@@ -122,6 +122,8 @@ mod smooth_contact_tests;
 #[cfg(test)]
 mod spring_tests;
 #[cfg(test)]
+mod tendon_tests;
+#[cfg(test)]
 mod test_log;
 #[cfg(test)]
 mod tests;

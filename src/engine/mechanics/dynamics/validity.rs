@@ -9,7 +9,7 @@ use super::report::{Energies, StepReport};
 use super::validity_memory::{CaughtSlide, Gain, LargeStrain, SmallSteps, ValidityMemory};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::edge_distance;
-use crate::mechanics::scene::{Clamp, Load, LoadKind, RodDescription, Scene};
+use crate::mechanics::scene::{Clamp, Load, LoadKind, RodDescription, Scene, Tendon};
 use crate::mechanics::system::{SectionScales, Strain, System};
 use tracing::warn;
 
@@ -133,6 +133,7 @@ impl Validity {
             memory: ValidityMemory {
                 is_conservative: scene.fluid.is_none()
                     && scene.actuations.is_empty()
+                    && scene.tendons.iter().all(Tendon::is_conservative)
                     && scene.loads.iter().all(is_accounted_for)
                     && !scene.clamps.iter().any(turns),
                 ..ValidityMemory::default()

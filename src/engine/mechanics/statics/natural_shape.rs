@@ -123,9 +123,13 @@ pub fn natural_strains(scene: &Scene, rod: usize) -> Result<Designed, DesignErro
             "a natural shape is found for rods that do not yield",
         ));
     }
-    if !scene.joints.is_empty() || !scene.actuations.is_empty() || scene.start.is_some() {
+    let is_plain = scene.joints.is_empty()
+        && scene.actuations.is_empty()
+        && scene.tendons.is_empty()
+        && scene.start.is_none();
+    if !is_plain {
         return Err(DesignError::Unsuitable(
-            "a natural shape is found for scenes without joints, actuation and `start`",
+            "a natural shape is found for scenes without joints, actuation, tendons and `start`",
         ));
     }
     let mut scene = scene.clone();

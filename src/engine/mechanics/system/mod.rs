@@ -61,6 +61,7 @@ mod springs;
 mod stage;
 mod start;
 mod strain;
+mod tendons;
 mod term;
 mod terms;
 mod touching;

@@ -14,6 +14,7 @@ use super::local_drag::LocalDrag;
 use super::node_forces::NodeForces;
 use super::plasticity::Plasticity;
 use super::springs::Springs;
+use super::tendons::Tendons;
 use super::term::Term;
 use crate::linalg::Element;
 use crate::mechanics::SceneError;
@@ -60,6 +61,8 @@ terms! {
     plasticity: Plasticity,
     /// Springs between nodes, between frames and about hinges.
     springs: Springs,
+    /// Cables through eyelets.
+    tendons: Tendons,
     /// Forces that the scene defines by code.
     node_forces: NodeForces,
     /// Dashpots of the material, which change the natural strains and the stiffness of rods in a stage.

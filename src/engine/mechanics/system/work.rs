@@ -205,6 +205,7 @@ impl System {
             let spin = (unknowns[angle] - stage.start[angle]).abs();
             turn > FAR_TURN * edge.natural_length || spin > FAR_TURN
         }) || self.terms.springs.turn_by(FAR_TURN, moved)
+            || self.terms.tendons.turn_by(FAR_TURN, moved)
     }
 }
 

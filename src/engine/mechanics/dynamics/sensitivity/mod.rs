@@ -230,6 +230,11 @@ fn sharp(
             "derivatives support no rods that yield",
         ));
     }
+    if !scene.tendons.is_empty() {
+        return Err(SensitivityError::Unsuitable(
+            "derivatives support no tendons",
+        ));
+    }
     match simulation.integrator.fluid.sharpen(FLOW_TOLERANCE) {
         true => Ok(simulation),
         false => Err(SensitivityError::Unsuitable(
