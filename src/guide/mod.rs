@@ -43,6 +43,7 @@ pages! {
     sections
     actuation
     plasticity
+    tendons
     contact
     smooth_contact
     joints

@@ -39,6 +39,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab run bent_wire",
     ],
     [
+        "tendons",
+        "tendon_arm.svg",
+        "Three tendons bend a backbone",
+        "rodlab run tendon_arm",
+    ],
+    [
         "contact",
         "pile.png",
         "Two hundred rods in a heap",

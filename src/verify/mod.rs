@@ -42,6 +42,7 @@ mod spatial_rods;
 mod springs;
 mod statics;
 mod symmetry;
+mod tendons;
 #[cfg(test)]
 mod tests;
 pub mod theory;
@@ -64,7 +65,7 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 28] = [
+const GROUPS: [(&str, CheckGroup); 29] = [
     ("derivatives", derivatives::checks),
     ("sensitivities", sensitivities::checks),
     ("statics", statics::checks),
@@ -85,6 +86,7 @@ const GROUPS: [(&str, CheckGroup); 28] = [
     ("obstacles", obstacles::checks),
     ("joints", joints::checks),
     ("springs", springs::checks),
+    ("tendons", tendons::checks),
     ("drag", drag::checks),
     ("drag of bodies", drag_of_bodies::checks),
     ("overdamped", overdamped::checks),

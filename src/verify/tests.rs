@@ -55,6 +55,7 @@ groups_pass! {
     joints_pass: "joints",
     continuation_passes: "continuation",
     springs_pass: "springs",
+    tendons_pass: "tendons",
     overdamped_passes: "overdamped",
     drag_of_bodies_passes: "drag of bodies",
     background_flow_passes: "background flow",

@@ -72,7 +72,8 @@ pub use knot::{
     KnotEnding, KnotMonitor, KnotObserver, KnotOutcome, KnotRow, KnotSample, read_knot_series,
 };
 #[cfg(test)]
-pub use parts::{Actuation, ActuationKind, TABLES as PARTS};
+pub use parts::{Actuation, ActuationKind};
+pub use parts::{Eyelets, TABLES as PARTS, Tendon};
 pub use prepare::{Jitter, place_obstacles, prepare, try_scene};
 
 use crate::scenario::keys::ExperimentKeys;

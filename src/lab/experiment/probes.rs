@@ -168,6 +168,7 @@ fn resolve(probe: &scenario::Probe, scene: &Scene, key: &KeyPath) -> Result<Prob
             Quantity::LinkingNumber { rods: [one, other] }
         }
         ProbeKind::SpringForce { joint } => rods.spring(joint)?,
+        ProbeKind::Tendon { tendon } => rods.tendon(tendon)?,
     };
     Ok(Probe {
         name: probe.name.clone(),
@@ -292,6 +293,21 @@ impl Rods<'_> {
                 };
                 let message = format!("no spring between nodes is called `{name}`");
                 Issue::new(self.key.key("joint"), message).with_help(help)
+            })
+    }
+
+    fn tendon(&self, name: &str) -> Result<Quantity, Issue> {
+        let names: Vec<&str> = names_of(&self.scene.tendons, |tendon| &tendon.name);
+        let tendon = names.iter().position(|known| *known == name);
+        tendon
+            .map(|tendon| Quantity::Tendon { tendon })
+            .ok_or_else(|| {
+                let help = match names[..] {
+                    [] => "the scene has no tendons".to_owned(),
+                    _ => help_with(name, "tendons", &names),
+                };
+                let message = format!("no tendon is called `{name}`");
+                Issue::new(self.key.key("tendon"), message).with_help(help)
             })
     }
 

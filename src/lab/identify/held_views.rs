@@ -225,7 +225,8 @@ mod tests {
         let hand = hand([0.12, 0.0, 1.1], 1.5, 1.57);
         let shapes = (0..12).map(|k| {
             let curvature = 0.01 * f64::from(k);
-            rod.nodes(&hand, [0.03, 0.2 * curvature, curvature]).unwrap()
+            rod.nodes(&hand, [0.03, 0.2 * curvature, curvature])
+                .unwrap()
         });
         let shapes: Vec<_> = shapes.collect();
         for three in shapes.windows(3) {

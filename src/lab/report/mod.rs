@@ -4,7 +4,6 @@
 mod branches;
 mod carried_bodies;
 mod case_folders;
-mod drawn_springs;
 mod export;
 mod film;
 mod labels;
@@ -13,6 +12,7 @@ mod motion;
 mod obstacles;
 mod plot;
 mod rod_places;
+mod threads;
 mod view;
 
 pub use export::{ExportError, ExportFormat, ExportRequest, WrittenExport, write_export};

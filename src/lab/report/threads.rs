@@ -1,32 +1,51 @@
-//! Springs between nodes, for pictures: thin straight threads.
+//! Springs between nodes and tendons, for pictures: thin straight threads.
 //!
 //! Results do not record when a spring broke, so springs that may break are not drawn. Springs
-//! that only apply torques are not drawn either.
+//! that only apply torques are not drawn either. An eyelet beside a rod turns with the rod by the
+//! smallest rotation, as carried bodies do, since results do not hold the rotation about the rod.
 
 use super::rod_places::{node_at, nodes_of};
+use crate::experiment::{Eyelets, Tendon};
 use crate::scenario::{JointKind, Scenario};
 use rodlab_engine::mechanics::Vector3;
-use rodlab_engine::mechanics::rod::transport::any_normal;
+use rodlab_engine::mechanics::rod::transport::{any_normal, normal_part, parallel_transport};
 use rodlab_files::figure::{Body, MovieObstacle};
 use rodlab_files::results::RodRecord;
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 /// Sides of a thread.
 const AROUND: usize = 6;
 /// Radius of the thread, over the radius of the thinner rod that it ties.
 const THINNESS: f64 = 0.4;
 
-/// A spring between two nodes.
+/// A straight thread.
 #[derive(Clone, Debug)]
-pub struct DrawnSpring {
-    /// Nodes of the spring, among all.
-    nodes: [usize; 2],
-    /// Radius of the spring, m.
+pub struct Thread {
+    ends: [End; 2],
+    /// Radius of the thread, m.
     radius: f64,
 }
 
-/// The drawn springs of a scenario.
-pub fn drawn_springs(scenario: Option<&Scenario>, rods: &[RodRecord]) -> Vec<DrawnSpring> {
+/// An end of a thread.
+#[derive(Clone, Copy, Debug)]
+enum End {
+    /// A point that does not move, m.
+    Fixed(Vector3),
+    /// A node, among all.
+    Node(usize),
+    /// A point beside a rod.
+    Beside {
+        node: usize,
+        /// The nodes before and after it along the rod, where they exist.
+        between: [usize; 2],
+        /// Tangent of the rod and vector to the point at the start.
+        placed: [Vector3; 2],
+    },
+}
+
+/// The drawn springs and tendons of a scenario. `start`: the initial positions of its nodes.
+pub fn threads(scenario: Option<&Scenario>, rods: &[RodRecord], start: &[Vector3]) -> Vec<Thread> {
     let Some(scenario) = scenario else {
         return Vec::new();
     };
@@ -37,26 +56,119 @@ pub fn drawn_springs(scenario: Option<&Scenario>, rods: &[RodRecord]) -> Vec<Dra
         let node = |end: usize| Some(node_at(&nodes_of(rods, &joint.rods[end])?, joint.at[end]));
         let tied = (scenario.rods.iter()).filter(|rod| joint.rods.contains(&rod.name));
         let radius = tied.map(|rod| rod.radius).reduce(f64::min)?;
-        Some(DrawnSpring {
-            nodes: [node(0)?, node(1)?],
+        Some(Thread {
+            ends: [End::Node(node(0)?), End::Node(node(1)?)],
             radius: THINNESS * radius,
         })
     });
-    drawn.collect()
+    let tendons = scenario.parts.all::<Tendon>().iter();
+    let of_tendons = tendons.filter_map(|tendon| threads_of(tendon, scenario, rods, start));
+    drawn.chain(of_tendons.flatten()).collect()
 }
 
-impl DrawnSpring {
+/// The straight parts of a tendon.
+fn threads_of(
+    tendon: &Tendon,
+    scenario: &Scenario,
+    rods: &[RodRecord],
+    start: &[Vector3],
+) -> Option<Vec<Thread>> {
+    let mut ends = Vec::new();
+    let mut radius = f64::INFINITY;
+    for eyelets in &tendon.through {
+        let row = match eyelets {
+            Eyelets::Fixed { position } => {
+                ends.push(End::Fixed(Vector3::from(*position)));
+                continue;
+            }
+            Eyelets::OnRod(row) => row,
+        };
+        let nodes = nodes_of(rods, &row.rod)?;
+        let first = node_at(&nodes, row.at);
+        let last = row.to.map_or(first, |to| node_at(&nodes, to));
+        let described = scenario.rods.iter().find(|rod| rod.name == row.rod)?;
+        let director = described.director.map(Vector3::from);
+        for (node, offset) in row.from_to(first, last) {
+            ends.push(End::beside(node, offset, &nodes, director, start)?);
+        }
+        radius = radius.min(THINNESS * described.radius);
+    }
+    let thread = |ends: &[End]| Thread {
+        ends: [ends[0], ends[1]],
+        radius,
+    };
+    (radius.is_finite()).then(|| ends.windows(2).map(thread).collect())
+}
+
+impl End {
+    /// The end at an offset along the directors from one of the nodes of a rod with the given first
+    /// director.
+    fn beside(
+        node: usize,
+        offset: [f64; 2],
+        nodes: &RangeInclusive<usize>,
+        director: Option<Vector3>,
+        start: &[Vector3],
+    ) -> Option<Self> {
+        if offset == [0.0; 2] {
+            return Some(Self::Node(node));
+        }
+        let between = |node: usize| {
+            [
+                node.saturating_sub(1).max(*nodes.start()),
+                (node + 1).min(*nodes.end()),
+            ]
+        };
+        let tangent =
+            |[from, to]: [usize; 2]| (start.get(to)? - start.get(from)?).try_normalize(0.0);
+        let mut along = tangent(between(*nodes.start()))?;
+        let director = director.and_then(|director| normal_part(&director, &along));
+        let mut director = director.unwrap_or_else(|| any_normal(&along));
+        for node in *nodes.start()..=node {
+            let next = tangent(between(node))?;
+            director = parallel_transport(&director, &along, &next);
+            along = next;
+        }
+        Some(Self::Beside {
+            node,
+            between: between(node),
+            placed: [
+                along,
+                director * offset[0] + along.cross(&director) * offset[1],
+            ],
+        })
+    }
+
+    /// The place of the end with the nodes at these positions.
+    fn at(&self, positions: &[Vector3]) -> Vector3 {
+        match *self {
+            Self::Fixed(place) => place,
+            Self::Node(node) => positions[node],
+            Self::Beside {
+                node,
+                between: [before, after],
+                placed: [from, arm],
+            } => {
+                let along = positions[after] - positions[before];
+                let tangent = along.try_normalize(0.0).unwrap_or(from);
+                positions[node] + parallel_transport(&arm, &from, &tangent)
+            }
+        }
+    }
+}
+
+impl Thread {
     /// The axes of the thread and its first end, with the nodes at these positions. The third axis
     /// has the length of the thread.
     fn placed(&self, positions: &[Vector3]) -> [Vector3; 4] {
-        let [from, to] = self.nodes.map(|node| positions[node]);
+        let [from, to] = self.ends.map(|end| end.at(positions));
         let along = to - from;
         let tangent = along.try_normalize(0.0).unwrap_or_else(Vector3::z);
         let across = any_normal(&tangent);
         [across, tangent.cross(&across), along, from]
     }
 
-    /// The spring as figures show it, with the nodes at these positions.
+    /// The thread as figures show it, with the nodes at these positions.
     pub fn at(&self, positions: &[Vector3]) -> Body {
         let [first, second, along, from] = self.placed(positions);
         let placed =
@@ -70,7 +182,7 @@ impl DrawnSpring {
         }
     }
 
-    /// The spring for the 3-D page, with the nodes at the positions of each output.
+    /// The thread for the 3-D page, with the nodes at the positions of each output.
     pub fn in_motion<'a>(&self, outputs: impl Iterator<Item = &'a [Vector3]>) -> MovieObstacle {
         let matrix = |positions: &[Vector3]| {
             let mut matrix = [0.0; 16];
@@ -88,7 +200,7 @@ impl DrawnSpring {
         }
     }
 
-    /// Surface of the spring from the origin to a unit of length along z.
+    /// Surface of the thread from the origin to a unit of length along z.
     fn triangles(&self) -> Vec<[Vector3; 3]> {
         let corner = |k: usize, z: f64| {
             let (sine, cosine) = libm::sincos(TAU * (k % AROUND) as f64 / AROUND as f64);
@@ -109,8 +221,8 @@ mod tests {
 
     #[test]
     fn a_thread_runs_from_node_to_node() {
-        let spring = DrawnSpring {
-            nodes: [2, 0],
+        let thread = Thread {
+            ends: [End::Node(2), End::Node(0)],
             radius: 0.1,
         };
         let positions = [
@@ -118,7 +230,7 @@ mod tests {
             Vector3::zeros(),
             Vector3::new(-1.0, 0.5, 3.0),
         ];
-        let body = spring.at(&positions);
+        let body = thread.at(&positions);
         let axis = positions[0] - positions[2];
         for corner in body.triangles.iter().flatten() {
             let seen = corner - positions[2];
@@ -131,7 +243,7 @@ mod tests {
         }
         // The page shows the same.
         let outputs = [&positions[..]];
-        let shown = spring.in_motion(outputs.into_iter());
+        let shown = thread.in_motion(outputs.into_iter());
         let matrix = nalgebra::Matrix4::from_column_slice(&shown.poses[0]);
         for (one, other) in shown.triangles.iter().zip(&body.triangles) {
             for (one, other) in one.iter().zip(other) {

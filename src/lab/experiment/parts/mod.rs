@@ -5,9 +5,11 @@
 //! the scene, and an entry in the list.
 
 mod actuation;
+mod tendon;
 
 #[cfg(test)]
 pub use actuation::{Actuation, ActuationKind};
+pub use tendon::{Eyelets, Tendon};
 
 use crate::scenario::keys::{OwnTable, Part};
 use crate::scenario::{Issue, Issues, KeyPath, Scenario};
@@ -37,6 +39,7 @@ macro_rules! parts {
 
 parts! {
     actuation::Actuation,
+    tendon::Tendon,
 }
 
 fn place_all<P: ScenePart>(scenario: &Scenario, scene: &mut Scene, issues: &mut Issues) {

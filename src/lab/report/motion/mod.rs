@@ -8,8 +8,8 @@ mod strips;
 use super::branches::Branches;
 use super::carried_bodies::carried_bodies;
 use super::case_folders::CaseFolder;
-use super::drawn_springs::drawn_springs;
 use super::obstacles::{movie_obstacles, obstacles_of};
+use super::threads::threads;
 use crate::experiment::{from_text, kind_named};
 use crate::scenario::Scenario;
 use fields::fields;
@@ -97,8 +97,8 @@ impl CaseMotion {
         let mut bodies = movie_obstacles(&obstacles, &times, positions().flatten());
         let carried = carried_bodies(scenario, &self.manifest.rods, placed);
         bodies.extend(carried.iter().map(|body| body.in_motion(positions())));
-        let springs = drawn_springs(scenario, &self.manifest.rods);
-        bodies.extend(springs.iter().map(|spring| spring.in_motion(positions())));
+        let threads = threads(scenario, &self.manifest.rods, placed);
+        bodies.extend(threads.iter().map(|thread| thread.in_motion(positions())));
         let branches = self.branches.as_ref();
         let mut case = MovieCase {
             name: self.folder.name.clone(),

@@ -13,8 +13,8 @@ pub use error::PlotError;
 
 use super::branches::{Branches, PARAMETER};
 use super::carried_bodies::carried_bodies;
-use super::drawn_springs::drawn_springs;
 use super::obstacles::{bodies_at, obstacles_of, surfaces};
+use super::threads::threads;
 use crate::experiment::{from_text, kind_named};
 use crate::scenario::Scenario;
 use branch::branch_figure;
@@ -153,16 +153,16 @@ pub fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figure, Resu
     let surfaces = surfaces(&obstacles, positions);
     let start = (outputs.first()).map_or(&[][..], |output| &output.positions);
     let carried = carried_bodies(scenario.as_ref(), rods, start);
-    let springs = drawn_springs(scenario.as_ref(), rods);
+    let threads = threads(scenario.as_ref(), rods, start);
     let bodies = evenly_spread(&indexed, SNAPSHOTS)
         .map(|(_, output)| {
             let mut bodies = bodies_at(&obstacles, &surfaces, output.time);
             bodies.extend(carried.iter().map(|body| body.at(&output.positions)));
-            bodies.extend(springs.iter().map(|spring| spring.at(&output.positions)));
+            bodies.extend(threads.iter().map(|thread| thread.at(&output.positions)));
             bodies
         })
         .collect();
-    let is_alone = obstacles.is_empty() && carried.is_empty() && springs.is_empty();
+    let is_alone = obstacles.is_empty() && carried.is_empty() && threads.is_empty();
     let is_cut = is_alone && planes.clone().next().is_none() && cut_straight_ends(&mut snapshots);
     let points = snapshots
         .iter()

@@ -120,6 +120,11 @@ pub enum Quantity {
         /// The spring.
         spring: usize,
     },
+    /// Tension, N, and length, m, of a tendon.
+    Tendon {
+        /// The tendon.
+        tendon: usize,
+    },
     /// Magnitude of the force of a part of the scene on its first node, N.
     NodeForce {
         /// The force.
@@ -194,6 +199,7 @@ impl Quantity {
             | Self::ContactForce { .. }
             | Self::Energy { .. }
             | Self::SpringForce { .. }
+            | Self::Tendon { .. }
             | Self::NodeForce { .. } => false,
         }
     }
@@ -215,6 +221,7 @@ impl Quantity {
             Self::Tension { .. } | Self::SpringForce { .. } | Self::NodeForce { .. } => {
                 &[("", "_n")]
             }
+            Self::Tendon { .. } => &[("_tension", "_n"), ("_length", "_m")],
             Self::BendingMoment { .. } | Self::TwistingMoment { .. } => &[("", "_n_m")],
             Self::Curvature { .. } | Self::Torsion { .. } => &[("", "_per_m")],
             Self::Twist { .. } => &[("", "_rad_per_m")],
@@ -296,6 +303,10 @@ impl Quantity {
                 vec![Some(range.edge_indices().map(length).sum())]
             }
             Self::SpringForce { spring } => vec![Some(simulation.spring_force(spring))],
+            Self::Tendon { tendon } => vec![
+                Some(simulation.tendon_tension(tendon)),
+                Some(simulation.tendon_length(tendon)),
+            ],
             Self::NodeForce { force } => vec![Some(simulation.node_force(force).norm())],
         }
     }

@@ -146,6 +146,11 @@ keys! {
             /// Name of the joint with the spring.
             joint: text("the name of a joint of kind = \"spring\"") required,
         },
+        /// Tension and length of a tendon: columns _tension_n, _length_m.
+        Tendon {
+            /// Name of the tendon.
+            tendon: text("the name of a tendon") required,
+        },
     }
     after {
         /// Value in `summary.csv`: the "last", "max", "min" or "mean" value of the rows. Default: none.
