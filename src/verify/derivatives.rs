@@ -230,6 +230,7 @@ fn crossing_rods(friction: f64) -> Scene {
             point: Vector3::zeros(),
             normal: Vector3::z(),
             friction: None,
+            directed_friction: None,
         }],
         contact: Some(ContactParameters {
             distance_tolerance: CONTACT_ZONE,

@@ -83,6 +83,7 @@ fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, Grou
             point: Vector3::zeros(),
             normal: Vector3::z(),
             friction: None,
+            directed_friction: None,
         }],
         contact: Some(contact),
         ..Scene::default()

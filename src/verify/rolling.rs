@@ -104,6 +104,7 @@ fn on_incline(model: ContactModel, incline: f64, friction: f64) -> Result<[f64; 
             point: Vector3::zeros(),
             normal: Vector3::z(),
             friction: None,
+            directed_friction: None,
         }],
         contact: Some(at_surface(model, friction)),
         ..Scene::default()

@@ -25,7 +25,7 @@ pub use section::{EdgeSection, Section, edge_sections, pieces};
 pub use tendon::{Eyelet, Pull, Tendon};
 pub use yielding::{Layer, PlasticBending, Yielding, YieldingMaterial};
 
-use super::contact::ContactParameters;
+use super::contact::{ContactParameters, DirectedFriction};
 use super::fluid::{BackgroundFlow, FluidModel};
 use super::rigid_body::RigidBody;
 use super::{UnitQuaternion, Vector3};
@@ -398,6 +398,16 @@ pub struct Plane {
     pub normal: Vector3,
     /// Friction coefficient between plane and rods; overrides that of the contact model.
     pub friction: Option<f64>,
+    /// Friction coefficients by the direction of sliding relative to a rod; override `friction`.
+    pub directed_friction: Option<DirectedFriction>,
+}
+
+impl Plane {
+    /// Largest friction coefficient, for a coefficient of the contact model.
+    pub fn largest_friction(&self, of_model: f64) -> f64 {
+        let directed = self.directed_friction.map(|own| own.largest());
+        directed.or(self.friction).unwrap_or(of_model)
+    }
 }
 
 /// A rigid body that rods may touch.

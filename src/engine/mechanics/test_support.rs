@@ -283,6 +283,7 @@ pub(crate) fn ground() -> Plane {
         point: Vector3::zeros(),
         normal: Vector3::z(),
         friction: None,
+        directed_friction: None,
     }
 }
 

@@ -240,7 +240,8 @@ fn creep(prepared: &PreparedRun) -> Option<Creep> {
     let contact = scene
         .contact
         .filter(|contact| !contact.is_complementarity())?;
-    let of_planes = scene.planes.iter().filter_map(|plane| plane.friction);
+    let planes = scene.planes.iter();
+    let of_planes = planes.map(|plane| plane.largest_friction(contact.friction));
     let of_obstacles = scene.obstacles.iter().filter_map(|one| one.friction);
     let friction = of_planes
         .chain(of_obstacles)

@@ -100,5 +100,6 @@ pub fn add_table(scene: &mut Scene, friction: f64) {
         point: Vector3::zeros(),
         normal: Vector3::z(),
         friction: Some(friction),
+        directed_friction: None,
     });
 }

@@ -43,6 +43,9 @@ pub struct ContactSystem {
     /// Contact points of all rods.
     node_count: usize,
     pub(super) planes: Vec<ContactPlane>,
+    /// Nodes of the rod before and after each node; the node itself at a free end. Empty unless
+    /// the friction of a plane depends on the direction of rods.
+    pub(super) chords: Vec<[usize; 2]>,
     pub(super) obstacles: PlacedObstacles,
     pub(super) candidates: Candidates,
     pub(super) multipliers: Multipliers,
@@ -96,7 +99,13 @@ impl ContactSystem {
         least_stiffness: f64,
     ) -> Self {
         let candidates = Candidates::new(&surface, parameters.reach());
+        let is_directed = planes.iter().any(|plane| plane.directed_friction.is_some());
         Self {
+            chords: if is_directed {
+                surface.chords()
+            } else {
+                Vec::new()
+            },
             curves: None,
             node_count: surface.node_count(),
             obstacles: PlacedObstacles::new(&surface),

@@ -271,6 +271,7 @@ mod tests {
                 let law = FrictionLaw {
                     coefficient: 0.3,
                     slip_tolerance,
+                    grain: None,
                 };
                 cases.push(Case {
                     nodes,

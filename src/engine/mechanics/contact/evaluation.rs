@@ -43,6 +43,7 @@ impl Motion<'_> {
         (coefficient > 0.0 && self.time_step.is_finite()).then_some(FrictionLaw {
             coefficient,
             slip_tolerance,
+            grain: None,
         })
     }
 }

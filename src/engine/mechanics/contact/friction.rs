@@ -13,6 +13,7 @@
 //! a rod about its centreline causes no slip and is not driven by friction, so rods do not roll.
 //! They do roll if friction acts at the surfaces: see [`super::turning`].
 
+use super::directed_friction::Grain;
 use crate::mechanics::{Matrix3, Vector3};
 
 /// K₂ν, the slope of the smoothing (Eq. 2.10).
@@ -31,10 +32,12 @@ pub(super) fn steepest_slope(coefficient: f64, slip_tolerance: f64) -> f64 {
 /// Coulomb friction with a slip tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FrictionLaw {
-    /// Friction coefficient μ.
+    /// Friction coefficient μ; with a grain, that across the rod.
     pub coefficient: f64,
     /// Slip tolerance ν, m/s.
     pub slip_tolerance: f64,
+    /// Coefficients along the rod, if they differ: see [`super::directed_friction`].
+    pub grain: Option<Grain>,
 }
 
 /// Friction per normal force, with its derivatives.
@@ -58,7 +61,18 @@ impl FrictionLaw {
     /// Friction per normal force at a slip, m/s: a velocity without its normal part.
     pub(crate) fn traction_of_slip(&self, slip: &Vector3) -> Vector3 {
         let (factor, _) = self.smoothing(slip.norm());
-        slip * (-self.coefficient * factor)
+        match &self.grain {
+            None => slip * (-self.coefficient * factor),
+            Some(grain) => grain.weighted(self.coefficient, slip) * -factor,
+        }
+    }
+
+    /// A friction per normal force, shortened where it exceeds the largest one in its direction.
+    pub(crate) fn limited(&self, traction: Vector3) -> Vector3 {
+        match &self.grain {
+            None => cut(traction, self.coefficient),
+            Some(grain) => grain.limited(self.coefficient, &traction),
+        }
     }
 
     /// The slip (m/s) at which the friction per normal force has a given value below μ.
@@ -78,8 +92,11 @@ impl FrictionLaw {
         if size == 0.0 {
             return Vector3::zeros();
         }
-        // μ tanh(kρ) + c ρ = ‖sum‖ is concave in ρ, so Newton's method is monotone from below.
         let rate = 0.5 * SLOPE / self.slip_tolerance;
+        if let Some(grain) = &self.grain {
+            return grain.resolved(self.coefficient, rate, sum, resistance);
+        }
+        // μ tanh(kρ) + c ρ = ‖sum‖ is concave in ρ, so Newton's method is monotone from below.
         let stiffest = self.coefficient * rate + resistance;
         let mut speed = ((size - self.coefficient) / resistance).max(size / stiffest);
         for _ in 0..RESOLVING_ITERATIONS {
@@ -97,7 +114,17 @@ impl FrictionLaw {
     /// Derivative of [`Self::traction_of_slip`], s/m.
     pub(crate) fn slope(&self, slip: &Vector3) -> Matrix3 {
         let (factor, factor_rate) = self.smoothing(slip.norm());
-        (Matrix3::identity() * factor + slip * slip.transpose() * factor_rate) * -self.coefficient
+        match &self.grain {
+            None => {
+                (Matrix3::identity() * factor + slip * slip.transpose() * factor_rate)
+                    * -self.coefficient
+            }
+            Some(grain) => {
+                let weighted = grain.weighted(self.coefficient, slip);
+                let tensor = grain.tensor(self.coefficient, slip);
+                -(tensor * factor + weighted * slip.transpose() * factor_rate)
+            }
+        }
     }
 
     /// Friction at the slip `at` (m/s) with its derivatives there; the dependence of the slip on
@@ -156,6 +183,16 @@ pub(super) fn tangential(normal: &Vector3, vector: &Vector3) -> Vector3 {
     vector - normal * (vector.dot(normal) / normal.norm_squared())
 }
 
+/// The vector, shortened to `length` where it is longer.
+pub(crate) fn cut(vector: Vector3, length: f64) -> Vector3 {
+    let norm = vector.norm();
+    if norm > length {
+        vector * (length / norm)
+    } else {
+        vector
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::test_support::*;
@@ -166,6 +203,7 @@ mod tests {
     const LAW: FrictionLaw = FrictionLaw {
         coefficient: 0.4,
         slip_tolerance: 1e-4,
+        grain: None,
     };
 
     #[test]
@@ -185,6 +223,7 @@ mod tests {
             let law = FrictionLaw {
                 coefficient: 1.0,
                 slip_tolerance: row[0],
+                grain: None,
             };
             let traction = law.traction(&Vector3::z(), &Vector3::new(row[1], 0.0, 0.3));
             assert!((traction + Vector3::x() * row[2]).norm() < 1e-14, "{line}");
@@ -198,6 +237,7 @@ mod tests {
         let law = FrictionLaw {
             coefficient: 1.0,
             slip_tolerance: 7.5,
+            grain: None,
         }; // z = ρ
         let (below, rate_below) = law.smoothing(0.02 - 1e-12);
         let (above, rate_above) = law.smoothing(0.02 + 1e-12);

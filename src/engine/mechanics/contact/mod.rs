@@ -25,6 +25,7 @@
 //! | `constraints` | contacts as constraints, whose forces are found by complementarity (thesis 3.3) |
 //! | `active_law`, `active_set` | the same near a solution, as laws for its derivatives |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
+//! | `directed_friction` | the same with coefficients along and across a rod, on planes |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
 //! | `turning`, `levers` | the same with friction at surfaces that turn with the edges of rods |
 //! | `surface_turns`, `turned_contacts` | angles of edges in a step, and the contacts that turn them |
@@ -54,6 +55,7 @@ mod continuous_collision;
 mod coupled_pairs;
 mod curve_points;
 mod dampers;
+mod directed_friction;
 mod distance;
 mod edge_contact;
 mod evaluation;
@@ -108,6 +110,8 @@ pub use contacts::{
 };
 pub(crate) use curve_points::{CurvePoints, PER_EDGE, RowOfNodes, WINDOW, Window};
 pub(crate) use dampers::FromStart;
+pub use directed_friction::DirectedFriction;
+pub(super) use friction::cut;
 pub(crate) use levers::{Levers, NONE};
 pub(crate) use memory::{ContactMemory, MismatchedMemory};
 pub use parameters::{ContactModel, ContactParameters, FrictionAt, Geometry};
@@ -117,6 +121,5 @@ pub(crate) use stored_energy::Stored;
 pub use surface::{ContactEdge, ContactPlane, ContactSurface};
 pub(crate) use surface_turns::{TurnedBodies, TurnedContact};
 pub use touching::touching_points;
-pub(super) use tractions::cut;
 pub(crate) use turned_contacts::TurningEdges;
 pub(crate) use turning::Row;

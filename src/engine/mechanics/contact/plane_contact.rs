@@ -72,6 +72,7 @@ pub(super) fn plane_jacobian(
 
 #[cfg(test)]
 mod tests {
+    use super::super::directed_friction::DirectedFriction;
     use super::super::friction::slip;
     use super::super::potential::normal_response;
     use super::super::test_support::{Random, relative_error};
@@ -79,15 +80,21 @@ mod tests {
 
     #[test]
     fn the_jacobian_agrees_with_differences_over_decades() {
+        let directed = DirectedFriction {
+            forwards: 0.2,
+            backwards: 0.9,
+            sideways: 0.6,
+        };
         let mut random = Random::new(13);
         for radius in [1e-4, 1e-3, 1e-2, 1e-1] {
-            let law = FrictionLaw {
-                coefficient: 0.6,
-                slip_tolerance: 0.1 * radius,
-            };
             let time_step = 10.0; // speeds near the slip tolerance
-            for _ in 0..50 {
+            for case in 0..100 {
                 let normal = random.vector().normalize();
+                let law = FrictionLaw {
+                    coefficient: directed.sideways,
+                    slip_tolerance: 0.1 * radius,
+                    grain: (case % 2 == 0).then(|| directed.grain(&normal, &random.vector())),
+                };
                 let previous = random.vector() * radius;
                 let position = normal * (radius * (1.0 + 0.2 * random.symmetric()));
                 let evaluate = |x: &Vector3| {

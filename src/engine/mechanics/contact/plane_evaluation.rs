@@ -3,10 +3,10 @@
 use super::contact_system::ContactSystem;
 use super::contacts::{ContactMotion, ContactPair, PlaneContact, Proximity};
 use super::evaluation::{Motion, Touch};
-use super::friction::slip;
+use super::friction::{FrictionLaw, slip};
 use super::normal_law::NormalLaw;
 use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
-use super::surface::ContactNode;
+use super::surface::{ContactNode, ContactPlane};
 use super::surface_turns::TurnedBodies;
 use super::tractions::correction;
 use super::turned_contacts::{Turned, with_turning};
@@ -43,6 +43,8 @@ impl ContactSystem {
                 let stiffness = self.stiffness_between(node, node);
                 let law = NormalLaw::new(&self.parameters, radius, stiffness);
                 let response = law.response(self.counted_gap(gap));
+                let friction =
+                    friction.map(|law| self.directed(law, &plane, node, motion.previous));
                 let sliding = friction.map(|law| NodeSliding {
                     law,
                     velocity: motion.velocity(node),
@@ -92,6 +94,26 @@ impl ContactSystem {
                 self.energy += response.energy;
                 self.contact_count += usize::from(gap < tolerance);
             }
+        }
+    }
+
+    /// The law of a node on a plane whose friction may depend on the direction of the rod, here at
+    /// the `previous` positions.
+    fn directed(
+        &self,
+        law: FrictionLaw,
+        plane: &ContactPlane,
+        node: usize,
+        previous: &[Vector3],
+    ) -> FrictionLaw {
+        let Some(own) = plane.directed_friction else {
+            return law;
+        };
+        let [before, after] = self.chords[node];
+        FrictionLaw {
+            coefficient: own.sideways,
+            grain: Some(own.grain(&plane.normal, &(previous[after] - previous[before]))),
+            ..law
         }
     }
 

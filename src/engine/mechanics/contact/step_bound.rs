@@ -244,6 +244,7 @@ mod tests {
             point: Vector3::zeros(),
             normal: Vector3::z(),
             friction: 0.0,
+            directed_friction: None,
         };
         let parameters = ContactParameters {
             model,

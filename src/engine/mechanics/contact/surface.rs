@@ -2,6 +2,7 @@
 //! planes, and rigid obstacles.
 
 use super::contacts::CandidatePair;
+use super::directed_friction::DirectedFriction;
 use super::root::Roots;
 use crate::mechanics::Vector3;
 use crate::mechanics::rigid_body::RigidBody;
@@ -105,8 +106,10 @@ pub struct ContactPlane {
     pub point: Vector3,
     /// Unit normal.
     pub normal: Vector3,
-    /// Friction coefficient between plane and rods.
+    /// Friction coefficient between plane and rods; the largest if it depends on the direction.
     pub friction: f64,
+    /// Friction coefficients by the direction of sliding, if they differ.
+    pub directed_friction: Option<DirectedFriction>,
 }
 
 impl ContactPlane {
@@ -261,6 +264,17 @@ impl ContactSurface {
         let reach = sum * overlapping.clamp(PI, FARTHEST_REACH);
         self.join(rods, arc_length.map(Some), reach);
         reach
+    }
+
+    /// The nodes before and after each node along its rod; the node itself beyond an end.
+    pub(super) fn chords(&self) -> Vec<[usize; 2]> {
+        let mut chords: Vec<[usize; 2]> = (0..self.rod_nodes).map(|node| [node; 2]).collect();
+        let edges = self.edges[..self.rod_edges].iter();
+        for [from, to] in edges.map(|edge| edge.nodes).filter(|[from, to]| from != to) {
+            chords[from][1] = to;
+            chords[to][0] = from;
+        }
+        chords
     }
 
     /// Allows the point of the first rod at an arc length (m) to slide along the second rod. Edges

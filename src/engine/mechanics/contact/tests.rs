@@ -46,6 +46,7 @@ fn woven(layers: usize, spacing: f64) -> (ContactSystem, Vec<Vector3>) {
         point: Vector3::zeros(),
         normal: Vector3::z(),
         friction: 0.2,
+        directed_friction: None,
     };
     (
         ContactSystem::new(parameters(), surface, vec![floor], 1e-3),
@@ -370,6 +371,7 @@ fn slide_down(friction: f64) -> (f64, f64) {
         point: Vector3::zeros(),
         normal,
         friction,
+        directed_friction: None,
     };
     let mut contact = ContactSystem::new(parameters(), surface, vec![plane], 1.0);
     let mut velocities = [Vector3::zeros(); 2];

@@ -103,6 +103,7 @@ mod tests {
             point: Vector3::zeros(),
             normal: Vector3::z(),
             friction: 0.0,
+            directed_friction: None,
         };
         let points = touching_points(&surface, &[floor], &[], &positions, 1e-3);
         assert_eq!(points, [-Vector3::x(), Vector3::x()]);

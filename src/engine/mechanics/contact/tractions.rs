@@ -185,10 +185,7 @@ impl Tractions {
                 (Displaced::All(_), None) => Vector3::zeros(),
                 (Displaced::All(moved), Some(rates)) => rates * moved,
             };
-            wanted = cut(
-                tangential(normal, &(tangent.value + change)),
-                law.coefficient,
-            );
+            wanted = law.limited(tangential(normal, &(tangent.value + change)));
             (before, reversals) = (tangent.slip, tangent.reversals);
         }
         let excess = i32::from(reversals.saturating_sub(FREE_REVERSALS));
@@ -223,16 +220,6 @@ impl Tractions {
     }
 }
 
-/// The vector, shortened to `length` where it is longer.
-pub(crate) fn cut(vector: Vector3, length: f64) -> Vector3 {
-    let norm = vector.norm();
-    if norm > length {
-        vector * (length / norm)
-    } else {
-        vector
-    }
-}
-
 /// Difference between the force of the linearised laws and `force`; `with` computes a force from a
 /// normal force and a traction.
 pub(super) fn correction<const N: usize>(
@@ -257,6 +244,7 @@ mod tests {
     const LAW: FrictionLaw = FrictionLaw {
         coefficient: 0.8,
         slip_tolerance: 1e-4,
+        grain: None,
     };
 
     fn pair(i: usize, j: usize) -> CandidatePair {

@@ -110,6 +110,7 @@ fn cases() -> Vec<(Case, Row)> {
                 law: FrictionLaw {
                     coefficient: 0.3,
                     slip_tolerance,
+                    grain: None,
                 },
                 steady: random.vector() * speed,
                 levers: of_two_rods(radii),

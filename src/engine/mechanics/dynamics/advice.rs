@@ -258,6 +258,7 @@ mod tests {
             point: Vector3::z() * -1.0,
             normal: Vector3::z(),
             friction: Some(0.2),
+            directed_friction: None,
         });
         let means = means_of(&scene, &fixed(1e-3), false);
         let advice = failures(&means)[0].advice(&means);

@@ -256,6 +256,7 @@ fn flows_that_are_not_supported_are_refused() {
             point: Vector3::zeros(),
             normal: Vector3::z(),
             friction: None,
+            directed_friction: None,
         }],
         wall: Some(0),
         spin_drag: false,

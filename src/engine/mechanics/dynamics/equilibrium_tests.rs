@@ -139,6 +139,7 @@ fn a_plane_or_a_post_supports_a_resting_rod() {
         point: Vector3::new(0.0, 0.0, -0.05),
         normal: Vector3::z(),
         friction: None,
+        directed_friction: None,
     };
     for model in SOFT_MODELS {
         for on_plane in [true, false] {

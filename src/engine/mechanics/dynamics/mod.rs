@@ -78,6 +78,8 @@ mod complementarity_tests;
 #[cfg(test)]
 mod damping_tests;
 #[cfg(test)]
+mod directed_friction_tests;
+#[cfg(test)]
 mod equilibrium_tests;
 #[cfg(test)]
 mod event_tests;

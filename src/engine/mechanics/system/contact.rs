@@ -32,6 +32,10 @@ const ONLY_POLYLINES: SceneError = SceneError::Unsuitable(
     "contact by complementarity and friction at the surfaces need contact.geometry = \"polyline\"",
 );
 
+const ONLY_CENTRELINES: SceneError = SceneError::Unsuitable(
+    "friction that depends on the direction of rods needs the model `imc` or `ipc`, friction on the centrelines, and contact.geometry = \"polyline\"",
+);
+
 const NO_OBSTACLES: SceneError = SceneError::Unsuitable(
     "contact.geometry = \"smooth\" supports rods and planes: obstacles and balls need \"polyline\"",
 );
@@ -135,6 +139,17 @@ impl Term for Contact {
                 return Err(NO_OBSTACLES);
             }
         }
+        if scene
+            .planes
+            .iter()
+            .any(|plane| plane.directed_friction.is_some())
+            && let Some(parameters) = &scene.contact
+            && (parameters.is_complementarity()
+                || parameters.friction_at == FrictionAt::Surface
+                || parameters.geometry == Geometry::Smooth)
+        {
+            return Err(ONLY_CENTRELINES);
+        }
         let tapers = scene.rods.iter().any(|rod| rod.least_radius() < rod.radius);
         if scene.contact.is_some() && tapers && scene.obstacles.iter().any(|one| one.body.hollow) {
             return Err(ROUND_TUBES);
@@ -144,9 +159,10 @@ impl Term for Contact {
             None => (None, Vec::new()),
         };
         let friction = scene.contact.map_or(0.0, |parameters| parameters.friction);
-        let rubs = |own: Option<f64>| model.is_some() && own.unwrap_or(friction) > 0.0;
-        let on_obstacles = (scene.obstacles.iter()).any(|obstacle| rubs(obstacle.friction));
-        let on_planes = scene.planes.iter().any(|plane| rubs(plane.friction));
+        let rubs = |coefficient: f64| model.is_some() && coefficient > 0.0;
+        let on_obstacles =
+            (scene.obstacles.iter()).any(|own| rubs(own.friction.unwrap_or(friction)));
+        let on_planes = (scene.planes.iter()).any(|own| rubs(own.largest_friction(friction)));
         let nodes = assembly.rods.nodes;
         let mut contact = Self {
             model,

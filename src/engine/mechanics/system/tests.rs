@@ -240,6 +240,7 @@ fn the_jacobian_of_contact_and_friction_is_exact() {
                 point: Vector3::zeros(),
                 normal: Vector3::z(),
                 friction: Some(friction),
+                directed_friction: None,
             }],
             contact: Some(ContactParameters {
                 distance_tolerance: 0.02,

@@ -68,7 +68,8 @@ pub(super) fn contact_of(
     let planes = scene.planes.iter().map(|plane| ContactPlane {
         point: plane.point,
         normal: plane.normal,
-        friction: plane.friction.unwrap_or(parameters.friction),
+        friction: plane.largest_friction(parameters.friction),
+        directed_friction: plane.directed_friction,
     });
     let stiffness_per_force = parameters.stiffness_per_force(surface.largest_moving_radius());
     // The stiffness follows from the forces that bend each rod, so that a stiff post does not

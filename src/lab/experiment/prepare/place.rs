@@ -11,6 +11,7 @@ use crate::scenario::{
     Plane, Rod,
 };
 use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::contact::DirectedFriction;
 use rodlab_engine::mechanics::scene as mechanics;
 
 pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescription, Issue> {
@@ -242,5 +243,10 @@ pub(super) fn place_plane(plane: &Plane) -> mechanics::Plane {
         point: Vector3::from(plane.point),
         normal: Vector3::from(plane.normal),
         friction: plane.friction,
+        directed_friction: plane.directed_friction.map(|own| DirectedFriction {
+            forwards: own.forwards,
+            backwards: own.backwards,
+            sideways: own.sideways,
+        }),
     }
 }

@@ -57,6 +57,10 @@ pub(super) fn left_out(prepared: &PreparedRun, flexes: &[Flex]) -> Vec<String> {
         "loads: changes of gravity; the file has that at time zero",
     );
     add(scene.fluid.is_some(), "fluid");
+    add(
+        (scene.planes.iter()).any(|plane| plane.directed_friction.is_some()),
+        "friction by direction: planes have the largest coefficient",
+    );
     add(!scene.springs.is_empty(), "springs");
     add(!scene.tendons.is_empty(), "tendons");
     add(!scene.actuations.is_empty(), "actuation");

@@ -19,7 +19,7 @@ pub(super) fn surroundings(scene: &Scene) -> String {
         .as_ref()
         .map_or(0.0, |contact| contact.friction);
     for plane in &scene.planes {
-        let friction = plane.friction.unwrap_or(usual);
+        let friction = plane.largest_friction(usual);
         _ = writeln!(
             text,
             "    <geom type=\"plane\" size=\"0 0 0.01\" pos=\"{}\" zaxis=\"{}\" friction=\"{friction} 0.005 0.0001\"/>",

@@ -236,6 +236,7 @@ fn contacts(
             point: plane.point.into(),
             normal: plane.normal.into(),
             friction: 0.0,
+            directed_friction: None,
         })
         .collect();
     outputs

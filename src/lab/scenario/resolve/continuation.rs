@@ -46,6 +46,10 @@ pub fn refuse_friction(
             let section = top.below("planes").below(&index.to_string());
             section.fault("friction", message);
         }
+        if plane.directed_friction.is_some_and(|own| own.rubs()) {
+            let section = top.below("planes").below(&index.to_string());
+            section.fault("directed_friction", message);
+        }
     }
 }
 

@@ -116,6 +116,7 @@ pub fn resolve(
             "without a [contact] table rods pass through everything; add one",
         );
     }
+    model::refuse_directed_friction(&top, &contact, &planes);
     continuation::refuse_friction(&top, &time, contact.friction(), &planes, &obstacles);
     continuation::refuse_fluid(&top, &time, &fluid);
     let mut clamps = clamp::clamps(context, &top, &file.clamps);

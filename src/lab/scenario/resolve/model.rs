@@ -2,8 +2,8 @@
 
 use super::movement::refuse_motion;
 use crate::scenario::resolved::{
-    Begin, Body, Clamp, Contact, Fluid, FrictionAt, Geometry, Joint, Load, Obstacle, Output, Rod,
-    Scheme, Solver, Step, Time,
+    Begin, Body, Clamp, Contact, Fluid, FrictionAt, Geometry, Joint, Load, Obstacle, Output, Plane,
+    Rod, Scheme, Solver, Step, Time,
 };
 use crate::scenario::section::Section;
 use crate::scenario::tables::{OutputKeys, SolverKeys};
@@ -318,6 +318,25 @@ fn step(section: &Section<'_>, typed: &typed::Time, interval: f64, end: f64) -> 
     ];
     section.refuse(&keys, "this key is allowed only with step = \"auto\"");
     Step::Fixed(typed.step(section, PART_OF_END * end))
+}
+
+/// Rejects friction by direction with contact that does not support it.
+pub fn refuse_directed_friction(top: &Section<'_>, contact: &Contact, planes: &[Plane]) {
+    let reason = if matches!(contact, Contact::Complementarity { .. }) {
+        "the model \"complementarity\" has one coefficient for all directions; this table needs the model \"imc\" or \"ipc\""
+    } else if contact.friction_at() == FrictionAt::Surface {
+        "friction by direction acts on the centrelines; leave out contact.friction_at"
+    } else if contact.geometry() == Geometry::Smooth {
+        "friction by direction needs contact.geometry = \"polyline\""
+    } else {
+        return;
+    };
+    for (index, plane) in planes.iter().enumerate() {
+        if plane.directed_friction.is_some() {
+            let section = top.below("planes").below(&index.to_string());
+            section.fault("directed_friction", reason);
+        }
+    }
 }
 
 /// Rejects rigid contact where it is not defined: its forces are defined only for steps of

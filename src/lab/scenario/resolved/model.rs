@@ -105,6 +105,22 @@ impl Contact {
         }
     }
 
+    /// Where friction acts.
+    pub fn friction_at(&self) -> FrictionAt {
+        match *self {
+            Self::Imc { friction_at, .. } | Self::Ipc { friction_at, .. } => friction_at,
+            Self::None | Self::Complementarity { .. } => FrictionAt::Centreline,
+        }
+    }
+
+    /// Geometry of the centrelines.
+    pub fn geometry(&self) -> Geometry {
+        match *self {
+            Self::Imc { geometry, .. } | Self::Ipc { geometry, .. } => geometry,
+            Self::None | Self::Complementarity { .. } => Geometry::Polyline,
+        }
+    }
+
     /// Distance δ within which surfaces touch, m; `None` without contact.
     pub fn distance_tolerance(&self) -> Option<f64> {
         match *self {

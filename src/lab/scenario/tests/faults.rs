@@ -141,6 +141,7 @@ fn faults_name_file_line_column_key_and_range() {
     insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"continuation\"\n[continuation]\nto = -2\nstep = 3"), @"beam.toml:27:8: `continuation.step`: 3.0 is out of range; allowed: at most |to − from| = 2.0");
     insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"imc\"\nfriction = 0.1\n[output]"), @r#"beam.toml:28:12: `contact.friction`: an equilibrium has no friction: leave the key out, or let the rods come to rest with time.mode = "dynamic""#);
     insta::assert_snapshot!(faults("[output]", "[[planes]]\npoint = [0, 0, -1]\nnormal = [0, 0, 1]\nfriction = 0.1\n[output]"), @r#"beam.toml:29:12: `planes.0.friction`: an equilibrium has no friction: leave the key out, or let the rods come to rest with time.mode = "dynamic""#);
+    insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"imc\"\n[[planes]]\npoint = [0, 0, -1]\ndirected_friction = { forwards = 0.1, backwards = 0.2, sideways = 0.3 }\n[output]"), @r#"beam.toml:30:21: `planes.0.directed_friction`: an equilibrium has no friction: leave the key out, or let the rods come to rest with time.mode = "dynamic""#);
     insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"static\"\n[solver]\nforce_tolerance = 1e300\ndisplacement_tolerance = 2"), @r"
 beam.toml:26:19: `solver.force_tolerance`: 1e300 is out of range; allowed: greater than 0 and at most 0.001
 beam.toml:27:26: `solver.displacement_tolerance`: 2.0 is out of range; allowed: greater than 0 and at most 1
@@ -179,6 +180,41 @@ beam.toml:30:18: `contact.slip_tolerance`: 0.0 is out of range; allowed: greater
 beam.toml:1:1: `time`: missing key `end` (a time, greater than 0)
 beam.toml:1:1: missing key `experiment` ("scene", "flagella", "knot-tightening", "knot-inversion" or "helix-stability")
 "###);
+}
+
+#[test]
+fn friction_by_direction_names_the_contact_that_it_needs() {
+    let moving = BEAM.replace("mode = \"static\"", "end = 1");
+    let fault = |contact: &str, plane: &str| {
+        let own = "directed_friction = { forwards = 0.1, backwards = 0.2, sideways = 0.3 }";
+        let text = format!(
+            "{moving}\n[contact]\n{contact}\n[[planes]]\npoint = [0, 0, -1]\n{own}\n{plane}"
+        );
+        let faults = read(&text).unwrap_err().to_string();
+        let (_, reason) = faults.split_once("`planes.0.directed_friction`: ").unwrap();
+        reason.to_owned()
+    };
+    for (contact, plane, word) in [
+        ("", "friction = 0.1", "`friction` exclude each other"),
+        (
+            "model = \"complementarity\"",
+            "",
+            "the model \"imc\" or \"ipc\"",
+        ),
+        (
+            "friction_at = \"surface\"",
+            "",
+            "leave out contact.friction_at",
+        ),
+        (
+            "geometry = \"smooth\"",
+            "",
+            "contact.geometry = \"polyline\"",
+        ),
+    ] {
+        let reason = fault(contact, plane);
+        assert!(reason.contains(word), "{reason}");
+    }
 }
 
 /// Such a run would silently stay at its configuration at time 0.

@@ -114,6 +114,7 @@ fn friction_and_its_jacobian() {
         let law = FrictionLaw {
             coefficient: 0.3,
             slip_tolerance: rim.radius,
+            grain: None,
         };
         let speed = rim.radius * 10f64.powf(random.symmetric());
         let previous = nodes.map(|node| node - random.vector() * speed * TIME_STEP);

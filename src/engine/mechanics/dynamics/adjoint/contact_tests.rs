@@ -3,11 +3,11 @@
 
 use super::comparison::{Course, SCHEMES, check_at, course, results};
 use super::{LARGEST_TRACE, Recording};
-use crate::mechanics::contact::{ContactModel, FrictionAt, Geometry};
+use crate::mechanics::contact::{ContactModel, DirectedFriction, FrictionAt, Geometry};
 use crate::mechanics::dynamics::sensitivity::{Sensitivity, Variation};
 use crate::mechanics::dynamics::{IntegrationParameters, Scheme};
 use crate::mechanics::rigid_body::RigidBody;
-use crate::mechanics::scene::{Motion, Obstacle, RodNode, Scene};
+use crate::mechanics::scene::{Motion, Obstacle, Plane, RodNode, Scene};
 use crate::mechanics::test_support::{
     SOFT_MODELS, at, cantilever, crossed, ground, moved, obstacle, point_force, pulled, rubbing,
 };
@@ -187,4 +187,22 @@ fn friction_at_surfaces_is_refused() {
     let refused = Recording::new(&scene, &IntegrationParameters::default()).err();
     let refused = refused.unwrap().to_string();
     assert!(refused.contains("friction_at"), "{refused}");
+}
+
+#[test]
+fn friction_by_direction_is_refused() {
+    let mut scene = falling(ContactModel::ImplicitContact);
+    let own = DirectedFriction {
+        forwards: 0.1,
+        backwards: 0.2,
+        sideways: 0.3,
+    };
+    let directed = Plane {
+        directed_friction: Some(own),
+        ..ground()
+    };
+    scene.planes.push(directed);
+    let refused = Recording::new(&scene, &IntegrationParameters::default()).err();
+    let refused = refused.unwrap().to_string();
+    assert!(refused.contains("directed_friction"), "{refused}");
 }

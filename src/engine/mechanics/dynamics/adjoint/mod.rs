@@ -297,6 +297,10 @@ fn refuse(
             "derivatives with respect to fields need contact.geometry = \"polyline\"",
         ),
         (
+            (scene.planes.iter()).any(|plane| plane.directed_friction.is_some()),
+            "derivatives with respect to fields need planes without directed_friction",
+        ),
+        (
             matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. })),
             "derivatives with respect to fields need fluid.model = \"resistive\"",
         ),
