@@ -3,7 +3,7 @@
 use super::contact::contact_parameters;
 use super::rods::{clamp, force_on, line, run_until, steady, steps_of, unit_rod};
 use super::theory::friction::{Capstan, sliding_acceleration};
-use super::{Check, Expectation, GroupError, rolling};
+use super::{Check, Expectation, GroupError, crawling, rolling};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::contact::{ContactModel, ContactParameters};
 use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Simulation};
@@ -54,6 +54,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
         ]);
     }
     checks.extend(rolling::checks()?);
+    checks.push(crawling::check()?);
     Ok(checks)
 }
 

@@ -12,6 +12,7 @@ mod check;
 mod conservation;
 mod contact;
 mod continuation;
+mod crawling;
 mod damping;
 mod derivatives;
 mod determinism;

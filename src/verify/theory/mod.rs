@@ -2,6 +2,7 @@
 
 pub mod beam;
 pub mod cable;
+pub mod crawler;
 pub mod friction;
 pub mod localized_buckling;
 pub mod sections;
