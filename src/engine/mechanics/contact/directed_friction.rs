@@ -10,7 +10,9 @@
 //! As in [`FrictionLaw`](super::friction::FrictionLaw), û becomes γ(ρ) u/ρ with the slip u and the
 //! slip speed ρ = ‖u‖:
 //!
-//! t(u) = −φ(ρ) D u,   D = μ_s s sᵀ + μ_n n nᵀ,   φ(ρ) = γ(ρ)/ρ,   μ_s = μ_f or μ_b by the sign of u·s.
+//! t(u) = −φ(ρ) D u,   D = μ_s s sᵀ + μ_n n nᵀ,   φ(ρ) = γ(ρ)/ρ,
+//!
+//! where μ_s is μ_f or μ_b by the sign of u·s.
 //!
 //! The coefficient μ_s jumps only where its factor u·s vanishes, so t is continuous and its
 //! derivative
