@@ -88,7 +88,7 @@ fn threads_of(
         let last = row.to.map_or(first, |to| node_at(&nodes, to));
         let described = scenario.rods.iter().find(|rod| rod.name == row.rod)?;
         let director = described.director.map(Vector3::from);
-        for (node, offset) in row.from_to(first, last) {
+        for (node, offset) in row.between(first, last) {
             ends.push(End::beside(node, offset, &nodes, director, start)?);
         }
         radius = radius.min(THINNESS * described.radius);

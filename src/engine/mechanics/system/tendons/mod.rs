@@ -396,7 +396,7 @@ impl Term for Tendons {
 
     fn refuses(&self, demand: Demand) -> Option<SceneError> {
         let mut pulls = self.0.iter().map(|tendon| &tendon.pull);
-        let reason = match demand {
+        match demand {
             Demand::Path => pulls
                 .any(|pull| matches!(pull, Pull::Stretching { .. }))
                 .then_some(NO_PATH),
@@ -412,8 +412,7 @@ impl Term for Tendons {
                 })
                 .then_some(NO_START),
             _ => None,
-        };
-        reason
+        }
     }
 }
 

@@ -213,13 +213,13 @@ impl Eyelets {
             at: RodNode { rod, node },
             offset,
         };
-        Ok(row.from_to(first, last).map(eyelet).collect())
+        Ok(row.between(first, last).map(eyelet).collect())
     }
 }
 
 impl Row {
     /// The nodes of the eyelets between two nodes, with their offsets along the directors, m.
-    pub fn from_to(&self, first: usize, last: usize) -> impl Iterator<Item = (usize, [f64; 2])> {
+    pub fn between(&self, first: usize, last: usize) -> impl Iterator<Item = (usize, [f64; 2])> {
         let count = first.abs_diff(last);
         let steps = (0..count).step_by(self.every).chain([count]);
         let ([a, b], turn) = (self.offset, TAU * self.turns / count.max(1) as f64);
