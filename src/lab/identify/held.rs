@@ -11,10 +11,8 @@ use std::path::Path;
 
 /// Keys of the natural curvature, 1/m, about the y and the z axis of the hand.
 const CURVATURE_KEYS: [&str; 2] = ["parameters.curvature_1", "parameters.curvature_2"];
-/// Edges of the simulated rod: their error of second order changes the gravito-bending length by
-/// 0.04 %. Consistent inertia would be more exact for a straight rod, but treats it in another way
-/// than a slightly curved one: between them the shape jumps, where no fit converges.
-pub(super) const EDGES: usize = 96;
+/// Edges of the simulated rod.
+pub(super) const EDGES: usize = 48;
 /// Minimum angle, rad, of the arc in which the rod is placed, and minimum sine of the angle
 /// between the rod's direction and the vertical for which the two define a plane.
 const VERTICAL: f64 = 0.05;
@@ -105,6 +103,7 @@ density = {density:?}
 name = "rod"
 radius = {radius:?}
 edges = {EDGES}
+inertia = "consistent"
 shape = {shape}
 natural_curvature = ["curvature_1", "curvature_2"]
 director = {director}

@@ -52,9 +52,10 @@ const LARGEST_RATIO: f64 = 2.0;
 /// Reduction of the weight of the first edge from one half in the twist at a clamp: d = (14 − √174)/22.
 const TWIST_LESS: f64 = 0.036_777_001_896_685_47;
 
-/// Largest natural strain of a vertex that counts as straight, rad: far above the rounding of a
-/// rod placed straight, and so small that angles and their tangents do not differ.
-const STRAIGHT: f64 = 1e-4;
+/// Largest natural strain of a vertex that counts as straight, rad: so small that the angle and
+/// twice the tangent of its half differ by 3e-5, and so large that fits of the natural curvature of
+/// a nearly straight rod do not meet the change of the strain, where its shape jumps.
+const STRAIGHT: f64 = 0.02;
 
 /// Correction by Gregory's rule of the lengths (m) of the first three vertices in the integral of
 /// bending, if edges of the lengths `first` and `second` (m) follow the end.
