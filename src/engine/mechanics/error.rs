@@ -38,8 +38,11 @@ pub enum SceneError {
     /// The nodes of a force defined in code do not exist, are missing, or are too many.
     #[error("force `{0}`: it needs one to four nodes of the scene")]
     Force(String),
-    /// A tendon has less than two eyelets, or one at a node that does not exist.
-    #[error("tendon `{0}`: it needs two eyelets or more, at nodes of the scene")]
+    /// A tendon has less than two eyelets, one at a node that does not exist, or no rest length
+    /// left when it is taken in.
+    #[error(
+        "tendon `{0}`: it needs two eyelets or more, at nodes of the scene, and a rest length greater than the length that is taken in"
+    )]
     Tendon(String),
     /// The scene is not suitable for the method.
     #[error("{0}")]

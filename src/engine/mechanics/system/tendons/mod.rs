@@ -15,7 +15,7 @@
 //!
 //! Tendons along an elastic rod bend and twist it as in the model of D. C. Rucker and R. J. Webster
 //! (2011), *Statics and dynamics of continuum robots with general tendon routing and external
-//! loading*, IEEE Transactions on Robotics 27, Eqs. 12 to 18, between eyelets by straight parts.
+//! loading*, IEEE Transactions on Robotics 27, 1033, with straight parts between eyelets.
 
 mod entries;
 mod eyelet;
@@ -154,11 +154,19 @@ impl PlacedTendon {
         }
     }
 
-    /// Takes the present length as rest length if the scene has none.
-    fn set_rest_length(&mut self) {
-        if let Pull::Stretching { rest_length, .. } = self.pull {
-            self.rest_length = rest_length.unwrap_or(self.length);
-        }
+    /// Takes the present length as rest length if the scene has none. Returns whether some is left
+    /// at all times.
+    fn set_rest_length(&mut self) -> bool {
+        let Pull::Stretching {
+            rest_length,
+            taken_in,
+            ..
+        } = &self.pull
+        else {
+            return true;
+        };
+        self.rest_length = rest_length.unwrap_or(self.length);
+        taken_in.iter().all(|corner| corner.1 < self.rest_length)
     }
 
     /// Adds the rounding errors of its forces to those of `assembly`.
@@ -308,7 +316,9 @@ impl Term for Tendons {
         for tendon in &scene.tendons {
             let mut placed = PlacedTendon::new(tendon, assembly)?;
             placed.update(unknowns, &geometry);
-            placed.set_rest_length();
+            if !placed.set_rest_length() {
+                return Err(SceneError::Tendon(tendon.name.clone()));
+            }
             placed.drive(0.0);
             tendons.push(placed);
         }

@@ -135,14 +135,23 @@ fn a_slack_tendon_exerts_no_force() {
 }
 
 #[test]
-fn tendons_without_two_eyelets_on_the_scene_are_refused() {
-    for eyelets in [
-        vec![eyelet(0, 1, [0.0, 0.0])],
-        vec![eyelet(0, 1, [0.0, 0.0]), eyelet(0, 9, [0.0, 0.0])],
-        vec![eyelet(2, 0, [0.0, 0.0]), eyelet(0, 0, [0.0, 0.0])],
-    ] {
+fn tendons_without_two_eyelets_on_the_scene_or_without_length_are_refused() {
+    let faulty = |eyelets: Vec<Eyelet>| {
         let mut scene = scene(stretching());
         scene.tendons[0].eyelets = eyelets;
+        scene
+    };
+    let shortened = Pull::Stretching {
+        stiffness: 3.0,
+        rest_length: None,
+        taken_in: vec![(0.0, 0.0), (1.0, 100.0)],
+    };
+    for scene in [
+        faulty(vec![eyelet(0, 1, [0.0, 0.0])]),
+        faulty(vec![eyelet(0, 1, [0.0, 0.0]), eyelet(0, 9, [0.0, 0.0])]),
+        faulty(vec![eyelet(2, 0, [0.0, 0.0]), eyelet(0, 0, [0.0, 0.0])]),
+        scene(shortened),
+    ] {
         let error = System::new(&scene).map(drop).unwrap_err().to_string();
         assert!(error.contains("tendon `long`"), "{error}");
     }
