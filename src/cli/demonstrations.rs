@@ -93,7 +93,10 @@ pub(super) fn scenario_or_task() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| {
         match TASKS.into_iter().any(|name| path == Path::new(name)) {
             true => Ok(path),
-            false => resolve(PresetKind::Scenario, path),
+            false => resolve(PresetKind::Scenario, path).map_err(|error| {
+                let tasks = TASKS.join(", ");
+                format!("{error}; environments, for --format, allowed: {tasks}")
+            }),
         }
     })
 }
