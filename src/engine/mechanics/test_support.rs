@@ -12,6 +12,7 @@ use super::scene::{
     Body, Clamp, HingeSpring, Joint, JointKind, Load, LoadKind, Motion, NaturalShape, Obstacle,
     Plane, RodDescription, RodNode, Scene, Spring, Stiffness, Strength,
 };
+use super::statics::{PathMethod, PathPlan};
 use std::f64::consts::PI;
 use std::fmt::Debug;
 
@@ -318,6 +319,19 @@ pub(crate) fn fixed(step: f64) -> IntegrationParameters {
     IntegrationParameters {
         step: StepSize::Fixed(step),
         ..IntegrationParameters::default()
+    }
+}
+
+/// A path of some points over a parameter from 0 to 1.
+pub(crate) fn short_path() -> PathPlan {
+    PathPlan {
+        from: 0.0,
+        to: 1.0,
+        step: 0.1,
+        largest_step: 0.1,
+        method: PathMethod::Arclength,
+        switch_branches: false,
+        most_points: 10,
     }
 }
 

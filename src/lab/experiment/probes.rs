@@ -202,14 +202,8 @@ struct Rods<'a> {
 impl Rods<'_> {
     fn named(&self, name: &str, key: &str) -> Result<usize, Issue> {
         let names = names_of(&self.scene.rods, |rod| &rod.name);
-        names
-            .iter()
-            .position(|known| *known == name)
-            .ok_or_else(|| {
-                let message = format!("no rod is called `{name}`");
-                let help = help_with(name, "rods", &names);
-                Issue::new(self.key.key(key), message).with_help(help)
-            })
+        let rod = names.iter().position(|known| *known == name);
+        rod.ok_or_else(|| self.unknown("rod", "rods", name, &names, key))
     }
 
     /// A rod by its name, or the only rod.
@@ -287,12 +281,13 @@ impl Rods<'_> {
         force
             .map(|force| Quantity::NodeForce { force })
             .ok_or_else(|| {
-                let help = match names[..] {
-                    [] => "the scene has no springs between nodes".to_owned(),
-                    _ => help_with(name, "springs", &names),
-                };
-                let message = format!("no spring between nodes is called `{name}`");
-                Issue::new(self.key.key("joint"), message).with_help(help)
+                self.unknown(
+                    "spring between nodes",
+                    "springs between nodes",
+                    name,
+                    &names,
+                    "joint",
+                )
             })
     }
 
@@ -301,14 +296,17 @@ impl Rods<'_> {
         let tendon = names.iter().position(|known| *known == name);
         tendon
             .map(|tendon| Quantity::Tendon { tendon })
-            .ok_or_else(|| {
-                let help = match names[..] {
-                    [] => "the scene has no tendons".to_owned(),
-                    _ => help_with(name, "tendons", &names),
-                };
-                let message = format!("no tendon is called `{name}`");
-                Issue::new(self.key.key("tendon"), message).with_help(help)
-            })
+            .ok_or_else(|| self.unknown("tendon", "tendons", name, &names, "tendon"))
+    }
+
+    /// The fault of a `name` that no `one` of `all` has.
+    fn unknown(&self, one: &str, all: &str, name: &str, names: &[&str], key: &str) -> Issue {
+        let help = match names {
+            [] => format!("the scene has no {all}"),
+            _ => help_with(name, all, names),
+        };
+        let message = format!("no {one} is called `{name}`");
+        Issue::new(self.key.key(key), message).with_help(help)
     }
 
     fn distance(

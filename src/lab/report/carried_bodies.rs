@@ -1,15 +1,11 @@
-//! Bodies carried by rods, for pictures: at their nodes, and turned with the rods.
-//!
-//! Results hold positions of nodes but not the rotation of bodies about the rod. Pictures turn
-//! each body from its initial pose by the smallest rotation that follows the rod. Spheres and
-//! disks show no difference.
+//! Bodies carried by rods, for pictures: at their nodes, and turned with the rods
+//! ([`super::rod_frame`]). Spheres and disks do not show that the rotation about the rod is unknown.
 
+use super::rod_frame::RodFrame;
 use super::rod_places::{node_at, nodes_of};
 use crate::scenario::{BodyShape, Scenario};
 use rodlab_engine::mechanics::rigid_body::RigidBody;
-use rodlab_engine::mechanics::rod::transport::{any_normal, normal_part, parallel_transport};
-use rodlab_engine::mechanics::rotation::Pose;
-use rodlab_engine::mechanics::{Matrix3, UnitQuaternion, Vector3};
+use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
 use rodlab_files::figure::{Body, MovieObstacle};
 use rodlab_files::results::RodRecord;
 use std::f64::consts::TAU;
@@ -23,14 +19,9 @@ const POINT: f64 = 2.0;
 /// A body with a shape, or a point mass.
 #[derive(Clone, Debug)]
 pub struct CarriedBody {
-    /// Node of the body.
-    node: usize,
-    /// The nodes before and after it along the rod, where they exist, among all nodes.
-    between: [usize; 2],
+    frame: RodFrame,
     /// Surface of the body in the frame of directors and tangent, m.
     triangles: Vec<[Vector3; 3]>,
-    /// Initial tangent and first director.
-    placed: [Vector3; 2],
 }
 
 /// Bodies that the rods of a scenario carry. `start`: the initial positions of its nodes.
@@ -42,47 +33,24 @@ pub fn carried_bodies(
     let bodies = scenario.iter().flat_map(|scenario| &scenario.bodies);
     let carried = bodies.filter_map(|body| {
         let nodes = nodes_of(rods, &body.rod)?;
-        let node = node_at(&nodes, body.at);
-        let between = [
-            node.saturating_sub(1).max(*nodes.start()),
-            (node + 1).min(*nodes.end()),
-        ];
         let described = scenario?.rods.iter().find(|one| one.name == body.rod);
         let record = rods.iter().find(|one| one.name == body.rod)?;
         let shape = body.shape.unwrap_or(BodyShape::Sphere {
             radius: POINT * record.radius,
         });
-        let along_rod = start.get(between[1])? - start.get(between[0])?;
-        let tangent = along_rod.try_normalize(0.0)?;
         let director = described.and_then(|rod| rod.director).map(Vector3::from);
-        let director = director.and_then(|director| normal_part(&director, &tangent));
         Some(CarriedBody {
-            node,
-            between,
+            frame: RodFrame::new(node_at(&nodes, body.at), &nodes, director, start)?,
             triangles: surface(&shape, body.offset),
-            placed: [tangent, director.unwrap_or_else(|| any_normal(&tangent))],
         })
     });
     carried.collect()
 }
 
 impl CarriedBody {
-    /// Pose of the body with the nodes at these positions.
-    fn pose(&self, positions: &[Vector3]) -> Pose {
-        let along = positions[self.between[1]] - positions[self.between[0]];
-        let [from, director] = self.placed;
-        let tangent = along.try_normalize(0.0).unwrap_or(from);
-        let first = parallel_transport(&director, &from, &tangent);
-        let axes = Matrix3::from_columns(&[first, tangent.cross(&first), tangent]);
-        Pose {
-            rotation: UnitQuaternion::from_matrix(&axes),
-            translation: positions[self.node],
-        }
-    }
-
     /// The body as figures show it, with the nodes at these positions.
     pub fn at(&self, positions: &[Vector3]) -> Body {
-        let pose = self.pose(positions);
+        let pose = self.frame.pose(positions);
         let placed = |corners: &[Vector3; 3]| corners.map(|corner| pose.of(&corner));
         Body {
             triangles: self.triangles.iter().map(placed).collect(),
@@ -95,7 +63,7 @@ impl CarriedBody {
         MovieObstacle {
             triangles: self.triangles.clone(),
             poses: outputs
-                .map(|positions| self.pose(positions).matrix())
+                .map(|positions| self.frame.pose(positions).matrix())
                 .collect(),
             hollow: false,
             is_carried: true,

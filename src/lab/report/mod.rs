@@ -11,6 +11,7 @@ mod mjcf;
 mod motion;
 mod obstacles;
 mod plot;
+mod rod_frame;
 mod rod_places;
 mod threads;
 mod view;

@@ -1,18 +1,18 @@
 //! Springs between nodes and tendons, for pictures: thin straight threads.
 //!
 //! Results do not record when a spring broke, so springs that may break are not drawn. Springs
-//! that only apply torques are not drawn either. An eyelet beside a rod turns with the rod by the
-//! smallest rotation, as carried bodies do, since results do not hold the rotation about the rod.
+//! that only apply torques are not drawn either. An eyelet beside a rod turns with it
+//! ([`super::rod_frame`]).
 
+use super::rod_frame::RodFrame;
 use super::rod_places::{node_at, nodes_of};
 use crate::experiment::{Eyelets, Tendon};
 use crate::scenario::{JointKind, Scenario};
 use rodlab_engine::mechanics::Vector3;
-use rodlab_engine::mechanics::rod::transport::{any_normal, normal_part, parallel_transport};
+use rodlab_engine::mechanics::rod::transport::any_normal;
 use rodlab_files::figure::{Body, MovieObstacle};
 use rodlab_files::results::RodRecord;
 use std::f64::consts::TAU;
-use std::ops::RangeInclusive;
 
 /// Sides of a thread.
 const AROUND: usize = 6;
@@ -34,14 +34,8 @@ enum End {
     Fixed(Vector3),
     /// A node, among all.
     Node(usize),
-    /// A point beside a rod.
-    Beside {
-        node: usize,
-        /// The nodes before and after it along the rod, where they exist.
-        between: [usize; 2],
-        /// Tangent of the rod and vector to the point at the start.
-        placed: [Vector3; 2],
-    },
+    /// A point in a frame of a rod, with its components along the directors, m.
+    Beside(RodFrame, [f64; 2]),
 }
 
 /// The drawn springs and tendons of a scenario. `start`: the initial positions of its nodes.
@@ -89,7 +83,10 @@ fn threads_of(
         let described = scenario.rods.iter().find(|rod| rod.name == row.rod)?;
         let director = described.director.map(Vector3::from);
         for (node, offset) in row.between(first, last) {
-            ends.push(End::beside(node, offset, &nodes, director, start)?);
+            ends.push(match offset == [0.0; 2] {
+                true => End::Node(node),
+                false => End::Beside(RodFrame::new(node, &nodes, director, start)?, offset),
+            });
         }
         radius = radius.min(THINNESS * described.radius);
     }
@@ -101,58 +98,12 @@ fn threads_of(
 }
 
 impl End {
-    /// The end at an offset along the directors from one of the nodes of a rod with the given first
-    /// director.
-    fn beside(
-        node: usize,
-        offset: [f64; 2],
-        nodes: &RangeInclusive<usize>,
-        director: Option<Vector3>,
-        start: &[Vector3],
-    ) -> Option<Self> {
-        if offset == [0.0; 2] {
-            return Some(Self::Node(node));
-        }
-        let between = |node: usize| {
-            [
-                node.saturating_sub(1).max(*nodes.start()),
-                (node + 1).min(*nodes.end()),
-            ]
-        };
-        let tangent =
-            |[from, to]: [usize; 2]| (start.get(to)? - start.get(from)?).try_normalize(0.0);
-        let mut along = tangent(between(*nodes.start()))?;
-        let director = director.and_then(|director| normal_part(&director, &along));
-        let mut director = director.unwrap_or_else(|| any_normal(&along));
-        for node in *nodes.start()..=node {
-            let next = tangent(between(node))?;
-            director = parallel_transport(&director, &along, &next);
-            along = next;
-        }
-        Some(Self::Beside {
-            node,
-            between: between(node),
-            placed: [
-                along,
-                director * offset[0] + along.cross(&director) * offset[1],
-            ],
-        })
-    }
-
     /// The place of the end with the nodes at these positions.
     fn at(&self, positions: &[Vector3]) -> Vector3 {
         match *self {
             Self::Fixed(place) => place,
             Self::Node(node) => positions[node],
-            Self::Beside {
-                node,
-                between: [before, after],
-                placed: [from, arm],
-            } => {
-                let along = positions[after] - positions[before];
-                let tangent = along.try_normalize(0.0).unwrap_or(from);
-                positions[node] + parallel_transport(&arm, &from, &tangent)
-            }
+            Self::Beside(frame, [a, b]) => frame.pose(positions).of(&Vector3::new(a, b, 0.0)),
         }
     }
 }

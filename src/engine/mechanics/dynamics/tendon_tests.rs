@@ -3,10 +3,9 @@
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::{Eyelet, Pull, RodDescription, Scene, Start, Tendon};
-use crate::mechanics::statics::{PathMethod, PathPlan};
 use crate::mechanics::test_support::{
     MODELS, assert_close, assert_close_in, at, at_rest, body, clamp, contact, fixed_steps,
-    free_rods, gravity, moved, resumed, run, run_with, section, straight_rod,
+    free_rods, gravity, moved, resumed, run, run_with, section, short_path, straight_rod,
 };
 use std::f64::consts::TAU;
 
@@ -279,18 +278,9 @@ fn tendons_that_stretch_are_refused_where_their_slack_or_rest_length_is_unclear(
     assert!(error.contains("needs the rest length"), "{error}");
     assert!(Simulation::new(&started(tension(1.0)), &parameters).is_ok());
 
-    let plan = PathPlan {
-        from: 0.0,
-        to: 1.0,
-        step: 0.1,
-        largest_step: 0.1,
-        method: PathMethod::Arclength,
-        switch_branches: false,
-        most_points: 10,
-    };
     let path = |pull: Pull| {
         let simulation = Simulation::new(&scene(pull), &parameters).unwrap();
-        simulation.path(plan).map(drop)
+        simulation.path(short_path()).map(drop)
     };
     let error = path(stretching(100.0, 0.3)).unwrap_err();
     assert!(

@@ -3,10 +3,9 @@
 use super::spring_tests::{MASS, STIFFNESS, rod};
 use super::*;
 use crate::mechanics::scene::{RodDescription, Scene, Spring, SpringForce};
-use crate::mechanics::statics::{PathMethod, PathPlan};
 use crate::mechanics::test_support::{
     MODELS, assert_close, assert_close_in, at, contact, drag, fixed_steps, gravity, ground, run,
-    spring,
+    short_path, spring,
 };
 use crate::mechanics::{SceneError, Vector3};
 use std::f64::consts::PI;
@@ -160,16 +159,7 @@ fn paths_of_equilibria_refuse_one_sided_springs() {
     let scene = pair(one_sided(SpringForce::Tension, GAP), 0.0);
     let parameters = fixed_steps(Scheme::ImplicitEuler, 1e-3);
     let simulation = Simulation::new(&scene, &parameters).unwrap();
-    let plan = PathPlan {
-        from: 0.0,
-        to: 1.0,
-        step: 0.1,
-        largest_step: 0.1,
-        method: PathMethod::Arclength,
-        switch_branches: false,
-        most_points: 10,
-    };
-    let refused = simulation.path(plan).err();
+    let refused = simulation.path(short_path()).err();
     assert!(
         matches!(&refused, Some(SimulationError::BadScene(SceneError::Unsuitable(reason))) if reason.contains("only in tension")),
         "{refused:?}"

@@ -42,6 +42,12 @@ impl RodRange {
         self.first_node..self.first_node + self.nodes
     }
 
+    /// The edges at a node, by their first and last nodes: one at an end, else two.
+    pub(crate) fn edges_at(&self, node: usize) -> Vec<[usize; 2]> {
+        let edges = self.edge_indices().map(|edge| [edge, self.end_of(edge)]);
+        edges.filter(|ends| ends.contains(&node)).collect()
+    }
+
     /// Node at the end of `edge`.
     pub fn end_of(&self, edge: usize) -> usize {
         if edge + 1 == self.first_node + self.nodes {

@@ -39,6 +39,13 @@ pub enum Eyelet {
     Fixed(Vector3),
 }
 
+impl Pull {
+    /// Whether the tendon stretches.
+    pub(crate) fn stretches(&self) -> bool {
+        matches!(self, Self::Stretching { .. })
+    }
+}
+
 /// Tension of a tendon.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pull {

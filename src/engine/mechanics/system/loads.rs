@@ -135,8 +135,7 @@ impl Loads {
                         });
                     }
                     let at = range.first_node + node;
-                    let ends = range.edge_indices().map(|edge| [edge, range.end_of(edge)]);
-                    let beside: Vec<[usize; 2]> = ends.filter(|ends| ends.contains(&at)).collect();
+                    let beside = range.edges_at(at);
                     // At an inner node the frames of the edges on both sides have equal weight.
                     let part = 1.0 / beside.len() as f64;
                     let shares =

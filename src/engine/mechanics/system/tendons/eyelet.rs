@@ -133,11 +133,10 @@ fn second_derivatives(
     let of_share = (force - tangent * (2.0 * along)) * (inverse_length * inverse_length);
     let of_arm = (tangent * arm.transpose() * inverse_length - spun * holonomy.transpose())
         * (along * inverse_length);
-    let of_spun = spun * (-along * inverse_length) - holonomy * on_arm;
+    let over_both = spun * (-along * inverse_length) - holonomy * on_arm;
     let over_edges = of_arm - arm * of_share.transpose()
-        + holonomy * of_spun.transpose()
+        + holonomy * over_both.transpose()
         + holonomy_jacobian(source, frame) * on_spun;
-    let over_both = of_spun;
     (
         (over_edges + over_edges.transpose()) * 0.5,
         over_both,

@@ -85,8 +85,7 @@ impl PlacedTendon {
                 let edges = if offset == [0.0; 2] {
                     Vec::new()
                 } else {
-                    let ends = rod.edge_indices().map(|edge| [edge, rod.end_of(edge)]);
-                    let beside: Vec<_> = ends.filter(|ends| ends.contains(&node)).collect();
+                    let beside = rod.edges_at(node);
                     let weight = 1.0 / beside.len() as f64;
                     let carrying = |[start, end]: [usize; 2]| CarryingEdge { start, end, weight };
                     beside.into_iter().map(carrying).collect()
@@ -102,13 +101,12 @@ impl PlacedTendon {
         let placed: Option<Vec<_>> = tendon.eyelets.iter().map(place).collect();
         let placed = placed.filter(|placed| placed.len() > 1);
         let placed = placed.ok_or_else(invalid)?;
-        let stretches = matches!(tendon.pull, Pull::Stretching { .. });
         let unknowns = |(eyelet, _): &(Option<RodEyelet>, Vector3)| {
             let own = eyelet.iter().flat_map(RodEyelet::unknowns);
             own.collect::<Vec<usize>>()
         };
         let unknowns: Vec<Vec<usize>> = placed.iter().map(unknowns).collect();
-        let (entries, places) = TendonEntries::new(&unknowns, stretches);
+        let (entries, places) = TendonEntries::new(&unknowns, tendon.pull.stretches());
         let eyelets = placed.into_iter().zip(places);
         let eyelets: Vec<_> = eyelets
             .map(|((on_rod, place), slots)| PlacedEyelet {
@@ -192,10 +190,6 @@ impl PlacedTendon {
             Pull::Tension(corners) => at(corners),
             Pull::Stretching { taken_in, .. } => self.rest_length - at(taken_in),
         };
-    }
-
-    fn stretches(&self) -> bool {
-        matches!(self.pull, Pull::Stretching { .. })
     }
 
     /// T, N.
@@ -363,7 +357,7 @@ impl Term for Tendons {
 
     /// T ℓ of tendons under a given tension, at the last update.
     fn potential(&self, _: &[f64]) -> [f64; 2] {
-        let given = self.0.iter().filter(|tendon| !tendon.stretches());
+        let given = self.0.iter().filter(|tendon| !tendon.pull.stretches());
         let potential: f64 = given.map(|tendon| tendon.given * tendon.length).sum();
         [potential, potential.abs()]
     }
@@ -407,9 +401,7 @@ impl Term for Tendons {
     fn refuses(&self, demand: Demand) -> Option<SceneError> {
         let mut pulls = self.0.iter().map(|tendon| &tendon.pull);
         match demand {
-            Demand::Path => pulls
-                .any(|pull| matches!(pull, Pull::Stretching { .. }))
-                .then_some(NO_PATH),
+            Demand::Path => pulls.any(Pull::stretches).then_some(NO_PATH),
             Demand::Start => pulls
                 .any(|pull| {
                     matches!(
