@@ -44,6 +44,16 @@ pub enum SceneError {
         "tendon `{0}`: it needs two eyelets or more, at nodes of the scene, and a rest length greater than the length that is taken in"
     )]
     Tendon(String),
+    /// A sheath cannot hold its rod.
+    #[error("sheath `{name}`: {reason}")]
+    Sheath {
+        /// Its name.
+        name: String,
+        /// The field of [`super::scene::Sheath`] that is at fault.
+        field: &'static str,
+        /// Why.
+        reason: String,
+    },
     /// The scene is not suitable for the method.
     #[error("{0}")]
     Unsuitable(&'static str),

@@ -7,6 +7,7 @@ mod actuation;
 mod joint;
 mod node_force;
 mod section;
+mod sheath;
 mod tendon;
 mod yielding;
 
@@ -22,6 +23,7 @@ pub use super::piecewise::piecewise_linear;
 pub(crate) use super::piecewise::piecewise_turning;
 
 pub use section::{EdgeSection, Section, edge_sections, pieces};
+pub use sheath::Sheath;
 pub use tendon::{Eyelet, Pull, Tendon};
 pub use yielding::{Layer, PlasticBending, Yielding, YieldingMaterial};
 
@@ -45,6 +47,8 @@ pub struct Scene {
     pub springs: Vec<Spring>,
     /// Cables through eyelets on rods.
     pub tendons: Vec<Tendon>,
+    /// Sheaths out of which rods are fed.
+    pub sheaths: Vec<Sheath>,
     /// Point masses and rigid bodies on rods.
     pub bodies: Vec<Body>,
     /// Forces between nodes, or on nodes, that are defined in code.

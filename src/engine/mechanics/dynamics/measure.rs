@@ -86,6 +86,17 @@ impl Simulation {
         self.system.tendon_tension(tendon)
     }
 
+    /// Natural length of the rod outside of a sheath of the scene, m.
+    pub fn length_outside(&self, sheath: usize) -> f64 {
+        self.system.length_outside(sheath)
+    }
+
+    /// Force of a sheath of the scene on its rod in the direction in which it is fed, N, and moment
+    /// about this direction, N m.
+    pub fn sheath_force(&self, sheath: usize) -> [f64; 2] {
+        self.system.sheath_force(sheath)
+    }
+
     /// Length of a tendon of the scene from its first to its last eyelet, m.
     pub fn tendon_length(&self, tendon: usize) -> f64 {
         self.system.tendon_length(tendon)

@@ -118,6 +118,8 @@ mod section_contact_tests;
 #[cfg(test)]
 mod section_tests;
 #[cfg(test)]
+mod sheath_tests;
+#[cfg(test)]
 mod slide_tests;
 #[cfg(test)]
 mod smooth_contact_tests;

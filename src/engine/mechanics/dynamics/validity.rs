@@ -133,6 +133,7 @@ impl Validity {
             memory: ValidityMemory {
                 is_conservative: scene.fluid.is_none()
                     && scene.actuations.is_empty()
+                    && scene.sheaths.is_empty()
                     && scene.tendons.iter().all(Tendon::is_conservative)
                     && scene.loads.iter().all(is_accounted_for)
                     && !scene.clamps.iter().any(turns),

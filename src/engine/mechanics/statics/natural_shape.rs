@@ -126,10 +126,11 @@ pub fn natural_strains(scene: &Scene, rod: usize) -> Result<Designed, DesignErro
     let is_plain = scene.joints.is_empty()
         && scene.actuations.is_empty()
         && scene.tendons.is_empty()
+        && scene.sheaths.is_empty()
         && scene.start.is_none();
     if !is_plain {
         return Err(DesignError::Unsuitable(
-            "a natural shape is found for scenes without joints, actuation, tendons and `start`",
+            "a natural shape is found for scenes without joints, actuation, tendons, sheaths and `start`",
         ));
     }
     let mut scene = scene.clone();

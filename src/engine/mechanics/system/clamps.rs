@@ -338,7 +338,11 @@ pub(super) fn list_motion(motion: &Motion, arm: f64, events: &mut Vec<Event>) {
 /// corners, m. A corner counts with the sum of the speeds on its two sides, which bounds the jump
 /// of the velocity. If the direction does not change at the corner, it counts with their
 /// difference.
-fn list_corners<T>(corners: &[(f64, T)], way: impl Fn(&T, &T) -> f64, events: &mut Vec<Event>) {
+pub(super) fn list_corners<T>(
+    corners: &[(f64, T)],
+    way: impl Fn(&T, &T) -> f64,
+    events: &mut Vec<Event>,
+) {
     for (k, (time, value)) in corners.iter().enumerate() {
         let speed = |(from, start): &(f64, T), (to, end): &(f64, T)| {
             let moved = way(start, end);

@@ -104,6 +104,9 @@ impl System {
                 "the scene has joints or bodies that turn, with which grasping is not supported",
             );
         }
+        if self.has_sheaths() {
+            return refuse("the scene has sheaths, with which grasping is not supported");
+        }
         if self.assembly.joints.slides_at(node) {
             return refuse("it slides along a rod");
         }
@@ -148,6 +151,11 @@ impl System {
         };
         if drive.released {
             return Err(format!("clamp {clamp} is already released"));
+        }
+        if self.has_sheaths() {
+            return Err(format!(
+                "clamp {clamp} cannot be released: the scene has sheaths, with which releasing is not supported"
+            ));
         }
         let (node, ghosts) = (drive.node, drive.ghosts.clone());
         let holds_position = drive.holds_position;

@@ -56,6 +56,7 @@ mod resultants;
 mod rigid_contact;
 mod roots;
 mod shared_mass;
+mod sheaths;
 mod small_motions;
 mod springs;
 mod stage;
@@ -89,6 +90,7 @@ pub(crate) use newton_matrix::WholeMatrix;
 pub use obstacles::obstacle_poses;
 pub use resultants::Resultants;
 pub(crate) use rigid_contact::ForceSearch;
+pub use sheaths::check_sheaths;
 pub(crate) use small_motions::MOST_UNKNOWNS;
 pub use stage::Stage;
 pub(crate) use stage::{angles_of, copy_positions};
@@ -238,6 +240,7 @@ impl System {
         for drive in &mut self.assembly.drives {
             drive.turn_edges(time, committed, &self.reference, unknowns);
         }
+        self.hold_in_sheaths(time, unknowns);
         self.assembly.turn_held_frames(time);
         self.assembly.joints.complete(unknowns);
         for term in self.terms.all_mut() {
@@ -281,6 +284,7 @@ impl System {
         for drive in &mut self.assembly.drives {
             drive.resume(unknowns);
         }
+        self.resume_sheaths(time, unknowns);
         self.assembly.joints.rotate(unknowns);
         self.assembly.joints.commit();
     }

@@ -13,6 +13,7 @@ use super::loads::Loads;
 use super::local_drag::LocalDrag;
 use super::node_forces::NodeForces;
 use super::plasticity::Plasticity;
+use super::sheaths::Sheaths;
 use super::springs::Springs;
 use super::tendons::Tendons;
 use super::term::Term;
@@ -55,6 +56,8 @@ macro_rules! terms {
 terms! {
     /// Natural strains as functions of time.
     actuators: Actuators,
+    /// Sheaths that hold parts of rods, and change their stiffness at the mouth.
+    sheaths: Sheaths,
     /// Stretching, bending and twisting of the rods.
     elasticity: Elasticity,
     /// Plastic strains of the rods, which change their natural strains at each evaluation.

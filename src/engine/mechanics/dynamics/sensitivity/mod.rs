@@ -230,9 +230,9 @@ fn sharp(
             "derivatives support no rods that yield",
         ));
     }
-    if !scene.tendons.is_empty() {
+    if !scene.tendons.is_empty() || !scene.sheaths.is_empty() {
         return Err(SensitivityError::Unsuitable(
-            "derivatives support no tendons",
+            "derivatives support no tendons and no sheaths",
         ));
     }
     match simulation.integrator.fluid.sharpen(FLOW_TOLERANCE) {

@@ -287,6 +287,11 @@ impl Joints {
         self.slides.iter().any(|slide| slide.node == owner)
     }
 
+    /// Whether a node coincides with another one.
+    pub(crate) fn joins(&self, node: usize) -> bool {
+        self.points.iter().any(|pair| pair.contains(&node))
+    }
+
     /// Unknowns determined by others: those of joined and of sliding nodes.
     pub(crate) fn dependent(&self) -> Vec<usize> {
         let mut dependent: Vec<usize> = self.shared().iter().map(|one| one.unknown).collect();
