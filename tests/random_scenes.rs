@@ -14,7 +14,8 @@
 //! | `filaments` | one rod or two in fluid, from 1 µm to 1 m, 1 mPa s to 1 kPa s, steps over four decades |
 //! | `joined` | two rods or three that share a point of the fluid, with every kind of joint |
 //! | `prescribed` | rods that are held where they touch: in a floor, a tube, a chuck, a root |
-//! | `units` | scenes of these three in other units of length, time and mass |
+//! | `fed` | rods that are fed out of sheaths, drawn in and turned |
+//! | `units` | scenes of these in other units of length, time and mass |
 //!
 //! One in four impacts has rods that taper and have steps.
 //!
@@ -24,6 +25,7 @@
 //! `RODLAB_RANDOM_SCENE=17` runs and prints the scene with that number. Scenes with wrong results
 //! are written as scenario files.
 
+mod fed;
 mod fluids;
 mod judged;
 mod prescribed;
@@ -483,16 +485,17 @@ fn by_a_second_scheme(case: judged::Case) -> (judged::Case, Verdict) {
 }
 
 fn in_other_units(seed: u64) -> (judged::Case, Verdict) {
-    let case = match seed % 3 {
+    let case = match seed % 4 {
         0 => fluids::filament(seed),
         1 => fluids::joined(seed),
+        2 => fed::rod(seed),
         _ => prescribed::contact(seed),
     };
     let verdict = units::judge(&case, seed);
     (case, verdict)
 }
 
-const FAMILIES: [(&str, Judge); 4] = [
+const FAMILIES: [(&str, Judge); 5] = [
     ("filaments", |seed| {
         by_a_second_scheme(fluids::filament(seed))
     }),
@@ -500,6 +503,7 @@ const FAMILIES: [(&str, Judge); 4] = [
     ("prescribed", |seed| {
         by_a_second_scheme(prescribed::contact(seed))
     }),
+    ("fed", |seed| by_a_second_scheme(fed::rod(seed))),
     ("units", in_other_units),
 ];
 
@@ -584,6 +588,11 @@ fn random_joined_rods_in_flow_agree_with_a_second_scheme() {
 #[test]
 fn random_prescribed_contacts_agree_with_a_second_scheme() {
     assert_right("prescribed");
+}
+
+#[test]
+fn random_rods_in_sheaths_agree_with_a_second_scheme() {
+    assert_right("fed");
 }
 
 #[test]

@@ -44,6 +44,7 @@ pages! {
     actuation
     plasticity
     tendons
+    sheaths
     contact
     smooth_contact
     joints

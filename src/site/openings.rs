@@ -45,6 +45,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab run tendon_arm",
     ],
     [
+        "sheaths",
+        "guidewire.png",
+        "A guidewire is fed into a winding vessel",
+        "rodlab run guidewire",
+    ],
+    [
         "contact",
         "pile.png",
         "Two hundred rods in a heap",

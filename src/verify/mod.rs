@@ -36,6 +36,7 @@ mod scale_invariance;
 mod scenario;
 mod sections;
 mod sensitivities;
+mod sheaths;
 mod sleeve;
 mod slides;
 mod smooth_contact;
@@ -66,7 +67,7 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 29] = [
+const GROUPS: [(&str, CheckGroup); 30] = [
     ("derivatives", derivatives::checks),
     ("sensitivities", sensitivities::checks),
     ("statics", statics::checks),
@@ -88,6 +89,7 @@ const GROUPS: [(&str, CheckGroup); 29] = [
     ("joints", joints::checks),
     ("springs", springs::checks),
     ("tendons", tendons::checks),
+    ("sheaths", sheaths::checks),
     ("drag", drag::checks),
     ("drag of bodies", drag_of_bodies::checks),
     ("overdamped", overdamped::checks),

@@ -56,6 +56,7 @@ groups_pass! {
     continuation_passes: "continuation",
     springs_pass: "springs",
     tendons_pass: "tendons",
+    sheaths_pass: "sheaths",
     overdamped_passes: "overdamped",
     drag_of_bodies_passes: "drag of bodies",
     background_flow_passes: "background flow",

@@ -169,6 +169,7 @@ fn resolve(probe: &scenario::Probe, scene: &Scene, key: &KeyPath) -> Result<Prob
         }
         ProbeKind::SpringForce { joint } => rods.spring(joint)?,
         ProbeKind::Tendon { tendon } => rods.tendon(tendon)?,
+        ProbeKind::Sheath { sheath } => rods.sheath(sheath)?,
     };
     Ok(Probe {
         name: probe.name.clone(),
@@ -297,6 +298,14 @@ impl Rods<'_> {
         tendon
             .map(|tendon| Quantity::Tendon { tendon })
             .ok_or_else(|| self.unknown("tendon", "tendons", name, &names, "tendon"))
+    }
+
+    fn sheath(&self, name: &str) -> Result<Quantity, Issue> {
+        let names: Vec<&str> = names_of(&self.scene.sheaths, |sheath| &sheath.name);
+        let sheath = names.iter().position(|known| *known == name);
+        sheath
+            .map(|sheath| Quantity::Sheath { sheath })
+            .ok_or_else(|| self.unknown("sheath", "sheaths", name, &names, "sheath"))
     }
 
     /// The fault of a `name` that no `one` of `all` has.

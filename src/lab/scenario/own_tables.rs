@@ -20,6 +20,7 @@ pub struct OwnTable {
     schema: fn(&mut SchemaGenerator) -> Schema,
     decode: fn(&Node) -> Result<Box<dyn Any>, Issues>,
     resolve: Option<Resolve>,
+    lumps_inertia: bool,
 }
 
 /// Resolves the parts in a typed table and adds them to the others.
@@ -39,6 +40,7 @@ impl OwnTable {
             schema: |generator| generator.subschema_for::<Option<T>>(),
             decode: |node| Ok(Box::new(decode::<T>(node)?)),
             resolve: None,
+            lumps_inertia: false,
         }
     }
 
@@ -51,6 +53,7 @@ impl OwnTable {
                 schema
             },
             resolve: Some(part::resolve::<P>),
+            lumps_inertia: P::LUMPS_INERTIA,
             ..Self::new::<Vec<P::Typed>>(P::KEY, P::DESCRIPTION)
         }
     }
@@ -119,6 +122,11 @@ impl OwnTables {
     pub fn keys(&self) -> impl Iterator<Item = &'static str> {
         let of_kinds = self.0.values().filter(|(table, _)| table.resolve.is_none());
         of_kinds.map(|(table, _)| table.key)
+    }
+
+    /// Whether rods have lumped inertia because of a part that the file has.
+    pub fn lump_inertia(&self) -> bool {
+        self.0.values().any(|(table, _)| table.lumps_inertia)
     }
 
     /// Resolves the parts that the file has.

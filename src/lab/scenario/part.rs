@@ -16,6 +16,8 @@ pub trait Part: Serialize + Any + Send + Sync + Sized {
     const KEY: &'static str;
     /// Description of the array, one sentence.
     const DESCRIPTION: &'static str;
+    /// Whether rods in a scene with such parts have lumped inertia unless the file says otherwise.
+    const LUMPS_INERTIA: bool = false;
 
     /// Resolves a table.
     fn resolve(section: &Section<'_>, typed: &Self::Typed, index: usize) -> Self;

@@ -5,10 +5,12 @@
 //! the scene, and an entry in the list.
 
 mod actuation;
+mod sheath;
 mod tendon;
 
 #[cfg(test)]
 pub use actuation::{Actuation, ActuationKind};
+pub use sheath::judge as judge_sheaths;
 pub use tendon::{Eyelets, Tendon};
 
 use crate::scenario::keys::{OwnTable, Part};
@@ -40,6 +42,7 @@ macro_rules! parts {
 parts! {
     actuation::Actuation,
     tendon::Tendon,
+    sheath::Sheath,
 }
 
 fn place_all<P: ScenePart>(scenario: &Scenario, scene: &mut Scene, issues: &mut Issues) {

@@ -112,6 +112,13 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         Ok(wall) => scene.wall = wall,
         Err(issue) => issues.push(issue),
     }
+    if issues.0.is_empty()
+        && !scene.sheaths.is_empty()
+        && let Err(issue) = parts::judge_sheaths(&scene)
+    {
+        issues.push(issue);
+        return Err(issues);
+    }
     if let Err((rod, message)) = estimate::refuse_countless_pairs(&scene) {
         // Rods built by the kind come first; [rod] sets their number of nodes.
         let built = scene.rods.len() - scenario.rods.len();

@@ -103,6 +103,7 @@ fn is_at_rest(scene: &Scene) -> bool {
         && scene.springs.is_empty()
         && scene.forces.is_empty()
         && scene.tendons.is_empty()
+        && scene.sheaths.is_empty()
         && scene.contact.is_none()
         && scene.fluid.is_none()
         && scene.start.is_none()

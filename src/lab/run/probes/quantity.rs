@@ -125,6 +125,11 @@ pub enum Quantity {
         /// The tendon.
         tendon: usize,
     },
+    /// Force, N, and moment, N m, of a sheath on its rod, and length of the rod outside, m.
+    Sheath {
+        /// The sheath.
+        sheath: usize,
+    },
     /// Magnitude of the force of a part of the scene on its first node, N.
     NodeForce {
         /// The force.
@@ -200,6 +205,7 @@ impl Quantity {
             | Self::Energy { .. }
             | Self::SpringForce { .. }
             | Self::Tendon { .. }
+            | Self::Sheath { .. }
             | Self::NodeForce { .. } => false,
         }
     }
@@ -222,6 +228,7 @@ impl Quantity {
                 &[("", "_n")]
             }
             Self::Tendon { .. } => &[("_tension", "_n"), ("_length", "_m")],
+            Self::Sheath { .. } => &[("_force", "_n"), ("_moment", "_n_m"), ("_outside", "_m")],
             Self::BendingMoment { .. } | Self::TwistingMoment { .. } => &[("", "_n_m")],
             Self::Curvature { .. } | Self::Torsion { .. } => &[("", "_per_m")],
             Self::Twist { .. } => &[("", "_rad_per_m")],
@@ -307,6 +314,11 @@ impl Quantity {
                 Some(simulation.tendon_tension(tendon)),
                 Some(simulation.tendon_length(tendon)),
             ],
+            Self::Sheath { sheath } => {
+                let [force, moment] = simulation.sheath_force(sheath);
+                let outside = simulation.length_outside(sheath);
+                [force, moment, outside].map(Some).to_vec()
+            }
             Self::NodeForce { force } => vec![Some(simulation.node_force(force).norm())],
         }
     }

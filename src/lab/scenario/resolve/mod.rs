@@ -79,7 +79,8 @@ pub fn resolve(
     if kind.is_none() {
         top.missing("experiment", context.experiments.as_str());
     }
-    let mut rods = rod::rods(context, &top, file, kind.map(|kind| kind.name()));
+    let name = kind.map(|kind| kind.name());
+    let mut rods = rod::rods(context, &top, file, name, own.lump_inertia());
     let material = rod::CommonMaterial::of(&top, file);
     let networks = network::networks(context, &top, &file.networks, &material);
     rods.extend(networks.rods);

@@ -19,8 +19,10 @@ pub fn rods(
     top: &Section<'_>,
     file: &ScenarioFile,
     experiment: Option<&str>,
+    lumped: bool,
 ) -> Vec<Rod> {
-    let vibrates = experiment == Some("scene") && !model::touches(file) && !model::flows(file);
+    let meets = model::touches(file) || model::flows(file);
+    let vibrates = experiment == Some("scene") && !meets && !lumped;
     let common = CommonMaterial::of(top, file);
     let section = top.below("rods");
     let rods = top.elements("rods", &file.rods).enumerate();

@@ -146,6 +146,12 @@ keys! {
             /// Name of the joint with the spring.
             joint: text("the name of a joint of kind = \"spring\"") required,
         },
+        /// Force of a sheath on its rod in the direction in which it is fed, moment about this
+        /// direction, and natural length of the rod outside: columns _force_n, _moment_n_m, _outside_m.
+        Sheath {
+            /// Name of the sheath.
+            sheath: text("the name of a sheath") required,
+        },
         /// Tension and length of a tendon: columns _tension_n, _length_m.
         Tendon {
             /// Name of the tendon.

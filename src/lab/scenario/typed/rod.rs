@@ -120,7 +120,8 @@ keys! {
         /// along each edge, with errors of fourth order for straight rods. "consistent" also
         /// changes strains and the weights of vertices beside clamps, even in equilibria; the
         /// guide's page `accuracy` has the numbers. "auto" (the default): "consistent" for
-        /// naturally straight rods of a `scene` without sections, contact and fluid, else "lumped".
+        /// naturally straight rods of a `scene` without sections, sheaths, contact and fluid, else
+        /// "lumped".
         inertia: word(InertiaChoice) default(InertiaChoice::Auto),
         /// Velocity of the rod at time zero. Default: at rest.
         velocity: vector(Velocity) default([0.0; 3]),
