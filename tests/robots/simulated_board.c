@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <termios.h>
 #include <time.h>
 #include <unistd.h>
@@ -64,6 +65,8 @@ int main(int count, char **arguments)
 {
     if (count != 3)
         return 2;
+    /* A real board has a processor of its own, which no load of this machine slows down. Only root may do this. */
+    setpriority(PRIO_PROCESS, 0, -20);
     elf_firmware_t firmware;
     memset(&firmware, 0, sizeof firmware);
     if (elf_read_firmware(arguments[1], &firmware))
