@@ -24,7 +24,7 @@ pub(crate) use super::piecewise::piecewise_turning;
 
 pub use section::{EdgeSection, Section, edge_sections, pieces};
 pub use sheath::Sheath;
-pub use tendon::{Eyelet, Pull, Tendon};
+pub use tendon::{Eyelet, EyeletFriction, Pull, Tendon};
 pub use yielding::{Layer, PlasticBending, Yielding, YieldingMaterial};
 
 use super::contact::{ContactParameters, DirectedFriction};

@@ -81,9 +81,15 @@ impl Simulation {
         self.system.spring_force(spring)
     }
 
-    /// Tension of a tendon of the scene, N; 0 where it is slack.
+    /// Tension of a tendon of the scene, N; 0 where it is slack. With friction, that at its first
+    /// eyelet.
     pub fn tendon_tension(&self, tendon: usize) -> f64 {
-        self.system.tendon_tension(tendon)
+        self.system.tendon_tensions(tendon)[0]
+    }
+
+    /// Tension of a tendon of the scene at its last eyelet, N.
+    pub fn tendon_end_tension(&self, tendon: usize) -> f64 {
+        self.system.tendon_tensions(tendon)[1]
     }
 
     /// Natural length of the rod outside of a sheath of the scene, m.

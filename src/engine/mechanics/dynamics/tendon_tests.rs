@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{Eyelet, Pull, RodDescription, Scene, Start, Tendon};
+use crate::mechanics::scene::{Eyelet, EyeletFriction, Pull, RodDescription, Scene, Start, Tendon};
 use crate::mechanics::test_support::{
-    MODELS, assert_close, assert_close_in, at, at_rest, body, clamp, contact, fixed_steps,
+    MODELS, assert_close, assert_close_in, at, at_rest, body, clamp, contact, drag, fixed_steps,
     free_rods, gravity, moved, resumed, run, run_with, section, short_path, straight_rod,
 };
 use std::f64::consts::TAU;
@@ -20,6 +20,7 @@ fn tendon(eyelets: Vec<Eyelet>, pull: Pull) -> Tendon {
         name: "tendon".into(),
         eyelets,
         pull,
+        friction: None,
     }
 }
 
@@ -219,6 +220,87 @@ fn a_winch_lifts_a_weight_by_the_length_it_takes_in() {
     }
 }
 
+/// A weight on a rope over a bollard, by which it turns by a quarter of a turn: it moves with
+/// a = T e^(∓μφ)/m − g, and rests in between.
+#[test]
+fn a_rope_over_a_bollard_holds_more_than_its_pull() {
+    let (mass, friction) = (0.2, 0.3);
+    let fixed = [Vector3::x(), Vector3::zeros()].map(Eyelet::Fixed);
+    let moved = |force: f64, end: f64| {
+        let mut rope = tendon(vec![fixed[0], fixed[1], on_rod(0)], tension(force));
+        rope.friction = Some(EyeletFriction {
+            coefficient: friction,
+            presliding: Some(1e-6),
+        });
+        let scene = weights(&[-Vector3::z()], &[mass], rope);
+        let parameters = fixed_steps(Scheme::ImplicitEuler, 1e-3);
+        let simulation = run_with(&scene, &parameters, end);
+        let half_way = run_with(&scene, &parameters, 0.5 * end);
+        let mut again = resumed(&scene, &parameters, &half_way);
+        while again.time() < end {
+            again.advance(end).unwrap();
+        }
+        let mut on = half_way;
+        while on.time() < end {
+            on.advance(end).unwrap();
+        }
+        assert_eq!(on.positions(), again.positions());
+        simulation
+    };
+    let weight = mass * GRAVITY;
+    let held = libm::exp(friction * std::f64::consts::FRAC_PI_2);
+    for (force, ratio) in [
+        (1.5 * held * weight, 1.0 / held),
+        (0.5 * weight / held, held),
+    ] {
+        let end = 0.2;
+        let simulation = moved(force, end);
+        // What moves before it slides is less than the presliding length.
+        let speed = (force * ratio / mass - GRAVITY) * end;
+        assert_close(simulation.velocities()[0].z, speed, 5e-3);
+        assert_close(simulation.tendon_end_tension(0), force * ratio, 5e-4);
+    }
+    for force in [0.9 * held * weight, weight, 1.1 * weight / held] {
+        let simulation = moved(force, 1.0);
+        let off = simulation.positions()[0].z + 1.0;
+        assert!(off.abs() < 2e-4, "{force}: {off}");
+    }
+}
+
+/// Along a backbone T' = −μ κ T and κ = T d/EI, so that κ = κ₀/(1 + μ κ₀ s), a logarithmic spiral:
+/// the tip turns by ln(1 + μ κ₀ L)/μ. When the tension falls again, the backbone stays bent.
+#[test]
+fn friction_leaves_a_backbone_less_bent_and_keeps_it_bent() {
+    let (force, friction) = (5.0, 0.3);
+    let curvature = force * OFFSET / BENDING;
+    let tip = |course: Vec<(f64, f64)>, edges: usize, end: f64| {
+        let mut scene = backbone(edges, 0.0, Pull::Tension(course));
+        scene.tendons[0].friction = Some(EyeletFriction {
+            coefficient: friction,
+            presliding: Some(1e-5),
+        });
+        scene.loads = vec![drag(None, 0.5, 1e-4)];
+        let simulation = run_with(&scene, &fixed_steps(Scheme::ImplicitEuler, 0.25), end);
+        let nodes = simulation.positions();
+        let last = nodes[edges] - nodes[edges - 1];
+        libm::atan2(last.y, last.x)
+    };
+    // So slowly that the drag hardly delays it.
+    let pulled = vec![(0.0, 0.0), (20.0, force)];
+    let [coarse, fine] = [10, 20].map(|edges| tip(pulled.clone(), edges, 20.0));
+    // The tip is that of the last vertex, half an edge before the end.
+    let turned = |length: f64| libm::log1p(friction * curvature * length) / friction;
+    assert_close(fine, turned(LENGTH * 19.5 / 20.0), 1e-2);
+    assert_close(coarse, turned(LENGTH * 9.5 / 10.0), 2e-2);
+    let halved = [&pulled[..], &[(40.0, 0.5 * force)]].concat();
+    let kept = tip(halved, 20, 40.0);
+    let without = 0.5 * curvature * LENGTH * 19.5 / 20.0;
+    assert!(
+        kept > 1.05 * without && kept < fine,
+        "{kept} {without} {fine}"
+    );
+}
+
 /// Two free rods in a plane, without twist, that a stretched tendon pulls together.
 #[test]
 fn tendons_between_free_rods_conserve_momenta() {
@@ -248,6 +330,23 @@ fn tendons_between_free_rods_conserve_momenta() {
     let mass = 2.0 * 0.2 * straight_rod(4, 0.2).mass_per_length;
     assert!(momentum.norm() < 1e-9 * mass * speed, "{momentum}");
     assert!(turning.norm() < 1e-9 * mass * speed * 0.2, "{turning}");
+}
+
+#[test]
+fn friction_of_tendons_is_refused_where_it_is_not_determined() {
+    let mut scene = backbone(4, 0.0, tension(1.0));
+    let law = EyeletFriction {
+        coefficient: 0.1,
+        presliding: Some(1e-5),
+    };
+    scene.tendons[0].friction = Some(law);
+    let parameters = IntegrationParameters::default();
+    let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+    let error = simulation.find_equilibrium().unwrap_err().to_string();
+    assert!(error.contains("friction of tendons"), "{error}");
+    scene.tendons[0].pull = stretching(100.0, 0.3);
+    let error = Simulation::new(&scene, &parameters).map(drop).unwrap_err();
+    assert!(error.to_string().contains("tendon `tendon`"), "{error}");
 }
 
 #[test]

@@ -4,8 +4,8 @@ use super::RodNode;
 use crate::mechanics::Vector3;
 
 /// A cable without mass and bending stiffness that runs straight from eyelet to eyelet, slides in
-/// them without friction, and pulls but does not push. It is fixed to its first and last eyelets,
-/// or leaves the scene there.
+/// them, and pulls but does not push. It is fixed to its first and last eyelets, or leaves the scene
+/// there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tendon {
     /// Name in scenarios and messages.
@@ -14,6 +14,9 @@ pub struct Tendon {
     pub eyelets: Vec<Eyelet>,
     /// What determines its tension.
     pub pull: Pull,
+    /// Friction in its eyelets; `None` if it slides freely. Only for a given tension, which acts at
+    /// the first eyelet; the tendon is then fixed to the last one.
+    pub friction: Option<EyeletFriction>,
 }
 
 impl Tendon {
@@ -21,6 +24,16 @@ impl Tendon {
     pub(crate) fn is_conservative(&self) -> bool {
         matches!(&self.pull, Pull::Stretching { taken_in, .. } if taken_in.is_empty())
     }
+}
+
+/// Friction of a tendon in its eyelets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EyeletFriction {
+    /// Coefficient μ.
+    pub coefficient: f64,
+    /// Length that the tendon is moved in an eyelet until it slides, m; `None` is 10⁻⁵ of its placed
+    /// length.
+    pub presliding: Option<f64>,
 }
 
 /// A point through which a tendon runs.

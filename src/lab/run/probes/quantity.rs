@@ -120,7 +120,7 @@ pub enum Quantity {
         /// The spring.
         spring: usize,
     },
-    /// Tension, N, and length, m, of a tendon.
+    /// Tensions of a tendon at its first and at its last eyelet, N, and its length, m.
     Tendon {
         /// The tendon.
         tendon: usize,
@@ -227,7 +227,11 @@ impl Quantity {
             Self::Tension { .. } | Self::SpringForce { .. } | Self::NodeForce { .. } => {
                 &[("", "_n")]
             }
-            Self::Tendon { .. } => &[("_tension", "_n"), ("_length", "_m")],
+            Self::Tendon { .. } => &[
+                ("_tension", "_n"),
+                ("_end_tension", "_n"),
+                ("_length", "_m"),
+            ],
             Self::Sheath { .. } => &[("_force", "_n"), ("_moment", "_n_m"), ("_outside", "_m")],
             Self::BendingMoment { .. } | Self::TwistingMoment { .. } => &[("", "_n_m")],
             Self::Curvature { .. } | Self::Torsion { .. } => &[("", "_per_m")],
@@ -312,6 +316,7 @@ impl Quantity {
             Self::SpringForce { spring } => vec![Some(simulation.spring_force(spring))],
             Self::Tendon { tendon } => vec![
                 Some(simulation.tendon_tension(tendon)),
+                Some(simulation.tendon_end_tension(tendon)),
                 Some(simulation.tendon_length(tendon)),
             ],
             Self::Sheath { sheath } => {

@@ -152,7 +152,8 @@ keys! {
             /// Name of the sheath.
             sheath: text("the name of a sheath") required,
         },
-        /// Tension and length of a tendon: columns _tension_n, _length_m.
+        /// Tensions of a tendon at its first and at its last eyelet, which differ by friction, and its
+        /// length: columns _tension_n, _end_tension_n, _length_m.
         Tendon {
             /// Name of the tendon.
             tendon: text("the name of a tendon") required,

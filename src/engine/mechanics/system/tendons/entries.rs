@@ -91,6 +91,11 @@ impl TendonEntries {
         })
     }
 
+    /// Number of unknowns.
+    pub(super) fn unknowns(&self) -> usize {
+        self.unknowns.len()
+    }
+
     /// An unknown by its index among those of the tendon.
     pub(super) fn unknown(&self, slot: usize) -> usize {
         self.unknowns[slot]

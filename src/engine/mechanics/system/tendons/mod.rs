@@ -2,7 +2,7 @@
 //!
 //! The length of a tendon is the sum ℓ = Σ ‖pᵢ₊₁ − pᵢ‖ over its eyelets p ([`eyelet`]), and its
 //! energy is E(ℓ): T ℓ under a given tension T, ½ (EA/L) (ℓ − L)² for one that stretches and is not
-//! slack. Without friction the tension is the same along all of it. With the unit vectors u of its
+//! slack. Without friction ([`capstan`]) the tension is the same along all of it. With the unit vectors u of its
 //! straight parts of length r,
 //!
 //! ```text
@@ -17,6 +17,7 @@
 //! (2011), *Statics and dynamics of continuum robots with general tendon routing and external
 //! loading*, IEEE Transactions on Robotics 27, 1033, with straight parts between eyelets.
 
+mod capstan;
 mod entries;
 mod eyelet;
 #[cfg(test)]
@@ -28,15 +29,20 @@ use super::demand::Demand;
 use super::events::Event;
 use super::newton_matrix::Entries;
 use super::term::{Configuration, Kind, Term};
-use crate::linalg::Element;
+use crate::linalg::{Element, ElementMatrix};
 use crate::mechanics::rod::{ElasticEnergy, ElasticRods, RodGeometry};
 use crate::mechanics::scene::{Eyelet, Pull, Scene, Tendon, piecewise_linear};
 use crate::mechanics::{Matrix3, SceneError, Vector3};
+use capstan::Capstans;
 use entries::TendonEntries;
 use eyelet::{CarryingEdge, RodEyelet};
 
 const NO_PATH: SceneError = SceneError::Unsuitable(
     "a path of equilibria does not support tendons that stretch: their stiffness jumps where they become slack; prescribe their tension",
+);
+
+const NO_EQUILIBRIUM: SceneError = SceneError::Unsuitable(
+    "an equilibrium does not determine the friction of tendons in their eyelets: run dynamically",
 );
 
 const NO_START: SceneError = SceneError::Unsuitable(
@@ -58,6 +64,10 @@ struct PlacedTendon {
     given: f64,
     /// ℓ, m.
     length: f64,
+    /// Friction in the eyelets, if any.
+    capstans: Option<Capstans>,
+    /// Tension of each straight part, N.
+    tensions: Vec<f64>,
 }
 
 #[derive(Clone, Debug)]
@@ -68,6 +78,8 @@ struct PlacedEyelet {
     place: Vector3,
     /// ∂ℓ/∂p.
     slope: Vector3,
+    /// Force against a motion of the eyelet, Σ T ∂r/∂p over the straight parts, N.
+    force: Vector3,
     /// Indices of the unknowns on which it depends among those of the tendon, and ∂p/∂q.
     rates: Vec<(usize, Vector3)>,
 }
@@ -101,18 +113,23 @@ impl PlacedTendon {
         let placed: Option<Vec<_>> = tendon.eyelets.iter().map(place).collect();
         let placed = placed.filter(|placed| placed.len() > 1);
         let placed = placed.ok_or_else(invalid)?;
+        let rubs = tendon.friction.is_some();
+        if rubs && tendon.pull.stretches() {
+            return Err(invalid());
+        }
         let unknowns = |(eyelet, _): &(Option<RodEyelet>, Vector3)| {
             let own = eyelet.iter().flat_map(RodEyelet::unknowns);
             own.collect::<Vec<usize>>()
         };
         let unknowns: Vec<Vec<usize>> = placed.iter().map(unknowns).collect();
-        let (entries, places) = TendonEntries::new(&unknowns, tendon.pull.stretches());
+        let (entries, places) = TendonEntries::new(&unknowns, tendon.pull.stretches() || rubs);
         let eyelets = placed.into_iter().zip(places);
         let eyelets: Vec<_> = eyelets
             .map(|((on_rod, place), slots)| PlacedEyelet {
                 on_rod,
                 place,
                 slope: Vector3::zeros(),
+                force: Vector3::zeros(),
                 rates: slots
                     .into_iter()
                     .map(|slot| (slot, Vector3::zeros()))
@@ -120,6 +137,8 @@ impl PlacedTendon {
             })
             .collect();
         Ok(Self {
+            tensions: vec![0.0; eyelets.len() - 1],
+            capstans: tendon.friction.map(|law| Capstans::new(law, eyelets.len())),
             eyelets,
             pull: tendon.pull.clone(),
             rest_length: 0.0,
@@ -149,6 +168,27 @@ impl PlacedTendon {
             self.length += length;
             self.eyelets[part - 1].slope -= direction;
             self.eyelets[part].slope += direction;
+        }
+        if let Some(capstans) = &mut self.capstans {
+            capstans.update(&self.eyelets);
+        }
+        self.pull_on_eyelets();
+    }
+
+    /// Sets the tension of each part, and the forces on the eyelets.
+    fn pull_on_eyelets(&mut self) {
+        let mut tension = self.tension();
+        for eyelet in &mut self.eyelets {
+            eyelet.force = Vector3::zeros();
+        }
+        for part in 0..self.tensions.len() {
+            if let (Some(capstans), Some(inner)) = (&self.capstans, part.checked_sub(1)) {
+                tension *= capstans.ratio(inner);
+            }
+            self.tensions[part] = tension;
+            let (direction, _) = straight_part(&self.eyelets[part..]);
+            self.eyelets[part].force -= direction * tension;
+            self.eyelets[part + 1].force += direction * tension;
         }
     }
 
@@ -223,8 +263,7 @@ impl PlacedTendon {
     /// Adds ∂²E/∂q² to the matrices of its elements.
     fn add_hessian(&self, at: &Configuration, entries: &mut Entries, first: usize) {
         let matrices = &mut entries.elements()[first..first + self.entries.count()];
-        let tension = self.tension();
-        for ends in self.eyelets.windows(2) {
+        for (ends, tension) in self.eyelets.windows(2).zip(&self.tensions) {
             let (along, length) = straight_part(ends);
             if length == 0.0 {
                 continue;
@@ -244,8 +283,7 @@ impl PlacedTendon {
         let sources = &at.reference.tangent;
         for eyelet in &self.eyelets {
             if let Some(on_rod) = &eyelet.on_rod {
-                let force = eyelet.slope * tension;
-                on_rod.curvature(&force, at.geometry, sources, |row, column, value| {
+                on_rod.curvature(&eyelet.force, at.geometry, sources, |row, column, value| {
                     let [row, column] = [row, column].map(|k| eyelet.rates[k].0);
                     self.entries.add(matrices, row, column, value);
                 });
@@ -259,6 +297,68 @@ impl PlacedTendon {
                 }
             }
         }
+        if let Some(capstans) = &self.capstans {
+            self.add_friction(capstans, matrices);
+        }
+    }
+
+    /// A straight part, and the rates of its span over the unknowns.
+    fn part(&self, number: usize) -> ((Vector3, f64), impl Iterator<Item = (usize, Vector3)>) {
+        let ends = &self.eyelets[number..number + 2];
+        let (from, to) = (ends[0].rates.iter(), ends[1].rates.iter());
+        let rates = from.map(|&(slot, rate)| (slot, -rate)).chain(to.copied());
+        (straight_part(ends), rates)
+    }
+
+    /// Adds Σ ∂ℓₖ/∂q ∂Tₖ/∂qᵀ of friction over the straight parts.
+    fn add_friction(&self, capstans: &Capstans, matrices: &mut [ElementMatrix]) {
+        let unknowns = self.entries.unknowns();
+        // ∂Λ/∂q beyond each inner eyelet, and Σ (z ∂φ/∂q − φ ∂Λ/∂q/δ) before each part.
+        let parts = self.tensions.len();
+        let mut beyond = vec![vec![0.0; unknowns]; parts];
+        for number in (1..parts).rev() {
+            if number + 1 < parts {
+                beyond[number] = beyond[number + 1].clone();
+            }
+            let ((direction, _), rates) = self.part(number);
+            for (slot, rate) in rates {
+                beyond[number][slot] += direction.dot(&rate);
+            }
+        }
+        let mut fall = vec![0.0; unknowns];
+        for number in 1..parts {
+            let (state, slopes, sticks) = capstans.slopes(number - 1);
+            for (side, slope) in [number - 1, number].into_iter().zip(slopes) {
+                let ((direction, length), rates) = self.part(side);
+                if length == 0.0 {
+                    continue;
+                }
+                let across = (slope - direction * direction.dot(&slope)) * (state / length);
+                for (slot, rate) in rates {
+                    fall[slot] += across.dot(&rate);
+                }
+            }
+            for (own, beyond) in fall.iter_mut().zip(&beyond[number]) {
+                *own -= sticks * beyond;
+            }
+            let factor = -capstans.coefficient() * self.tensions[number];
+            let ((direction, _), rates) = self.part(number);
+            for (row, rate) in rates {
+                let slope = factor * direction.dot(&rate);
+                for (column, fall) in fall.iter().enumerate() {
+                    self.entries.add(matrices, row, column, slope * fall);
+                }
+            }
+        }
+    }
+
+    /// The residual, ∂E/∂q without friction, with the indices of the unknowns among those of the
+    /// tendon; entries of the same unknown add up.
+    fn forces(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.eyelets.iter().flat_map(|eyelet| {
+            let rates = eyelet.rates.iter();
+            rates.map(|(slot, rate)| (*slot, eyelet.force.dot(rate)))
+        })
     }
 
     /// ∂ℓ/∂q, with the indices of the unknowns among those of the tendon; entries of the same
@@ -314,6 +414,9 @@ impl Term for Tendons {
                 return Err(SceneError::Tendon(tendon.name.clone()));
             }
             placed.drive(0.0);
+            if let Some(capstans) = &mut placed.capstans {
+                capstans.begin(placed.length);
+            }
             tendons.push(placed);
         }
         tendons.iter().for_each(|tendon| tendon.round(assembly));
@@ -362,11 +465,32 @@ impl Term for Tendons {
         [potential, potential.abs()]
     }
 
+    fn has_potential(&self) -> bool {
+        self.0.iter().all(|tendon| tendon.capstans.is_none())
+    }
+
+    fn commit(&mut self) {
+        let capstans = self.0.iter_mut().filter_map(|one| one.capstans.as_mut());
+        capstans.for_each(Capstans::commit);
+    }
+
+    fn memory(&self) -> Vec<Vec<f64>> {
+        let capstans = self.0.iter().filter_map(|one| one.capstans.as_ref());
+        capstans.map(Capstans::memory).collect()
+    }
+
+    fn restore(&mut self, memory: &mut dyn Iterator<Item = Vec<f64>>) -> Result<(), &'static str> {
+        for capstans in self.0.iter_mut().filter_map(|one| one.capstans.as_mut()) {
+            let fits = memory.next().is_some_and(|one| capstans.restore(&one));
+            fits.then_some(()).ok_or("friction of tendons")?;
+        }
+        Ok(())
+    }
+
     fn add_forces(&self, _: &Configuration, residual: &mut [f64]) {
         for tendon in &self.0 {
-            let tension = tendon.tension();
-            for (slot, slope) in tendon.slopes() {
-                residual[tendon.entries.unknown(slot)] += tension * slope;
+            for (slot, force) in tendon.forces() {
+                residual[tendon.entries.unknown(slot)] += force;
             }
         }
     }
@@ -381,9 +505,8 @@ impl Term for Tendons {
 
     fn add_sizes(&self, _: &Configuration, forces: &mut [f64]) {
         for tendon in &self.0 {
-            let tension = tendon.tension();
-            for (slot, slope) in tendon.slopes() {
-                forces[tendon.entries.unknown(slot)] += (tension * slope).abs();
+            for (slot, force) in tendon.forces() {
+                forces[tendon.entries.unknown(slot)] += force.abs();
             }
         }
     }
@@ -400,7 +523,11 @@ impl Term for Tendons {
 
     fn refuses(&self, demand: Demand) -> Option<SceneError> {
         let mut pulls = self.0.iter().map(|tendon| &tendon.pull);
+        let rub = !self.has_potential();
         match demand {
+            Demand::Equilibrium | Demand::NearbyEquilibrium | Demand::Path if rub => {
+                Some(NO_EQUILIBRIUM)
+            }
             Demand::Path => pulls.any(Pull::stretches).then_some(NO_PATH),
             Demand::Start => pulls
                 .any(|pull| {
@@ -419,9 +546,10 @@ impl Term for Tendons {
 }
 
 impl System {
-    /// Tension of a tendon at the last evaluation, N.
-    pub(crate) fn tendon_tension(&self, tendon: usize) -> f64 {
-        self.terms.tendons.0[tendon].tension()
+    /// Tension of a tendon at the last evaluation in its first and in its last straight part, N.
+    pub(crate) fn tendon_tensions(&self, tendon: usize) -> [f64; 2] {
+        let tensions = &self.terms.tendons.0[tendon].tensions;
+        [tensions[0], tensions[tensions.len() - 1]]
     }
 
     /// Length of a tendon at the last evaluation, m.

@@ -1,7 +1,7 @@
 //! Forces and Jacobians of tendons against differences.
 
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{Eyelet, Pull, RodDescription, Scene, Tendon};
+use crate::mechanics::scene::{Eyelet, EyeletFriction, Pull, RodDescription, Scene, Tendon};
 use crate::mechanics::system::System;
 use crate::mechanics::test_support::{at, clamp, section};
 
@@ -51,11 +51,13 @@ fn scene(pull: Pull) -> Scene {
                 name: "long".into(),
                 eyelets,
                 pull,
+                friction: None,
             },
             Tendon {
                 name: "short".into(),
                 eyelets: vec![eyelet(0, 3, [0.1, 0.0]), eyelet(1, 2, [0.0, 0.0])],
                 pull: Pull::Tension(vec![(0.0, 0.7)]),
+                friction: None,
             },
         ],
         ..Scene::default()
@@ -83,7 +85,7 @@ fn forces_and_jacobians_of_tendons_are_derivatives_of_their_energy() {
         }
         system.linearize(&unknowns, None);
         assert!(system.is_symmetric());
-        assert!(system.tendon_tension(0) > 0.5, "{pull:?}");
+        assert!(system.tendon_tensions(0)[0] > 0.5, "{pull:?}");
         let (residual, jacobian) = (system.residual.clone(), system.dense_matrix());
         let step = 1e-5;
         let free: Vec<usize> = (0..unknowns.len())
@@ -110,6 +112,53 @@ fn forces_and_jacobians_of_tendons_are_derivatives_of_their_energy() {
                 assert!(
                     missed < 1e-7 * (1.0 + slope.abs()),
                     "{pull:?} {row} {column}: {missed:e}, {slope}"
+                );
+            }
+        }
+    }
+}
+
+/// With friction the tension depends on angles and on what slides, so that no energy exists.
+#[test]
+fn jacobians_of_tendons_with_friction_are_derivatives_of_their_forces() {
+    for presliding in [10.0, 0.05] {
+        let mut scene = scene(Pull::Tension(vec![(0.0, 1.3)]));
+        scene.tendons[0].friction = Some(EyeletFriction {
+            coefficient: 0.4,
+            presliding: Some(presliding),
+        });
+        let mut system = System::new(&scene).unwrap();
+        let mut unknowns = system.assembly.unknowns.clone();
+        for (k, unknown) in unknowns.iter_mut().enumerate() {
+            if !system.assembly.held[k] {
+                *unknown += 0.05 * libm::sin(1.7 * k as f64);
+            }
+        }
+        system.linearize(&unknowns, None);
+        assert!(!system.is_symmetric());
+        let [first, last] = system.tendon_tensions(0);
+        assert!(
+            first == 1.3 && (last - first).abs() > 0.01,
+            "{first} {last}"
+        );
+        let jacobian = system.dense_matrix();
+        let step = 1e-6;
+        let held = system.assembly.held.clone();
+        let free: Vec<usize> = (0..unknowns.len()).filter(|&k| !held[k]).collect();
+        let mut at = |k: usize, by: f64| {
+            let mut moved = unknowns.clone();
+            moved[k] += by;
+            system.evaluate(&moved, None);
+            system.residual.clone()
+        };
+        for &column in &free {
+            let (above, below) = (at(column, step), at(column, -step));
+            for &row in &free {
+                let slope = (above[row] - below[row]) / (2.0 * step);
+                let missed = (slope - jacobian[(row, column)]).abs();
+                assert!(
+                    missed < 1e-6 * (1.0 + slope.abs()),
+                    "{presliding} {row} {column}: {missed:e}, {slope}"
                 );
             }
         }

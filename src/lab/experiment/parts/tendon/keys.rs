@@ -1,12 +1,12 @@
 //! Keys of tendons.
 
-use crate::scenario::keys::{FINITE, POSITIVE, Quantity, keys};
+use crate::scenario::keys::{FINITE, NON_NEGATIVE, POSITIVE, Quantity, keys};
 use crate::scenario::units::{Dimensionless, Force, Length, Time};
 
 keys! {
-    /// A cable without mass that runs straight from eyelet to eyelet and slides in them without
-    /// friction: a tendon of a robot, a rope over pulleys without radius, the line of a winch. Give
-    /// its `tension`, or its `stretching_stiffness`.
+    /// A cable without mass that runs straight from eyelet to eyelet and slides in them: a tendon of a
+    /// robot, a rope over pulleys without radius, the line of a winch. Give its `tension`, or its
+    /// `stretching_stiffness`.
     table TendonKeys "tendon" {
         /// Name for probes and messages. Default: "tendon 0", "tendon 1", ...
         name: text() derived,
@@ -18,6 +18,13 @@ keys! {
         /// Tension at given times, [[time, tension], ...], linear between them and constant
         /// outside: a tendon that a force pulls.
         tension: raw(Vec<(Quantity<Time>, Quantity<Force>)>) raw,
+        /// Coefficient of friction μ in the inner eyelets of a tendon with a given `tension`, which
+        /// acts at the first eyelet: where the tendon turns by φ and slides, the tension changes by
+        /// the factor e^(−μφ) or e^(μφ). It is fixed to the last eyelet. Not in static runs.
+        friction: number(Dimensionless, NON_NEGATIVE) default(0.0),
+        /// Length that the tendon is moved in an eyelet until it slides. Default: a
+        /// hundred-thousandth of its placed length.
+        presliding: number(Length, POSITIVE) optional,
         /// Stiffness EA of a tendon that stretches: its tension is EA (length/rest length − 1), and
         /// zero where it is slack.
         stretching_stiffness: number(Force, POSITIVE) optional,

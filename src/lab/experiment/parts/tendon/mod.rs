@@ -20,6 +20,12 @@ pub struct Tendon {
     /// Tension at given times, (s, N).
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tension: Vec<(f64, f64)>,
+    /// Coefficient of friction in the eyelets.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub friction: f64,
+    /// Length moved before the tendon slides, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub presliding: Option<f64>,
     /// EA, N; `None` if the tension is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stretching_stiffness: Option<f64>,
@@ -89,6 +95,8 @@ impl Part for Tendon {
                 typed.tension.as_deref().unwrap_or_default(),
                 |corner, force| corner.number("1", force, NON_NEGATIVE),
             ),
+            friction: typed.friction(section),
+            presliding: typed.presliding(section),
             stretching_stiffness: typed.stretching_stiffness(section),
             rest_length: typed.rest_length(section),
             taken_in: typed.taken_in(section, Vec::new()),
@@ -105,6 +113,12 @@ impl Part for Tendon {
             return;
         }
         for (index, tendon) in all.iter().enumerate() {
+            if tendon.friction > 0.0 {
+                array.below(&index.to_string()).fault(
+                    "friction",
+                    "a static run does not determine the direction of friction; use mode = \"dynamic\"",
+                );
+            }
             for (key, corners) in [("tension", &tendon.tension), ("taken_in", &tendon.taken_in)] {
                 if corners.len() > 1 {
                     array.below(&index.to_string()).fault(
@@ -138,7 +152,16 @@ impl Tendon {
                 ],
                 "this key belongs to tendons with `stretching_stiffness`",
             ),
-            Some(_) => {}
+            Some(_) => section.refuse(
+                &[
+                    ("friction", self.friction > 0.0),
+                    ("presliding", self.presliding.is_some()),
+                ],
+                "this key belongs to tendons with a given `tension`",
+            ),
+        }
+        if self.presliding.is_some() && self.friction == 0.0 {
+            section.fault("presliding", "this key belongs to tendons with `friction`");
         }
         let most = self.taken_in.iter().map(|corner| corner.1);
         let most = most.fold(0.0, f64::max);
@@ -253,6 +276,10 @@ impl ScenePart for Tendon {
         scene.tendons.push(scene::Tendon {
             name: self.name.clone(),
             eyelets,
+            friction: (self.friction > 0.0).then_some(scene::EyeletFriction {
+                coefficient: self.friction,
+                presliding: self.presliding,
+            }),
             pull: match self.stretching_stiffness {
                 Some(stiffness) => Pull::Stretching {
                     stiffness,
@@ -303,7 +330,7 @@ TENDON
     #[test]
     fn a_row_of_eyelets_turns_about_the_rod_and_ends_at_its_last_node() {
         let tendons = prepared(
-            "tension = [[0, 2]]\nthrough = [{ position = [2, 0, 0] }, { rod = \"spine\", at = \"end\", to = 3, every = 4, offset = [\"1 cm\", 0], turns = 0.25 }]",
+            "tension = [[0, 2]]\nfriction = 0.2\npresliding = 0.001\nthrough = [{ position = [2, 0, 0] }, { rod = \"spine\", at = \"end\", to = 3, every = 4, offset = [\"1 cm\", 0], turns = 0.25 }]",
         );
         let eyelets = &tendons.unwrap()[0].eyelets;
         let seen: Vec<_> = eyelets[1..]
@@ -345,6 +372,14 @@ TENDON
                     "stretching_stiffness = 9\nrest_length = 1\ntaken_in = [[0, 0], [1, 2]]\n{through}"
                 ),
                 "less than `rest_length`",
+            ),
+            (
+                format!("stretching_stiffness = 2\nfriction = 0.1\n{through}"),
+                "belongs to tendons with a given `tension`",
+            ),
+            (
+                format!("tension = [[0, 1]]\npresliding = 0.1\n{through}"),
+                "belongs to tendons with `friction`",
             ),
             (
                 format!("tension = [[0, 1]]\nthrough = [{spine}]"),
