@@ -1,0 +1,204 @@
+//! Rods that are fed out of sheaths ([`crate::mechanics::scene::Sheath`]).
+//!
+//! Nodes are material points. The edges whose midpoints are in the sheath are held on its axis,
+//! with their frames, and move along it; those outside are free. An edge that leaves is released,
+//! and one that returns is held, from one step to the next, so that each length, mass and momentum
+//! of the rod is conserved.
+//!
+//! [`mouth`] places the mouth between nodes, and derives the force of the sheath.
+
+mod mouth;
+mod placed;
+
+use super::System;
+use super::build::Assembly;
+use super::clamps::list_corners;
+use super::demand::Demand;
+use super::events::Event;
+use super::term::{Configuration, Kind, Term};
+use crate::mechanics::SceneError;
+use crate::mechanics::fluid::FluidModel;
+use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::{ElasticEnergy, ElasticRods, RodGeometry, STRIDE};
+use crate::mechanics::scene::{Scene, Sheath};
+use placed::{Fault, PlacedSheath};
+
+const NO_PATH: SceneError = SceneError::Unsuitable(
+    "a path of equilibria does not support sheaths, whose rods change their free nodes",
+);
+
+const NO_START: SceneError =
+    SceneError::Unsuitable("a scene with sheaths cannot start from the end of another run");
+
+const NO_MIDPOINT: SceneError = SceneError::Unsuitable(
+    "sheaths need time.scheme = \"implicit-euler\" or \"backward-differences\"",
+);
+
+/// The sheaths of a scene.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sheaths(Vec<PlacedSheath>);
+
+/// Checks the sheaths of a scene.
+///
+/// # Errors
+/// [`SceneError::Sheath`] for the first one that cannot hold its rod, or another fault of the scene.
+pub fn check_sheaths(scene: &Scene) -> Result<(), SceneError> {
+    let mut assembly = Assembly::new(scene)?;
+    Sheaths::new(scene, &mut assembly).map(drop)
+}
+
+impl Sheaths {
+    /// Marks the unknowns that are held at a time, s. Returns whether any changed.
+    fn mark(&mut self, time: f64, held: &mut [bool]) -> bool {
+        let changed = self.0.iter_mut().map(|sheath| sheath.mark(time, held));
+        changed.fold(false, |any, changed| any | changed)
+    }
+
+    /// Whether the scene has none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl Term for Sheaths {
+    /// # Errors
+    /// [`SceneError::Sheath`] names a sheath that cannot hold its rod.
+    fn new(scene: &Scene, assembly: &mut Assembly) -> Result<Self, SceneError> {
+        let by_stokeslets = matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. }));
+        let mut rods: Vec<usize> = Vec::new();
+        let place = |sheath: &Sheath| {
+            let fault = |(field, reason): Fault| SceneError::Sheath {
+                name: sheath.name.clone(),
+                field,
+                reason,
+            };
+            let of_rod = |reason: &str| Err(fault(("rod", reason.to_owned())));
+            let Some(rod) = scene.rods.get(sheath.rod) else {
+                return of_rod("its rod does not exist");
+            };
+            if rods.contains(&sheath.rod) {
+                return of_rod("another sheath holds its rod");
+            }
+            if (scene.actuations.iter()).any(|actuation| actuation.rod == sheath.rod) {
+                return of_rod("its rod is actuated");
+            }
+            if by_stokeslets {
+                return of_rod(
+                    "regularized Stokeslets do not support rods in sheaths; fluid.model = \"resistive\" does",
+                );
+            }
+            rods.push(sheath.rod);
+            PlacedSheath::new(sheath, rod, assembly).map_err(fault)
+        };
+        let placed: Result<Vec<_>, _> = scene.sheaths.iter().map(place).collect();
+        let sheaths = Self(placed?);
+        sheaths.0.iter().for_each(|sheath| sheath.begin(assembly));
+        Ok(sheaths)
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Elastic
+    }
+
+    fn has_copies(&self) -> bool {
+        self.is_empty()
+    }
+
+    /// Stiffens the vertices at the mouths.
+    fn drive(&mut self, time: f64, rods: &mut ElasticRods, geometry: &mut RodGeometry) {
+        if !self.is_empty() {
+            (self.0.iter_mut()).for_each(|sheath| sheath.stiffen(time, rods));
+            geometry.take_natural_strains(rods);
+        }
+    }
+
+    fn energy(&self, assembly: &Assembly, _: &RodGeometry) -> ElasticEnergy {
+        let inside = self.0.iter().map(|sheath| sheath.energy_inside(assembly));
+        ElasticEnergy {
+            bending: inside.sum(),
+            ..ElasticEnergy::default()
+        }
+    }
+
+    /// A sheath changes the stiffness of rods, and holds nodes; the term itself adds no forces.
+    fn add_forces(&self, _: &Configuration, _: &mut [f64]) {}
+
+    fn commit(&mut self) {
+        for sheath in &mut self.0 {
+            sheath.committed.clone_from(&sheath.angles);
+        }
+    }
+
+    fn list_events(&self, events: &mut Vec<Event>) {
+        for sheath in &self.0 {
+            let way = |from: &f64, to: &f64| (to - from).abs();
+            list_corners(&sheath.fed, way, events);
+            list_corners(&sheath.turned, way, events);
+        }
+    }
+
+    fn refuses(&self, demand: Demand) -> Option<SceneError> {
+        if self.is_empty() {
+            return None;
+        }
+        match demand {
+            Demand::Path => Some(NO_PATH),
+            Demand::Start => Some(NO_START),
+            Demand::ImplicitMidpoint => Some(NO_MIDPOINT),
+            _ => None,
+        }
+    }
+}
+
+impl System {
+    /// Holds the nodes that are in sheaths at a time, s, and sets their positions and frames.
+    pub(super) fn hold_in_sheaths(&mut self, time: f64, unknowns: &mut [f64]) {
+        if self.terms.sheaths.is_empty() {
+            return;
+        }
+        if self.terms.sheaths.mark(time, &mut self.assembly.held) {
+            self.note_prescribed_nodes();
+            self.matrix.adapt(&self.assembly);
+        }
+        let committed = self.committed_time;
+        for sheath in &mut self.terms.sheaths.0 {
+            sheath.apply(time, committed, &self.reference, unknowns);
+        }
+    }
+
+    /// The frames of held edges are those of a configuration that was committed at a time, s.
+    pub(super) fn resume_sheaths(&mut self, time: f64, unknowns: &[f64]) {
+        for sheath in &mut self.terms.sheaths.0 {
+            let held = sheath.held_at(sheath.inside - sheath.fed(time));
+            for (number, &edge) in sheath.edges.iter().enumerate() {
+                let angle = unknowns[STRIDE * edge + 3];
+                sheath.committed[number] = if number < held { angle } else { f64::NAN };
+            }
+        }
+    }
+
+    /// Whether the scene has sheaths.
+    pub(crate) fn has_sheaths(&self) -> bool {
+        !self.terms.sheaths.is_empty()
+    }
+
+    /// Natural length of the rod outside of a sheath at the last evaluation, m.
+    pub(crate) fn length_outside(&self, sheath: usize) -> f64 {
+        let sheath = &self.terms.sheaths.0[sheath];
+        sheath.along[sheath.edges.len()] - sheath.inside + sheath.fed(self.time)
+    }
+
+    /// Force of a sheath on its rod in the direction in which it is fed, N, and moment about this
+    /// direction, N m, at the last evaluation.
+    pub(crate) fn sheath_force(&self, sheath: usize) -> [f64; 2] {
+        let sheath = &self.terms.sheaths.0[sheath];
+        let nodes = sheath.nodes[..=sheath.held].iter();
+        let reactions = nodes.map(|&node| position(&self.residual, node).dot(&sheath.axis));
+        let edges = sheath.edges[..sheath.held].iter();
+        let moments = edges.map(|&edge| self.residual[STRIDE * edge + 3]);
+        [
+            reactions.sum::<f64>() - sheath.push(&self.assembly, &self.geometry),
+            moments.sum::<f64>() * sheath.tangent.dot(&sheath.axis),
+        ]
+    }
+}

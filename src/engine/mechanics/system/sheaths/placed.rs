@@ -1,0 +1,317 @@
+//! A rod in a sheath: which of its nodes are held, and where.
+
+use crate::mechanics::Vector3;
+use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::transport::{parallel_transport, rotated, signed_angle, unwrapped};
+use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
+use crate::mechanics::rod::{ReferenceFrames, STRIDE};
+use crate::mechanics::scene::{Inertia, RodDescription, Sheath, piecewise_linear};
+use crate::mechanics::system::build::Assembly;
+
+/// Least part of a vertex that bends; with less, its edge is held.
+const LEAST_PART: f64 = 1e-3;
+
+/// Largest distance of a node in a sheath from its place, relative to the length inside.
+const STRAIGHT: f64 = 1e-6;
+
+/// Field of a sheath that is at fault, and why.
+pub(super) type Fault = (&'static str, String);
+
+#[derive(Clone, Debug)]
+pub(super) struct PlacedSheath {
+    /// Nodes of the rod, from the end inside on.
+    pub(super) nodes: Vec<usize>,
+    /// Starts of the edges between them.
+    pub(super) edges: Vec<usize>,
+    /// Natural arc length of each node from the end inside, m.
+    pub(super) along: Vec<f64>,
+    /// Indices of the vertices at nodes with two edges among those of all rods, and their natural
+    /// strains and stiffness outside; `None` at the ends.
+    pub(super) vertices: Vec<Option<(usize, VertexStrains, VertexStiffness)>>,
+    /// Index of the first edge of the rod among those of all rods.
+    pub(super) first_edge: usize,
+    /// EA of the edges, N.
+    pub(super) stretching: Vec<f64>,
+    /// Place of the end inside at time zero, m.
+    pub(super) origin: Vector3,
+    /// Direction in which the rod is fed.
+    pub(super) axis: Vector3,
+    /// Tangent of the rod inside: the axis, or its opposite.
+    pub(super) tangent: Vector3,
+    /// First material directors of the edges inside without turning.
+    pub(super) directors: Vec<Vector3>,
+    pub(super) inside: f64,
+    pub(super) fed: Vec<(f64, f64)>,
+    pub(super) turned: Vec<(f64, f64)>,
+    /// Number of edges that are held.
+    pub(super) held: usize,
+    /// Angles of the held edges, and those at the last commit; NaN for edges that were free.
+    pub(super) angles: Vec<f64>,
+    pub(super) committed: Vec<f64>,
+    /// Node of the vertex at the mouth, counted as in `nodes`, and l, m.
+    pub(super) mouth: Option<(usize, f64)>,
+}
+
+impl PlacedSheath {
+    pub(super) fn new(
+        sheath: &Sheath,
+        rod: &RodDescription,
+        assembly: &Assembly,
+    ) -> Result<Self, Fault> {
+        let range = assembly.rods.rods[sheath.rod];
+        let of_rod = |reason: &str| Err(("rod", reason.to_owned()));
+        if rod.closed || rod.held {
+            return of_rod("its rod must have two ends and must not be an obstacle");
+        }
+        if rod.inertia == Inertia::Consistent {
+            return of_rod("its rod needs inertia = \"lumped\"");
+        }
+        if rod.retardation_time > 0.0 || rod.relaxation.is_some() || rod.yielding.is_some() {
+            return of_rod("its rod must be elastic, without viscosity and plasticity");
+        }
+        let mut nodes: Vec<usize> = range.node_indices().collect();
+        let mut edges: Vec<usize> = range.edge_indices().collect();
+        if sheath.from_end {
+            nodes.reverse();
+            edges.reverse();
+        }
+        let found = (assembly.rods.edges).binary_search_by_key(&range.first_node, |e| e.start);
+        let first_edge = found.expect("a rod has edges");
+        let edge = |start: &usize| &assembly.rods.edges[first_edge + start - range.first_node];
+        let lengths = edges.iter().map(|start| edge(start).natural_length);
+        let ends = lengths.scan(0.0, |along, length| {
+            *along += length;
+            Some(*along)
+        });
+        let along: Vec<f64> = [0.0].into_iter().chain(ends).collect();
+        let place = |node: usize| position(&assembly.unknowns, node);
+        let origin = place(nodes[0]);
+        let axis = (place(nodes[1]) - origin).normalize();
+        let tangent = if sheath.from_end { -axis } else { axis };
+        let vertex_at = |node: usize| {
+            let mut vertices = assembly.rods.vertices.iter().enumerate();
+            vertices.find(|(_, vertex)| {
+                vertex.before.max(vertex.after) < assembly.rods.nodes && vertex.after == node
+            })
+        };
+        let vertices = nodes.iter().map(|&node| {
+            let (index, vertex) = vertex_at(node)?;
+            Some((index, vertex.natural, vertex.stiffness))
+        });
+        let mut placed = Self {
+            vertices: vertices.collect(),
+            stretching: edges.iter().map(|start| edge(start).stretching).collect(),
+            angles: vec![f64::NAN; edges.len()],
+            committed: vec![f64::NAN; edges.len()],
+            directors: Vec::new(),
+            inside: sheath.inside,
+            fed: sheath.fed.clone(),
+            turned: sheath.turned.clone(),
+            held: 0,
+            mouth: None,
+            nodes,
+            edges,
+            along,
+            first_edge,
+            origin,
+            axis,
+            tangent,
+        };
+        placed.check(assembly)?;
+        placed.directors = placed.directors(assembly)?;
+        Ok(placed)
+    }
+
+    /// Checks the lengths, and that nothing else holds the part of the rod that is ever inside.
+    fn check(&self, assembly: &Assembly) -> Result<(), Fault> {
+        let corners = self.fed.iter().map(|corner| corner.1).chain([0.0]);
+        let most = corners.clone().fold(0.0, f64::max);
+        let least = corners.fold(0.0, f64::min);
+        let (first, whole) = (self.along[1], self.along[self.edges.len()]);
+        let slack = STRAIGHT * first;
+        let range = |field, value: f64, allowed: String| {
+            let message = format!("{:?} m is out of range; allowed: {allowed}", rounded(value));
+            Err((field, message))
+        };
+        if self.inside > whole + slack {
+            let allowed = format!("at most {:?} m, the length of its rod", rounded(whole));
+            return range("inside", self.inside, allowed);
+        }
+        if self.inside < first - slack {
+            let allowed = format!("at least {:?} m, one edge of its rod", rounded(first));
+            return range("inside", self.inside, allowed);
+        }
+        if self.inside - most < first - slack {
+            let allowed = format!(
+                "at most {:?} m, so that one edge of its rod stays inside",
+                rounded(self.inside - first)
+            );
+            return range("fed", most, allowed);
+        }
+        let deepest = self.inside - least;
+        for (number, node) in self.nodes.iter().enumerate() {
+            // A node is inside as long as one of its edges is.
+            let is_inside = self.along[number.saturating_sub(1)] < deepest;
+            let is_first = self.along[number] <= self.inside;
+            let off = position(&assembly.unknowns, *node) - self.place(number, 0.0);
+            if is_first && off.norm() > STRAIGHT * self.inside {
+                let message = format!(
+                    "its rod must be placed straight and without tension along {:?} m from the end inside; node {} is {:?} m off",
+                    rounded(self.inside),
+                    assembly.locate(*node).1,
+                    rounded(off.norm())
+                );
+                return Err(("inside", message));
+            }
+            let unknowns = STRIDE * node..STRIDE * node + 3;
+            let inner = number > 0 && number < self.edges.len();
+            let is_taken = assembly.held[unknowns].iter().any(|held| *held)
+                || inner && self.vertices[number].is_none()
+                || assembly.joints.slides_at(*node)
+                || assembly.joints.joins(*node);
+            if is_inside && is_taken {
+                let message = format!(
+                    "a clamp, joint or body is at node {} of its rod, which is inside at some time",
+                    assembly.locate(*node).1
+                );
+                return Err(("rod", message));
+            }
+        }
+        Ok(())
+    }
+
+    /// First material directors of all edges as they are inside without turning, with the natural
+    /// twist.
+    fn directors(&self, assembly: &Assembly) -> Result<Vec<Vector3>, Fault> {
+        let mut directors: Vec<Vector3> = Vec::new();
+        let forwards = self.tangent.dot(&self.axis);
+        for (number, &edge) in self.edges.iter().enumerate() {
+            let reference = &assembly.reference;
+            let angle = assembly.unknowns[STRIDE * edge + 3];
+            let placed = rotated(&reference.director[edge], &reference.tangent[edge], angle);
+            let Some(last) = directors.last() else {
+                directors.push(placed);
+                continue;
+            };
+            let natural = self.vertices[number].map_or(0.0, |vertex| vertex.1.twist);
+            let director = rotated(last, &self.tangent, forwards * natural);
+            if self.middle(number) <= self.inside && (director - placed).norm() > STRAIGHT {
+                let message = "its rod must be placed with its natural twist inside";
+                return Err(("rod", message.to_owned()));
+            }
+            directors.push(director);
+        }
+        Ok(directors)
+    }
+
+    /// Arc length of the middle of an edge, m.
+    pub(super) fn middle(&self, edge: usize) -> f64 {
+        0.5 * (self.along[edge] + self.along[edge + 1])
+    }
+
+    /// Place of a node inside, m.
+    pub(super) fn place(&self, number: usize, fed: f64) -> Vector3 {
+        self.origin + self.axis * (self.along[number] + fed)
+    }
+
+    /// Length fed out at a time (s), m.
+    pub(super) fn fed(&self, time: f64) -> f64 {
+        piecewise_linear(&self.fed, time).unwrap_or(0.0)
+    }
+
+    /// Angle at a time (s), rad.
+    pub(super) fn turned(&self, time: f64) -> f64 {
+        piecewise_linear(&self.turned, time).unwrap_or(0.0)
+    }
+
+    /// Voronoi length of an inner node, m.
+    pub(super) fn voronoi(&self, number: usize) -> f64 {
+        self.middle(number) - self.middle(number - 1)
+    }
+
+    /// Number of edges that are held if the mouth is at an arc length, m; the first always is.
+    pub(super) fn held_at(&self, mouth: f64) -> usize {
+        let is_held = |&edge: &usize| {
+            edge == 0 || self.middle(edge) - mouth <= LEAST_PART * self.voronoi(edge)
+        };
+        (0..self.edges.len()).take_while(is_held).count()
+    }
+
+    /// Marks the unknowns of the edges that are held at a time, s. Returns whether they changed.
+    pub(super) fn mark(&mut self, time: f64, held: &mut [bool]) -> bool {
+        let before = self.held;
+        self.held = self.held_at(self.inside - self.fed(time));
+        let inside = self.held > before;
+        for edge in self.held.min(before)..self.held.max(before) {
+            held[STRIDE * self.edges[edge] + 3] = inside;
+            held[STRIDE * self.nodes[edge + 1]..STRIDE * self.nodes[edge + 1] + 3].fill(inside);
+        }
+        if before == 0 {
+            held[STRIDE * self.nodes[0]..STRIDE * self.nodes[0] + 3].fill(true);
+        }
+        before != self.held
+    }
+
+    /// Moves and turns a rod that nothing else holds as a whole to where it is at time zero.
+    pub(super) fn begin(&self, assembly: &mut Assembly) {
+        let (fed, angle) = (self.fed(0.0), self.turned(0.0));
+        let mut nodes = self.nodes.iter();
+        let is_free = nodes.all(|&node| {
+            let is_held = assembly.held[STRIDE * node..STRIDE * node + 3].contains(&true);
+            !is_held && !assembly.joints.joins(node)
+        });
+        if !is_free || (fed == 0.0 && angle == 0.0) {
+            return;
+        }
+        for &node in &self.nodes {
+            let arm = position(&assembly.unknowns, node) - self.origin;
+            let place = self.origin + self.axis * fed + rotated(&arm, &self.axis, angle);
+            assembly.unknowns[STRIDE * node..STRIDE * node + 3].copy_from_slice(place.as_slice());
+        }
+        let reference = &mut assembly.reference;
+        for &edge in &self.edges {
+            for vector in [&mut reference.tangent[edge], &mut reference.director[edge]] {
+                *vector = rotated(vector, &self.axis, angle);
+            }
+        }
+    }
+
+    /// Sets the held unknowns at a time, s, for reference frames of the time `committed`.
+    pub(super) fn apply(
+        &mut self,
+        time: f64,
+        committed: f64,
+        reference: &ReferenceFrames,
+        unknowns: &mut [f64],
+    ) {
+        let fed = self.fed(time);
+        for number in 0..=self.held {
+            let (node, place) = (self.nodes[number], self.place(number, fed));
+            unknowns[STRIDE * node..STRIDE * node + 3].copy_from_slice(place.as_slice());
+        }
+        let angle = self.turned(time);
+        let spin = self.tangent.dot(&self.axis) * (angle - self.turned(committed));
+        for number in 0..self.edges.len() {
+            if number >= self.held {
+                self.angles[number] = f64::NAN;
+                continue;
+            }
+            let edge = self.edges[number];
+            let source = &reference.tangent[edge];
+            let carried = parallel_transport(&reference.director[edge], source, &self.tangent);
+            let director = rotated(&self.directors[number], &self.axis, angle);
+            let present = signed_angle(&carried, &director, &self.tangent);
+            let expected = match self.committed[number] {
+                free if free.is_nan() => unknowns[STRIDE * edge + 3],
+                committed => committed + spin,
+            };
+            self.angles[number] = unwrapped(present, expected);
+            unknowns[STRIDE * edge + 3] = self.angles[number];
+        }
+    }
+}
+
+/// A length with as many digits as messages show.
+fn rounded(length: f64) -> f64 {
+    format!("{length:.9e}").parse().unwrap_or(length)
+}
