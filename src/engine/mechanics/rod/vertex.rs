@@ -108,6 +108,14 @@ impl VertexStiffness {
             twisting: twisting / voronoi,
         }
     }
+
+    /// Every stiffness, multiplied by a factor.
+    pub(crate) fn times(&self, factor: f64) -> Self {
+        Self {
+            bending: self.bending.map(|bending| factor * bending),
+            twisting: factor * self.twisting,
+        }
+    }
 }
 
 /// Gradient with respect to (e⁰, φ⁰, e¹, φ¹): forces, N, and moments, N m. Also the gradient of a

@@ -70,6 +70,34 @@ impl HeldEdge {
             committed_angle: angle,
         }
     }
+
+    /// Turns its first director to `director`, by `spin` (rad) since the frames of `reference` were
+    /// committed, relative to parallel transport. The positions of its nodes must already be set.
+    pub(super) fn turn(
+        &mut self,
+        director: &Vector3,
+        spin: f64,
+        reference: &ReferenceFrames,
+        unknowns: &mut [f64],
+    ) {
+        let along = position(unknowns, self.end) - position(unknowns, self.start);
+        let tangent = along.normalize();
+        let source = &reference.tangent[self.start];
+        let carried = parallel_transport(&reference.director[self.start], source, &tangent);
+        let angle = signed_angle(&carried, director, &tangent);
+        self.angle = unwrapped(angle, self.committed_angle + spin);
+        unknowns[STRIDE * self.start + 3] = self.angle;
+    }
+
+    /// The reference frames were committed at the last angle.
+    pub(super) fn commit(&mut self) {
+        self.committed_angle = self.angle;
+    }
+
+    /// The reference frames are those that were committed with `unknowns`.
+    pub(super) fn resume(&mut self, unknowns: &[f64]) {
+        self.committed_angle = unknowns[STRIDE * self.start + 3];
+    }
 }
 
 impl Drive {
@@ -233,28 +261,20 @@ impl Drive {
         }
         let (turning, spin) = (self.turning(time), self.spin(committed, time));
         for edge in &mut self.edges {
-            let along = position(unknowns, edge.end) - position(unknowns, edge.start);
-            let tangent = along.normalize();
-            let source = &reference.tangent[edge.start];
-            let carried = parallel_transport(&reference.director[edge.start], source, &tangent);
             let director = turning.of(&edge.director);
-            let angle = signed_angle(&carried, &director, &tangent);
-            edge.angle = unwrapped(angle, edge.committed_angle + spin);
-            unknowns[STRIDE * edge.start + 3] = edge.angle;
+            edge.turn(&director, spin, reference, unknowns);
         }
     }
 
     /// The reference frames were committed at the time to which the clamp was last driven.
     pub(crate) fn commit(&mut self) {
-        for edge in &mut self.edges {
-            edge.committed_angle = edge.angle;
-        }
+        self.edges.iter_mut().for_each(HeldEdge::commit);
     }
 
     /// The reference frames are those of a configuration that was committed before.
     pub(crate) fn resume(&mut self, unknowns: &[f64]) {
         for edge in &mut self.edges {
-            edge.committed_angle = unknowns[STRIDE * edge.start + 3];
+            edge.resume(unknowns);
         }
     }
 

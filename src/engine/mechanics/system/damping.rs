@@ -239,8 +239,7 @@ impl Damping {
             }
             natural.twist = self.natural(&beside, natural.twist, first + OF_VERTEX - 1);
             let factor = 1.0 + beside.stiffness();
-            vertex.stiffness.bending = vertex.stiffness.bending.map(|own| own * factor);
-            vertex.stiffness.twisting *= factor;
+            vertex.stiffness = vertex.stiffness.times(factor);
         }
         let first = OF_VERTEX * acting.vertices.len();
         for (index, edge) in acting.edges.iter_mut().enumerate() {

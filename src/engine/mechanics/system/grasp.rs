@@ -104,7 +104,7 @@ impl System {
                 "the scene has joints or bodies that turn, with which grasping is not supported",
             );
         }
-        if self.has_sheaths() {
+        if !self.terms.sheaths.is_empty() {
             return refuse("the scene has sheaths, with which grasping is not supported");
         }
         if self.assembly.joints.slides_at(node) {
@@ -152,7 +152,7 @@ impl System {
         if drive.released {
             return Err(format!("clamp {clamp} is already released"));
         }
-        if self.has_sheaths() {
+        if !self.terms.sheaths.is_empty() {
             return Err(format!(
                 "clamp {clamp} cannot be released: the scene has sheaths, with which releasing is not supported"
             ));
@@ -398,7 +398,7 @@ impl System {
                     let length = self.half_length(before) + self.half_length(after);
                     (
                         scaled(&vertex.natural, 1.0 / length),
-                        stiffer(&vertex.stiffness, length),
+                        vertex.stiffness.times(length),
                         vertex.strain,
                         vertex.weights,
                         half_twist,
@@ -442,7 +442,7 @@ impl System {
                 before,
                 after,
                 natural: scaled(&natural, length),
-                stiffness: stiffer(&stiffness, 1.0 / length),
+                stiffness: stiffness.times(1.0 / length),
                 strain,
                 weights,
                 joint_twist: 0.0,
@@ -544,13 +544,6 @@ fn scaled(strains: &VertexStrains, factor: f64) -> VertexStrains {
     VertexStrains {
         curvature: strains.curvature.map(|curvature| factor * curvature),
         twist: factor * strains.twist,
-    }
-}
-
-fn stiffer(stiffness: &VertexStiffness, factor: f64) -> VertexStiffness {
-    VertexStiffness {
-        bending: stiffness.bending.map(|bending| factor * bending),
-        twisting: factor * stiffness.twisting,
     }
 }
 

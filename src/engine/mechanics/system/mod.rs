@@ -284,7 +284,7 @@ impl System {
         for drive in &mut self.assembly.drives {
             drive.resume(unknowns);
         }
-        self.resume_sheaths(time, unknowns);
+        self.resume_sheaths(unknowns);
         self.assembly.joints.rotate(unknowns);
         self.assembly.joints.commit();
     }

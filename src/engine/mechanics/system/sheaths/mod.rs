@@ -12,14 +12,13 @@ mod placed;
 
 use super::System;
 use super::build::Assembly;
-use super::clamps::list_corners;
+use super::clamps::{HeldEdge, list_corners};
 use super::demand::Demand;
 use super::events::Event;
 use super::term::{Configuration, Kind, Term};
 use crate::mechanics::SceneError;
 use crate::mechanics::fluid::FluidModel;
-use crate::mechanics::rod::topology::position;
-use crate::mechanics::rod::{ElasticEnergy, ElasticRods, RodGeometry, STRIDE};
+use crate::mechanics::rod::{ElasticEnergy, ElasticRods, RodGeometry};
 use crate::mechanics::scene::{Scene, Sheath};
 use placed::{Fault, PlacedSheath};
 
@@ -124,16 +123,15 @@ impl Term for Sheaths {
     fn add_forces(&self, _: &Configuration, _: &mut [f64]) {}
 
     fn commit(&mut self) {
-        for sheath in &mut self.0 {
-            sheath.committed.clone_from(&sheath.angles);
-        }
+        let edges = self.0.iter_mut().flat_map(|sheath| &mut sheath.edges);
+        edges.for_each(HeldEdge::commit);
     }
 
     fn list_events(&self, events: &mut Vec<Event>) {
         for sheath in &self.0 {
-            let way = |from: &f64, to: &f64| (to - from).abs();
-            list_corners(&sheath.fed, way, events);
-            list_corners(&sheath.turned, way, events);
+            list_corners(&sheath.fed, |from, to| (to - from).abs(), events);
+            let around = |from: &f64, to: &f64| (to - from).abs() * sheath.radius;
+            list_corners(&sheath.turned, around, events);
         }
     }
 
@@ -166,39 +164,23 @@ impl System {
         }
     }
 
-    /// The frames of held edges are those of a configuration that was committed at a time, s.
-    pub(super) fn resume_sheaths(&mut self, time: f64, unknowns: &[f64]) {
-        for sheath in &mut self.terms.sheaths.0 {
-            let held = sheath.held_at(sheath.inside - sheath.fed(time));
-            for (number, &edge) in sheath.edges.iter().enumerate() {
-                let angle = unknowns[STRIDE * edge + 3];
-                sheath.committed[number] = if number < held { angle } else { f64::NAN };
-            }
+    /// The frames of held edges are those of a configuration that was committed before.
+    pub(super) fn resume_sheaths(&mut self, unknowns: &[f64]) {
+        for edge in (self.terms.sheaths.0.iter_mut()).flat_map(|sheath| &mut sheath.edges) {
+            edge.resume(unknowns);
         }
-    }
-
-    /// Whether the scene has sheaths.
-    pub(crate) fn has_sheaths(&self) -> bool {
-        !self.terms.sheaths.is_empty()
     }
 
     /// Natural length of the rod outside of a sheath at the last evaluation, m.
     pub(crate) fn length_outside(&self, sheath: usize) -> f64 {
         let sheath = &self.terms.sheaths.0[sheath];
-        sheath.along[sheath.edges.len()] - sheath.inside + sheath.fed(self.time)
+        sheath.along[sheath.edges.len()] - sheath.mouth_at(self.time)
     }
 
     /// Force of a sheath on its rod in the direction in which it is fed, N, and moment about this
     /// direction, N m, at the last evaluation.
     pub(crate) fn sheath_force(&self, sheath: usize) -> [f64; 2] {
         let sheath = &self.terms.sheaths.0[sheath];
-        let nodes = sheath.nodes[..=sheath.held].iter();
-        let reactions = nodes.map(|&node| position(&self.residual, node).dot(&sheath.axis));
-        let edges = sheath.edges[..sheath.held].iter();
-        let moments = edges.map(|&edge| self.residual[STRIDE * edge + 3]);
-        [
-            reactions.sum::<f64>() - sheath.push(&self.assembly, &self.geometry),
-            moments.sum::<f64>() * sheath.tangent.dot(&sheath.axis),
-        ]
+        sheath.force(&self.assembly, &self.geometry, &self.residual)
     }
 }

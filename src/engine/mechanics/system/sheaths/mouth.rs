@@ -28,8 +28,9 @@
 //! structures: theoretical and experimental proof*, Mechanics of Materials 80, 368.
 
 use super::placed::PlacedSheath;
-use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
-use crate::mechanics::rod::{ElasticRods, RodGeometry};
+use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::vertex::VertexStrains;
+use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
 use crate::mechanics::system::build::Assembly;
 
 /// Largest ratio of an edge to the next one for which the length at the mouth is shared with the
@@ -47,7 +48,7 @@ impl PlacedSheath {
         }
         let number = self.held;
         if number < self.edges.len() {
-            let outside = self.middle(number) - (self.inside - self.fed(time));
+            let outside = self.middle(number) - self.mouth_at(time);
             let outside = outside.min(self.voronoi(number));
             for (number, [length, _]) in self.lengths(number, outside) {
                 self.set_vertex(number, length / self.voronoi(number), rods);
@@ -83,10 +84,7 @@ impl PlacedSheath {
         };
         let vertex = &mut rods.vertices[index];
         vertex.natural.curvature = natural.curvature.map(|strain| part * strain);
-        vertex.stiffness = VertexStiffness {
-            bending: stiffness.bending.map(|bending| bending / part),
-            twisting: stiffness.twisting / part,
-        };
+        vertex.stiffness = stiffness.times(1.0 / part);
     }
 
     /// Sets the part of an edge that stretches.
@@ -96,8 +94,8 @@ impl PlacedSheath {
 
     /// Index of an edge among those of all rods.
     fn edge(&self, number: usize) -> usize {
-        let first = self.edges[0].min(self.edges[self.edges.len() - 1]);
-        self.first_edge + self.edges[number] - first
+        let [first, last] = [0, self.edges.len() - 1].map(|number| self.edges[number].start);
+        self.first_edge + self.edges[number].start - first.min(last)
     }
 
     /// Bending energy of a vertex that is straight, J.
@@ -118,8 +116,26 @@ impl PlacedSheath {
         })
     }
 
+    /// Force on the rod in the direction in which it is fed, N, and moment about this direction, N m,
+    /// at a residual, N and N m.
+    pub(super) fn force(
+        &self,
+        assembly: &Assembly,
+        geometry: &RodGeometry,
+        residual: &[f64],
+    ) -> [f64; 2] {
+        let nodes = self.nodes[..=self.held].iter();
+        let reactions = nodes.map(|&node| position(residual, node).dot(&self.axis));
+        let edges = self.edges[..self.held].iter();
+        let moments = edges.map(|edge| residual[STRIDE * edge.start + 3]);
+        [
+            reactions.sum::<f64>() - self.push(assembly, geometry),
+            moments.sum::<f64>() * self.tangent.dot(&self.axis),
+        ]
+    }
+
     /// −∂E/∂l of the vertices and the edge at the mouth, N.
-    pub(super) fn push(&self, assembly: &Assembly, geometry: &RodGeometry) -> f64 {
+    fn push(&self, assembly: &Assembly, geometry: &RodGeometry) -> f64 {
         let Some((number, outside)) = self.mouth else {
             return 0.0;
         };

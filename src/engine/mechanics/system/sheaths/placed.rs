@@ -2,11 +2,12 @@
 
 use crate::mechanics::Vector3;
 use crate::mechanics::rod::topology::position;
-use crate::mechanics::rod::transport::{parallel_transport, rotated, signed_angle, unwrapped};
+use crate::mechanics::rod::transport::rotated;
 use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
 use crate::mechanics::rod::{ReferenceFrames, STRIDE};
 use crate::mechanics::scene::{Inertia, RodDescription, Sheath, piecewise_linear};
 use crate::mechanics::system::build::Assembly;
+use crate::mechanics::system::clamps::HeldEdge;
 
 /// Least part of a vertex that bends; with less, its edge is held.
 const LEAST_PART: f64 = 1e-3;
@@ -21,8 +22,8 @@ pub(super) type Fault = (&'static str, String);
 pub(super) struct PlacedSheath {
     /// Nodes of the rod, from the end inside on.
     pub(super) nodes: Vec<usize>,
-    /// Starts of the edges between them.
-    pub(super) edges: Vec<usize>,
+    /// The edges between them, with their material directors inside without turning.
+    pub(super) edges: Vec<HeldEdge>,
     /// Natural arc length of each node from the end inside, m.
     pub(super) along: Vec<f64>,
     /// Indices of the vertices at nodes with two edges among those of all rods, and their natural
@@ -38,16 +39,13 @@ pub(super) struct PlacedSheath {
     pub(super) axis: Vector3,
     /// Tangent of the rod inside: the axis, or its opposite.
     pub(super) tangent: Vector3,
-    /// First material directors of the edges inside without turning.
-    pub(super) directors: Vec<Vector3>,
+    /// Radius of the rod, m.
+    pub(super) radius: f64,
     pub(super) inside: f64,
     pub(super) fed: Vec<(f64, f64)>,
     pub(super) turned: Vec<(f64, f64)>,
     /// Number of edges that are held.
     pub(super) held: usize,
-    /// Angles of the held edges, and those at the last commit; NaN for edges that were free.
-    pub(super) angles: Vec<f64>,
-    pub(super) committed: Vec<f64>,
     /// Node of the vertex at the mouth, counted as in `nodes`, and l, m.
     pub(super) mouth: Option<(usize, f64)>,
 }
@@ -70,15 +68,15 @@ impl PlacedSheath {
             return of_rod("its rod must be elastic, without viscosity and plasticity");
         }
         let mut nodes: Vec<usize> = range.node_indices().collect();
-        let mut edges: Vec<usize> = range.edge_indices().collect();
+        let mut starts: Vec<usize> = range.edge_indices().collect();
         if sheath.from_end {
             nodes.reverse();
-            edges.reverse();
+            starts.reverse();
         }
         let found = (assembly.rods.edges).binary_search_by_key(&range.first_node, |e| e.start);
         let first_edge = found.expect("a rod has edges");
         let edge = |start: &usize| &assembly.rods.edges[first_edge + start - range.first_node];
-        let lengths = edges.iter().map(|start| edge(start).natural_length);
+        let lengths = starts.iter().map(|start| edge(start).natural_length);
         let ends = lengths.scan(0.0, |along, length| {
             *along += length;
             Some(*along)
@@ -100,17 +98,21 @@ impl PlacedSheath {
         });
         let mut placed = Self {
             vertices: vertices.collect(),
-            stretching: edges.iter().map(|start| edge(start).stretching).collect(),
-            angles: vec![f64::NAN; edges.len()],
-            committed: vec![f64::NAN; edges.len()],
-            directors: Vec::new(),
+            stretching: starts.iter().map(|start| edge(start).stretching).collect(),
+            edges: (starts.iter())
+                .map(|&start| {
+                    let angle = assembly.unknowns[STRIDE * start + 3];
+                    let ends = [start, range.end_of(start)];
+                    HeldEdge::new(ends, placed_director(assembly, start), angle)
+                })
+                .collect(),
+            radius: rod.radius,
             inside: sheath.inside,
             fed: sheath.fed.clone(),
             turned: sheath.turned.clone(),
             held: 0,
             mouth: None,
             nodes,
-            edges,
             along,
             first_edge,
             origin,
@@ -118,7 +120,7 @@ impl PlacedSheath {
             tangent,
         };
         placed.check(assembly)?;
-        placed.directors = placed.directors(assembly)?;
+        placed.twist_naturally()?;
         Ok(placed)
     }
 
@@ -171,7 +173,7 @@ impl PlacedSheath {
                 || assembly.joints.joins(*node);
             if is_inside && is_taken {
                 let message = format!(
-                    "a clamp, joint or body is at node {} of its rod, which is inside at some time",
+                    "a clamp, joint or body is at node {} of its rod, which is inside the sheath at some time",
                     assembly.locate(*node).1
                 );
                 return Err(("rod", message));
@@ -180,28 +182,20 @@ impl PlacedSheath {
         Ok(())
     }
 
-    /// First material directors of all edges as they are inside without turning, with the natural
-    /// twist.
-    fn directors(&self, assembly: &Assembly) -> Result<Vec<Vector3>, Fault> {
-        let mut directors: Vec<Vector3> = Vec::new();
+    /// Sets the directors of all edges as they are inside, with the natural twist from the first on.
+    fn twist_naturally(&mut self) -> Result<(), Fault> {
         let forwards = self.tangent.dot(&self.axis);
-        for (number, &edge) in self.edges.iter().enumerate() {
-            let reference = &assembly.reference;
-            let angle = assembly.unknowns[STRIDE * edge + 3];
-            let placed = rotated(&reference.director[edge], &reference.tangent[edge], angle);
-            let Some(last) = directors.last() else {
-                directors.push(placed);
-                continue;
-            };
+        for number in 1..self.edges.len() {
             let natural = self.vertices[number].map_or(0.0, |vertex| vertex.1.twist);
+            let last = &self.edges[number - 1].director;
             let director = rotated(last, &self.tangent, forwards * natural);
+            let placed = std::mem::replace(&mut self.edges[number].director, director);
             if self.middle(number) <= self.inside && (director - placed).norm() > STRAIGHT {
                 let message = "its rod must be placed with its natural twist inside";
                 return Err(("rod", message.to_owned()));
             }
-            directors.push(director);
         }
-        Ok(directors)
+        Ok(())
     }
 
     /// Arc length of the middle of an edge, m.
@@ -217,6 +211,11 @@ impl PlacedSheath {
     /// Length fed out at a time (s), m.
     pub(super) fn fed(&self, time: f64) -> f64 {
         piecewise_linear(&self.fed, time).unwrap_or(0.0)
+    }
+
+    /// Arc length of the mouth at a time (s), m.
+    pub(super) fn mouth_at(&self, time: f64) -> f64 {
+        self.inside - self.fed(time)
     }
 
     /// Angle at a time (s), rad.
@@ -240,10 +239,10 @@ impl PlacedSheath {
     /// Marks the unknowns of the edges that are held at a time, s. Returns whether they changed.
     pub(super) fn mark(&mut self, time: f64, held: &mut [bool]) -> bool {
         let before = self.held;
-        self.held = self.held_at(self.inside - self.fed(time));
+        self.held = self.held_at(self.mouth_at(time));
         let inside = self.held > before;
         for edge in self.held.min(before)..self.held.max(before) {
-            held[STRIDE * self.edges[edge] + 3] = inside;
+            held[STRIDE * self.edges[edge].start + 3] = inside;
             held[STRIDE * self.nodes[edge + 1]..STRIDE * self.nodes[edge + 1] + 3].fill(inside);
         }
         if before == 0 {
@@ -269,7 +268,7 @@ impl PlacedSheath {
             assembly.unknowns[STRIDE * node..STRIDE * node + 3].copy_from_slice(place.as_slice());
         }
         let reference = &mut assembly.reference;
-        for &edge in &self.edges {
+        for edge in self.edges.iter().map(|edge| edge.start) {
             for vector in [&mut reference.tangent[edge], &mut reference.director[edge]] {
                 *vector = rotated(vector, &self.axis, angle);
             }
@@ -291,24 +290,25 @@ impl PlacedSheath {
         }
         let angle = self.turned(time);
         let spin = self.tangent.dot(&self.axis) * (angle - self.turned(committed));
-        for number in 0..self.edges.len() {
-            if number >= self.held {
-                self.angles[number] = f64::NAN;
-                continue;
+        let were_held = self.held_at(self.mouth_at(committed));
+        for (number, edge) in self.edges[..self.held].iter_mut().enumerate() {
+            let director = rotated(&edge.director, &self.axis, angle);
+            if number < were_held {
+                edge.turn(&director, spin, reference, unknowns);
+            } else {
+                // It was free until now.
+                edge.resume(unknowns);
+                edge.turn(&director, 0.0, reference, unknowns);
             }
-            let edge = self.edges[number];
-            let source = &reference.tangent[edge];
-            let carried = parallel_transport(&reference.director[edge], source, &self.tangent);
-            let director = rotated(&self.directors[number], &self.axis, angle);
-            let present = signed_angle(&carried, &director, &self.tangent);
-            let expected = match self.committed[number] {
-                free if free.is_nan() => unknowns[STRIDE * edge + 3],
-                committed => committed + spin,
-            };
-            self.angles[number] = unwrapped(present, expected);
-            unknowns[STRIDE * edge + 3] = self.angles[number];
         }
     }
+}
+
+/// First material director of an edge as placed.
+fn placed_director(assembly: &Assembly, edge: usize) -> Vector3 {
+    let reference = &assembly.reference;
+    let angle = assembly.unknowns[STRIDE * edge + 3];
+    rotated(&reference.director[edge], &reference.tangent[edge], angle)
 }
 
 /// A length with as many digits as messages show.

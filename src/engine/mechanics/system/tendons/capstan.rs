@@ -1,7 +1,7 @@
 //! Friction of a tendon under a given tension in its eyelets.
 //!
-//! The tension T acts in the first part, and the tendon is fixed to its last eyelet. Where it turns by
-//! the angle φₖ in the eyelet k, the tension falls or rises by Euler's formula for belts,
+//! The tension T acts in the first part, and the tendon is fixed to its last eyelet. Where it turns
+//! by the angle φₖ in the eyelet k, the tension falls or rises by Euler's formula for belts,
 //!
 //! ```text
 //! Tₖ₊₁ = Tₖ e^(−μ φₖ zₖ),     −1 ≤ zₖ ≤ 1
@@ -25,7 +25,7 @@
 //! The angle is rounded at zero, φ → √(φ² + ε²) − ε, since it has a corner where the tendon is
 //! straight.
 
-use super::{PlacedEyelet, straight_part};
+use super::StraightPart;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::EyeletFriction;
 
@@ -70,16 +70,16 @@ impl Capstans {
         }
     }
 
-    /// Sets angles and states for the places of all eyelets.
-    pub(super) fn update(&mut self, eyelets: &[PlacedEyelet]) {
+    /// Sets angles and states for the straight parts of the tendon.
+    pub(super) fn update(&mut self, parts: &[StraightPart]) {
         let mut beyond = 0.0;
-        for (index, capstan) in self.inner.iter_mut().enumerate().rev() {
-            let [before, after] = [&eyelets[index..], &eyelets[index + 1..]].map(straight_part);
-            beyond += after.1;
+        for (capstan, parts) in self.inner.iter_mut().zip(parts.windows(2)).rev() {
+            let [before, after] = [&parts[0], &parts[1]];
+            beyond += after.length;
             capstan.beyond = beyond;
             let [start, state] = capstan.committed;
             capstan.state = (state + (start - beyond) / self.presliding).clamp(-1.0, 1.0);
-            (capstan.angle, capstan.slopes) = rounded_angle(&before.0, &after.0);
+            (capstan.angle, capstan.slopes) = rounded_angle(&before.direction, &after.direction);
         }
     }
 

@@ -2,8 +2,8 @@
 //!
 //! The length of a tendon is the sum ℓ = Σ ‖pᵢ₊₁ − pᵢ‖ over its eyelets p ([`eyelet`]), and its
 //! energy is E(ℓ): T ℓ under a given tension T, ½ (EA/L) (ℓ − L)² for one that stretches and is not
-//! slack. Without friction ([`capstan`]) the tension is the same along all of it. With the unit vectors u of its
-//! straight parts of length r,
+//! slack. Without friction ([`capstan`]) the tension is the same along all of it. With the unit
+//! vectors u of its straight parts of length r,
 //!
 //! ```text
 //! ∂E/∂pᵢ = T (uᵢ₋₁ − uᵢ),     ∂²E/∂q² = T ∂²ℓ/∂q² + (EA/L) ∂ℓ/∂q ∂ℓ/∂qᵀ
@@ -66,8 +66,19 @@ struct PlacedTendon {
     length: f64,
     /// Friction in the eyelets, if any.
     capstans: Option<Capstans>,
-    /// Tension of each straight part, N.
-    tensions: Vec<f64>,
+    /// Between the eyelets.
+    parts: Vec<StraightPart>,
+}
+
+/// A straight part of a tendon between two eyelets.
+#[derive(Clone, Copy, Debug)]
+struct StraightPart {
+    /// u; zero where the eyelets meet.
+    direction: Vector3,
+    /// r, m.
+    length: f64,
+    /// T, N.
+    tension: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -76,10 +87,6 @@ struct PlacedEyelet {
     on_rod: Option<RodEyelet>,
     /// p, m.
     place: Vector3,
-    /// ∂ℓ/∂p.
-    slope: Vector3,
-    /// Force against a motion of the eyelet, Σ T ∂r/∂p over the straight parts, N.
-    force: Vector3,
     /// Indices of the unknowns on which it depends among those of the tendon, and ∂p/∂q.
     rates: Vec<(usize, Vector3)>,
 }
@@ -128,8 +135,6 @@ impl PlacedTendon {
             .map(|((on_rod, place), slots)| PlacedEyelet {
                 on_rod,
                 place,
-                slope: Vector3::zeros(),
-                force: Vector3::zeros(),
                 rates: slots
                     .into_iter()
                     .map(|slot| (slot, Vector3::zeros()))
@@ -137,7 +142,7 @@ impl PlacedTendon {
             })
             .collect();
         Ok(Self {
-            tensions: vec![0.0; eyelets.len() - 1],
+            parts: Vec::with_capacity(eyelets.len() - 1),
             capstans: tendon.friction.map(|law| Capstans::new(law, eyelets.len())),
             eyelets,
             pull: tendon.pull.clone(),
@@ -159,36 +164,19 @@ impl PlacedTendon {
                 });
             }
         }
-        self.length = 0.0;
-        for eyelet in &mut self.eyelets {
-            eyelet.slope = Vector3::zeros();
-        }
-        for part in 1..self.eyelets.len() {
-            let (direction, length) = straight_part(&self.eyelets[part - 1..=part]);
-            self.length += length;
-            self.eyelets[part - 1].slope -= direction;
-            self.eyelets[part].slope += direction;
-        }
+        let parts = self.eyelets.windows(2).map(StraightPart::between);
+        self.parts.clear();
+        self.parts.extend(parts);
+        self.length = self.parts.iter().map(|part| part.length).sum();
         if let Some(capstans) = &mut self.capstans {
-            capstans.update(&self.eyelets);
+            capstans.update(&self.parts);
         }
-        self.pull_on_eyelets();
-    }
-
-    /// Sets the tension of each part, and the forces on the eyelets.
-    fn pull_on_eyelets(&mut self) {
         let mut tension = self.tension();
-        for eyelet in &mut self.eyelets {
-            eyelet.force = Vector3::zeros();
-        }
-        for part in 0..self.tensions.len() {
-            if let (Some(capstans), Some(inner)) = (&self.capstans, part.checked_sub(1)) {
+        for (number, part) in self.parts.iter_mut().enumerate() {
+            if let (Some(capstans), Some(inner)) = (&self.capstans, number.checked_sub(1)) {
                 tension *= capstans.ratio(inner);
             }
-            self.tensions[part] = tension;
-            let (direction, _) = straight_part(&self.eyelets[part..]);
-            self.eyelets[part].force -= direction * tension;
-            self.eyelets[part + 1].force += direction * tension;
+            part.tension = tension;
         }
     }
 
@@ -209,11 +197,10 @@ impl PlacedTendon {
 
     /// Adds the rounding errors of its forces to those of `assembly`.
     fn round(&self, assembly: &mut Assembly) {
-        for ends in self.eyelets.windows(2) {
-            let (_, length) = straight_part(ends);
+        for (ends, part) in self.eyelets.windows(2).zip(&self.parts) {
             let stiffness = match self.pull {
                 Pull::Stretching { stiffness, .. } => stiffness / self.given,
-                Pull::Tension(_) => self.given / length,
+                Pull::Tension(_) => self.given / part.length,
             };
             for eyelet in ends {
                 if let (Some(on_rod), true) = (&eyelet.on_rod, stiffness.is_finite()) {
@@ -263,27 +250,28 @@ impl PlacedTendon {
     /// Adds ∂²E/∂q² to the matrices of its elements.
     fn add_hessian(&self, at: &Configuration, entries: &mut Entries, first: usize) {
         let matrices = &mut entries.elements()[first..first + self.entries.count()];
-        for (ends, tension) in self.eyelets.windows(2).zip(&self.tensions) {
-            let (along, length) = straight_part(ends);
-            if length == 0.0 {
+        for (number, part) in self.parts.iter().enumerate() {
+            let StraightPart {
+                direction: along,
+                length,
+                tension,
+            } = part;
+            if *length == 0.0 {
                 continue;
             }
             let across = (Matrix3::identity() - along * along.transpose()) * (tension / length);
-            let rates = || {
-                let [from, to] = [&ends[0].rates, &ends[1].rates].map(|rates| rates.iter());
-                (from.map(|&(slot, rate)| (slot, -rate))).chain(to.copied())
-            };
-            for (column, rate) in rates() {
+            for (column, rate) in self.span(number) {
                 let turned = across * rate;
-                for (row, rate) in rates() {
+                for (row, rate) in self.span(number) {
                     self.entries.add(matrices, row, column, rate.dot(&turned));
                 }
             }
         }
         let sources = &at.reference.tangent;
-        for eyelet in &self.eyelets {
+        for (number, eyelet) in self.eyelets.iter().enumerate() {
             if let Some(on_rod) = &eyelet.on_rod {
-                on_rod.curvature(&eyelet.force, at.geometry, sources, |row, column, value| {
+                let force = self.sum_at(number, |part| part.tension);
+                on_rod.curvature(&force, at.geometry, sources, |row, column, value| {
                     let [row, column] = [row, column].map(|k| eyelet.rates[k].0);
                     self.entries.add(matrices, row, column, value);
                 });
@@ -302,82 +290,101 @@ impl PlacedTendon {
         }
     }
 
-    /// A straight part, and the rates of its span over the unknowns.
-    fn part(&self, number: usize) -> ((Vector3, f64), impl Iterator<Item = (usize, Vector3)>) {
-        let ends = &self.eyelets[number..number + 2];
-        let (from, to) = (ends[0].rates.iter(), ends[1].rates.iter());
-        let rates = from.map(|&(slot, rate)| (slot, -rate)).chain(to.copied());
-        (straight_part(ends), rates)
+    /// The rates of the span of a straight part over the unknowns, with their indices among those of
+    /// the tendon.
+    fn span(&self, part: usize) -> impl Iterator<Item = (usize, Vector3)> {
+        let (from, to) = (self.eyelets[part].rates.iter(), &self.eyelets[part + 1]);
+        let from = from.map(|&(slot, rate)| (slot, -rate));
+        from.chain(to.rates.iter().copied())
+    }
+
+    /// ∂r/∂q of a straight part, with the indices of the unknowns.
+    fn lengthening(&self, part: usize) -> impl Iterator<Item = (usize, f64)> {
+        let direction = self.parts[part].direction;
+        self.span(part)
+            .map(move |(slot, rate)| (slot, direction.dot(&rate)))
     }
 
     /// Adds Σ ∂ℓₖ/∂q ∂Tₖ/∂qᵀ of friction over the straight parts.
     fn add_friction(&self, capstans: &Capstans, matrices: &mut [ElementMatrix]) {
-        let unknowns = self.entries.unknowns();
-        // ∂Λ/∂q beyond each inner eyelet, and Σ (z ∂φ/∂q − φ ∂Λ/∂q/δ) before each part.
-        let parts = self.tensions.len();
-        let mut beyond = vec![vec![0.0; unknowns]; parts];
-        for number in (1..parts).rev() {
-            if number + 1 < parts {
-                beyond[number] = beyond[number + 1].clone();
-            }
-            let ((direction, _), rates) = self.part(number);
-            for (slot, rate) in rates {
-                beyond[number][slot] += direction.dot(&rate);
-            }
+        // ∂Λ/∂q beyond the present eyelet, and Σ (z ∂φ/∂q − φ ∂Λ/∂q/δ) up to it.
+        let mut beyond = vec![0.0; self.entries.unknowns()];
+        let mut fall = beyond.clone();
+        let parts = 1..self.parts.len();
+        for (slot, slope) in parts.clone().flat_map(|part| self.lengthening(part)) {
+            beyond[slot] += slope;
         }
-        let mut fall = vec![0.0; unknowns];
-        for number in 1..parts {
+        for number in parts {
             let (state, slopes, sticks) = capstans.slopes(number - 1);
             for (side, slope) in [number - 1, number].into_iter().zip(slopes) {
-                let ((direction, length), rates) = self.part(side);
+                let StraightPart {
+                    direction, length, ..
+                } = self.parts[side];
                 if length == 0.0 {
                     continue;
                 }
                 let across = (slope - direction * direction.dot(&slope)) * (state / length);
-                for (slot, rate) in rates {
+                for (slot, rate) in self.span(side) {
                     fall[slot] += across.dot(&rate);
                 }
             }
-            for (own, beyond) in fall.iter_mut().zip(&beyond[number]) {
-                *own -= sticks * beyond;
+            for (fall, beyond) in fall.iter_mut().zip(&beyond) {
+                *fall -= sticks * beyond;
             }
-            let factor = -capstans.coefficient() * self.tensions[number];
-            let ((direction, _), rates) = self.part(number);
-            for (row, rate) in rates {
-                let slope = factor * direction.dot(&rate);
+            let factor = -capstans.coefficient() * self.parts[number].tension;
+            for (row, slope) in self.lengthening(number) {
+                beyond[row] -= slope;
                 for (column, fall) in fall.iter().enumerate() {
-                    self.entries.add(matrices, row, column, slope * fall);
+                    let value = factor * slope * fall;
+                    self.entries.add(matrices, row, column, value);
                 }
             }
         }
     }
 
-    /// The residual, ∂E/∂q without friction, with the indices of the unknowns among those of the
-    /// tendon; entries of the same unknown add up.
-    fn forces(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.eyelets.iter().flat_map(|eyelet| {
+    /// Σ w ∂r/∂p over the straight parts at an eyelet, with weights w of the parts.
+    fn sum_at(&self, eyelet: usize, weight: impl Fn(&StraightPart) -> f64) -> Vector3 {
+        let before = eyelet.checked_sub(1).map(|part| &self.parts[part]);
+        let of = |part: &StraightPart| part.direction * weight(part);
+        let [before, after] = [before, self.parts.get(eyelet)].map(|part| part.map(of));
+        before.unwrap_or_default() - after.unwrap_or_default()
+    }
+
+    /// Σ w ∂r/∂q over all straight parts, with the indices of the unknowns among those of the tendon;
+    /// entries of the same unknown add up.
+    fn sums(
+        &self,
+        weight: impl Fn(&StraightPart) -> f64 + Copy,
+    ) -> impl Iterator<Item = (usize, f64)> {
+        let eyelets = self.eyelets.iter().enumerate();
+        eyelets.flat_map(move |(number, eyelet)| {
+            let sum = self.sum_at(number, weight);
             let rates = eyelet.rates.iter();
-            rates.map(|(slot, rate)| (*slot, eyelet.force.dot(rate)))
+            rates.map(move |(slot, rate)| (*slot, sum.dot(rate)))
         })
     }
 
-    /// ∂ℓ/∂q, with the indices of the unknowns among those of the tendon; entries of the same
-    /// unknown add up.
+    /// ∂ℓ/∂q.
     fn slopes(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.eyelets.iter().flat_map(|eyelet| {
-            let rates = eyelet.rates.iter();
-            rates.map(|(slot, rate)| (*slot, eyelet.slope.dot(rate)))
-        })
+        self.sums(|_| 1.0)
+    }
+
+    /// The residual, ∂E/∂q without friction.
+    fn forces(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.sums(|part| part.tension)
     }
 }
 
-/// Direction and length of the straight part between two eyelets; it has no direction where they
-/// meet.
-fn straight_part(ends: &[PlacedEyelet]) -> (Vector3, f64) {
-    let span = ends[1].place - ends[0].place;
-    let length = span.norm();
-    let direction = span.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
-    (direction, length)
+impl StraightPart {
+    /// The part between two eyelets, without tension.
+    fn between(ends: &[PlacedEyelet]) -> Self {
+        let span = ends[1].place - ends[0].place;
+        Self {
+            direction: span.try_normalize(0.0).unwrap_or_else(Vector3::zeros),
+            length: span.norm(),
+            tension: 0.0,
+        }
+    }
 }
 
 impl Tendons {
@@ -388,10 +395,9 @@ impl Tendons {
             let node = eyelet.on_rod.as_ref().map(|on_rod| on_rod.node);
             node.map_or_else(Vector3::zeros, &moved)
         };
-        let mut pairs = self.0.iter().flat_map(|tendon| tendon.eyelets.windows(2));
-        pairs.any(|ends| {
-            let (_, length) = straight_part(ends);
-            (moved(&ends[1]) - moved(&ends[0])).norm() > part * length
+        self.0.iter().any(|tendon| {
+            let mut ends = tendon.eyelets.windows(2).zip(&tendon.parts);
+            ends.any(|(ends, own)| (moved(&ends[1]) - moved(&ends[0])).norm() > part * own.length)
         })
     }
 }
@@ -548,8 +554,8 @@ impl Term for Tendons {
 impl System {
     /// Tension of a tendon at the last evaluation in its first and in its last straight part, N.
     pub(crate) fn tendon_tensions(&self, tendon: usize) -> [f64; 2] {
-        let tensions = &self.terms.tendons.0[tendon].tensions;
-        [tensions[0], tensions[tensions.len() - 1]]
+        let parts = &self.terms.tendons.0[tendon].parts;
+        [0, parts.len() - 1].map(|part| parts[part].tension)
     }
 
     /// Length of a tendon at the last evaluation, m.
