@@ -294,18 +294,20 @@ impl Rods<'_> {
 
     fn tendon(&self, name: &str) -> Result<Quantity, Issue> {
         let names: Vec<&str> = names_of(&self.scene.tendons, |tendon| &tendon.name);
-        let tendon = names.iter().position(|known| *known == name);
-        tendon
-            .map(|tendon| Quantity::Tendon { tendon })
-            .ok_or_else(|| self.unknown("tendon", "tendons", name, &names, "tendon"))
+        let tendon = self.part("tendon", "tendons", name, &names)?;
+        Ok(Quantity::Tendon { tendon })
     }
 
     fn sheath(&self, name: &str) -> Result<Quantity, Issue> {
         let names: Vec<&str> = names_of(&self.scene.sheaths, |sheath| &sheath.name);
-        let sheath = names.iter().position(|known| *known == name);
-        sheath
-            .map(|sheath| Quantity::Sheath { sheath })
-            .ok_or_else(|| self.unknown("sheath", "sheaths", name, &names, "sheath"))
+        let sheath = self.part("sheath", "sheaths", name, &names)?;
+        Ok(Quantity::Sheath { sheath })
+    }
+
+    /// Index of a part of the scene by its name.
+    fn part(&self, one: &str, all: &str, name: &str, names: &[&str]) -> Result<usize, Issue> {
+        let found = names.iter().position(|known| *known == name);
+        found.ok_or_else(|| self.unknown(one, all, name, names, one))
     }
 
     /// The fault of a `name` that no `one` of `all` has.

@@ -53,3 +53,25 @@ fn place_all<P: ScenePart>(scenario: &Scenario, scene: &mut Scene, issues: &mut 
         }
     }
 }
+
+#[cfg(test)]
+mod test_support {
+    use crate::experiment::{from_text, prepare};
+    use rodlab_engine::mechanics::scene::Scene;
+    use std::path::Path;
+
+    /// The scene of a scenario file, which is also written in resolved form and read back.
+    ///
+    /// # Errors
+    /// The faults of the file.
+    pub fn prepared(text: &str) -> Result<Scene, String> {
+        let loaded = from_text("scene", text, Path::new(""), &[]).map_err(|e| e.to_string())?;
+        let again = from_text("scene", &loaded.scenario.to_toml(), Path::new(""), &[]);
+        let again = again.map_err(|error| error.to_string())?;
+        assert_eq!(again.scenario, loaded.scenario);
+        let prepared = prepare(&loaded.scenario);
+        Ok(prepared
+            .map_err(|issues| loaded.locate(issues).to_string())?
+            .scene)
+    }
+}

@@ -127,8 +127,7 @@ pub fn judge(scene: &Scene) -> Result<(), Issue> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::{from_text, prepare};
-    use std::path::Path;
+    use crate::experiment::parts::test_support::prepared;
 
     const SCENE: &str = r#"experiment = "scene"
 [material]
@@ -146,24 +145,15 @@ end = 1.0
 SHEATH
 "#;
 
-    fn prepared(sheath: &str) -> Result<Scene, String> {
-        let text = SCENE.replace("SHEATH", sheath);
-        let loaded = from_text("scene", &text, Path::new(""), &[]).map_err(|e| e.to_string())?;
-        // A resolved scenario reads back to itself.
-        let again = from_text("scene", &loaded.scenario.to_toml(), Path::new(""), &[]);
-        let again = again.map_err(|error| error.to_string())?;
-        assert_eq!(again.scenario, loaded.scenario);
-        let prepared = prepare(&loaded.scenario);
-        Ok(prepared
-            .map_err(|issues| loaded.locate(issues).to_string())?
-            .scene)
+    fn with(sheath: &str) -> String {
+        SCENE.replace("SHEATH", sheath)
     }
 
     #[test]
     fn a_sheath_is_placed_and_its_rod_has_lumped_inertia() {
-        let scene = prepared(
+        let scene = prepared(&with(
             "rod = \"wire\"\nfrom = \"end\"\ninside = \"50 cm\"\nfed = [[0, 0], [1, \"20 cm\"]]\nturned = [[0, 0], [1, \"180 deg\"]]",
-        )
+        ))
         .unwrap();
         assert_eq!(
             scene.sheaths,
@@ -208,29 +198,19 @@ SHEATH
             (format!("{wire}\nfed = [[0, 0.45]]"), "fed", "at most 0.4 m"),
             (format!("{wire}{held}"), "rod", "at node 3 of its rod"),
         ] {
-            let error = prepared(&keys).unwrap_err();
+            let error = prepared(&with(&keys)).unwrap_err();
             assert!(error.contains(expected), "{keys}: {error}");
             assert!(
                 error.contains(&format!("sheaths.0.{key}")) || error.contains("missing"),
                 "{error}"
             );
         }
-        let static_run = SCENE.replace("end = 1.0", "mode = \"static\"");
         let keys = format!("{wire}\nfed = [[0, 0], [1, 0.1]]");
-        let text = static_run.replace("SHEATH", &keys);
-        let error = from_text("scene", &text, Path::new(""), &[]).unwrap_err();
-        assert!(
-            error.to_string().contains("a static run has no time"),
-            "{error}"
-        );
-        let midpoint = SCENE.replace("end = 1.0", "end = 1.0\nscheme = \"implicit-midpoint\"");
-        let error = from_text(
-            "scene",
-            &midpoint.replace("SHEATH", wire),
-            Path::new(""),
-            &[],
-        );
-        let error = error.unwrap_err().to_string();
+        let static_run = with(&keys).replace("end = 1.0", "mode = \"static\"");
+        let error = prepared(&static_run).unwrap_err();
+        assert!(error.contains("a static run has no time"), "{error}");
+        let midpoint = "end = 1.0\nscheme = \"implicit-midpoint\"";
+        let error = prepared(&with(wire).replace("end = 1.0", midpoint)).unwrap_err();
         assert!(error.contains("backward-differences"), "{error}");
     }
 }

@@ -296,8 +296,7 @@ impl ScenePart for Tendon {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::{from_text, prepare};
-    use std::path::Path;
+    use crate::experiment::parts::test_support::prepared;
 
     const SCENE: &str = r#"experiment = "scene"
 [material]
@@ -315,24 +314,16 @@ end = 1.0
 TENDON
 "#;
 
-    fn prepared(tendon: &str) -> Result<Vec<scene::Tendon>, String> {
-        let text = SCENE.replace("TENDON", tendon);
-        let loaded = from_text("scene", &text, Path::new(""), &[]).map_err(|e| e.to_string())?;
-        // A resolved scenario reads back to itself.
-        let again = from_text("scene", &loaded.scenario.to_toml(), Path::new(""), &[]);
-        let again = again.map_err(|error| error.to_string())?;
-        assert_eq!(again.scenario, loaded.scenario);
-        let prepared =
-            prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues).to_string())?;
-        Ok(prepared.scene.tendons)
+    fn tendons(tendon: &str) -> Result<Vec<scene::Tendon>, String> {
+        prepared(&SCENE.replace("TENDON", tendon)).map(|scene| scene.tendons)
     }
 
     #[test]
     fn a_row_of_eyelets_turns_about_the_rod_and_ends_at_its_last_node() {
-        let tendons = prepared(
+        let placed = tendons(
             "tension = [[0, 2]]\nfriction = 0.2\npresliding = 0.001\nthrough = [{ position = [2, 0, 0] }, { rod = \"spine\", at = \"end\", to = 3, every = 4, offset = [\"1 cm\", 0], turns = 0.25 }]",
         );
-        let eyelets = &tendons.unwrap()[0].eyelets;
+        let eyelets = &placed.unwrap()[0].eyelets;
         let seen: Vec<_> = eyelets[1..]
             .iter()
             .map(|eyelet| match eyelet {
@@ -400,7 +391,7 @@ TENDON
                 "belongs to eyelets on a `rod`",
             ),
         ] {
-            let error = prepared(&keys).unwrap_err();
+            let error = tendons(&keys).unwrap_err();
             assert!(error.contains(expected), "{keys}: {error}");
             assert!(error.contains("tendons.0"), "{error}");
         }
