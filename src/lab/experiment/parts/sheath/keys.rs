@@ -11,12 +11,12 @@ keys! {
         /// Name for probes and messages. Default: "sheath 0", "sheath 1", ...
         name: text() derived,
         /// Name of the rod.
-        rod: text() optional,
+        rod: text("the name of a rod") required,
         /// End of the rod that is in the sheath: "start" or "end".
         from: word(InnerEnd) default(InnerEnd::Start),
         /// Natural length of the rod in the sheath at time zero. This part of the rod is placed
         /// straight; the mouth of the sheath is at its end.
-        inside: number(Length, POSITIVE) optional,
+        inside: number(Length, POSITIVE) required,
         /// Length that is fed out at given times, [[time, length], ...], linear between them and
         /// constant outside. Negative values draw the rod in. One edge of the rod stays inside.
         /// Default: none.

@@ -39,20 +39,11 @@ impl Part for Sheath {
     const LUMPS_INERTIA: bool = true;
 
     fn resolve(section: &Section<'_>, typed: &SheathKeys, index: usize) -> Self {
-        let rod = typed.rod(section);
         Self {
             name: typed.name(section, format!("sheath {index}")),
-            rod: section
-                .needed("rod", rod, "the name of a rod")
-                .unwrap_or_default(),
+            rod: typed.rod(section),
             from: typed.from(section),
-            inside: section
-                .needed(
-                    "inside",
-                    typed.inside(section),
-                    "a length, such as \"20 cm\"",
-                )
-                .unwrap_or(1.0),
+            inside: typed.inside(section),
             fed: typed.fed(section, Vec::new()),
             turned: typed.turned(section, Vec::new()),
         }
