@@ -43,13 +43,15 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-const SMALL: [&str; 9] = [
+const SMALL: [&str; 11] = [
     "train",
     "results/grasps",
     "--out",
     "network",
     "--hidden",
     "48,48",
+    "--schedule",
+    "plateau",
     "--patience",
     "4",
     "--json",
@@ -270,8 +272,6 @@ suspended_length = { from = 0.9, to = 4.7 }
         "network",
         "--hidden",
         "64,64",
-        "--schedule",
-        "cosine",
         "--most-epochs",
         "60",
         "--batch",

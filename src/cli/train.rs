@@ -10,14 +10,14 @@ use std::time::{Duration, Instant};
 /// Schedules by which the steps decrease.
 const SCHEDULES: [Named<Schedule>; 2] = [
     (
-        "plateau",
-        Schedule::Plateau,
-        "Adam and gradient descent alternately, each until the error no longer falls",
-    ),
-    (
         "cosine",
         Schedule::Cosine,
         "Adam with a rate that falls to zero along half a wave of a cosine",
+    ),
+    (
+        "plateau",
+        Schedule::Plateau,
+        "Adam and gradient descent alternately, each until the error no longer falls",
     ),
 ];
 /// Devices that train a network.
@@ -36,14 +36,14 @@ Examples:
   rodlab dataset scenarios/deployment_dataset.toml
   rodlab train results/deployment_dataset --out results/network
   rodlab evaluate results/network/model.safetensors results/other_samples
-  rodlab train results/folding_dataset --out results/fold_network --schedule cosine --batch 512",
+  rodlab train results/folding_dataset --out results/fold_network --batch 512",
     "\
-The mean absolute error of the standardised outputs is minimised in phases, by Adam and gradient
-descent alternately. One sample in five is held back: a phase ends when the error of these samples
-has not fallen for --patience rounds. Then batches are doubled and steps are made smaller. With
---schedule cosine only Adam is used, for a fixed number of rounds (--most-epochs), over which its
-rate falls to zero: this reaches a smaller error. After each phase the best network so far is in
-model.safetensors. Run the same command again to resume."
+The mean absolute error of the standardised outputs is minimised by Adam, for a fixed number of
+rounds (--most-epochs) over which its rate falls to zero. One sample in five is held back, and the
+network with the smallest error of these samples is kept. With --schedule plateau, as in the thesis,
+Adam and gradient descent alternate: a phase ends when the error has not fallen for --patience
+rounds; then batches are doubled and steps are made smaller. The best network so far is in
+model.safetensors, which is written every 20 s. Run the same command again to resume."
 );
 
 /// Arguments of `rodlab train`.
@@ -64,21 +64,21 @@ pub struct TrainArguments {
     /// Initial number of samples in a batch
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub batch: u32,
-    /// Largest batch size, reached by doubling
-    #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(1..=65_536))]
-    pub last_batch: u32,
-    /// Number of rounds without improvement after which Adam stops; gradient descent stops after a
-    /// quarter of that
+    /// Largest batch size, reached by doubling [default: that of --batch; with --schedule plateau
+    /// 2048]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub last_batch: Option<u32>,
+    /// With --schedule plateau, number of rounds without improvement after which Adam stops;
+    /// gradient descent stops after a quarter of that
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
     pub patience: u32,
-    /// Largest number of rounds over all samples; with --schedule cosine the exact number [default:
-    /// 2000; 250]
+    /// Number of rounds over all samples, with --schedule plateau the largest [default: 250; 2000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub most_epochs: Option<u32>,
     /// Schedule of the learning rate
-    #[arg(long, default_value = "plateau", value_parser = named(&SCHEDULES))]
+    #[arg(long, default_value = "cosine", value_parser = named(&SCHEDULES))]
     pub schedule: Schedule,
-    /// Initial rate of Adam [default: 0.001; with --schedule cosine 0.002]
+    /// Initial rate of Adam [default: 0.002; with --schedule plateau 0.001]
     #[arg(long, value_name = "RATE", value_parser = number(is_rate, "a number above 0 and up to 1 is needed"))]
     pub rate: Option<f64>,
     /// Device for the training; a GPU needs a program that was built with `--features cuda`
@@ -95,6 +95,8 @@ pub struct TrainArguments {
     pub timeout: Option<Duration>,
 }
 
+/// Default of the largest batch with the schedule of the thesis.
+const LAST_BATCH: u32 = 2048;
 /// Ratio of the rate of Adam with the last batch to that with the first.
 const LAST_RATE: f64 = 0.01;
 
@@ -108,16 +110,18 @@ pub fn train(arguments: &TrainArguments, common: &Common) -> Result<(), Failure>
         .timeout
         .and_then(|limit| Instant::now().checked_add(limit));
     let files = SampleFiles::of(&arguments.samples)?;
-    if arguments.last_batch < arguments.batch {
+    let (rounds, rate, last_batch) = match arguments.schedule {
+        Schedule::Plateau => (2000, 1e-3, LAST_BATCH.max(arguments.batch)),
+        // Larger batches are fewer steps: 4,000 samples have only two batches of 2,048.
+        Schedule::Cosine => (250, 2e-3, arguments.batch),
+    };
+    let last_batch = arguments.last_batch.unwrap_or(last_batch);
+    if last_batch < arguments.batch {
         return Err(Failure::Input(format!(
-            "--last-batch {} is less than --batch {}",
-            arguments.last_batch, arguments.batch
+            "--last-batch {last_batch} is less than --batch {}",
+            arguments.batch
         )));
     }
-    let (rounds, rate) = match arguments.schedule {
-        Schedule::Plateau => (2000, 1e-3),
-        Schedule::Cosine => (250, 2e-3),
-    };
     let rate = arguments.rate.unwrap_or(rate);
     let task = Task {
         samples: &files.files,
@@ -132,7 +136,7 @@ pub fn train(arguments: &TrainArguments, common: &Common) -> Result<(), Failure>
                 .map(|width| usize::from(*width))
                 .collect(),
             seed: arguments.seed,
-            batch: [arguments.batch, arguments.last_batch].map(|batch| batch as usize),
+            batch: [arguments.batch, last_batch].map(|batch| batch as usize),
             patience: arguments.patience as usize,
             most_epochs: arguments.most_epochs.unwrap_or(rounds) as usize,
             schedule: arguments.schedule,

