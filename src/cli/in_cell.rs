@@ -6,6 +6,7 @@ use super::exit_code::NOT_SEEN_WHOLE;
 use super::interruption::watch_for_interruption;
 use super::log_directory::{empty_directory, results_directory};
 use super::prelude::*;
+use super::safety_signals::{open_signals, write_signals};
 use super::status_line::StatusLine;
 use rodlab_files::results::write_whole;
 use rodlab_workcell::cell::Cell;
@@ -110,15 +111,22 @@ impl Work<'_> {
         self.chosen
             .confirm(arms, &report, self.directory, self.choice)?;
         let interrupted = watch_for_interruption()?;
+        // A simulated cell has no signals.
+        let is_real = !self.chosen.is_virtual;
+        let signals = is_real.then(|| open_signals(cell)).transpose()?;
         let ended = run.carry_out(&Workplace {
             cell,
             directory: self.directory,
             is_recorded: true,
             marks: &self.marks,
             is_interrupted: &|| interrupted.is_raised(),
+            signals: signals.as_ref(),
             display: &StatusLine::new(self.common),
             speed_scale: self.choice.speed_scale,
         });
+        if let Some(signals) = &signals {
+            write_signals(signals, self.directory)?;
+        }
         let unclear = match &ended {
             // The arms have done their work and hold nothing.
             Ok(())

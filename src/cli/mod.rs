@@ -80,6 +80,7 @@ mod presets;
 mod reproduce;
 mod run;
 mod run_watch;
+mod safety_signals;
 mod samples;
 mod schema;
 mod score;

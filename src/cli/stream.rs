@@ -3,9 +3,10 @@
 use super::interruption::{Interruption, watch_for_interruption};
 use super::log_directory::log_directory;
 use super::prelude::*;
+use super::safety_signals::{open_signals, write_signals};
 use rodlab_files::results::write_whole;
-use rodlab_robot::{Ending, JointTrajectory, StreamLog, Supervisor, stream as run};
-use rodlab_workcell::cell::{Cell, Driver, HandGuard, StreamReport};
+use rodlab_robot::{Ending, JointState, JointTrajectory, StreamLog, Supervisor, stream as run};
+use rodlab_workcell::cell::{ArmGuard, Cell, Driver, Signals, StreamReport};
 use rodlab_workcell::task::write_manifest;
 
 const HELP: [&str; 2] = help!(
@@ -67,9 +68,11 @@ struct Manifest<'a> {
     report: StreamReport,
 }
 
-/// A motion that ends when the user interrupts it, or a hand leaves its limits.
+/// A motion that ends when the user interrupts it, a signal forbids it, or an arm exceeds its
+/// limits.
 struct Guarded<'a> {
-    guard: HandGuard<'a>,
+    guard: ArmGuard<'a>,
+    signals: &'a Signals,
     interrupted: &'a Interruption,
 }
 
@@ -78,8 +81,12 @@ impl Supervisor for Guarded<'_> {
         self.interrupted.is_raised()
     }
 
-    fn refuses(&self, part: &str, time: f64, positions: &[f64]) -> Option<String> {
-        self.guard.fault(part, time, positions)
+    fn forbids(&self) -> Option<String> {
+        self.signals.fault()
+    }
+
+    fn refuses(&self, part: &str, time: f64, state: &JointState) -> Option<String> {
+        self.guard.fault(part, time, state)
     }
 }
 
@@ -101,6 +108,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     if arguments.dry_run {
         return print_json(&report);
     }
+    let signals = open_signals(&cell)?;
     let directory = log_directory("stream", arguments.out.as_deref())?;
     let mut hashes = Vec::new();
     for (k, trajectory) in trajectories.iter().enumerate() {
@@ -136,11 +144,13 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     let mut log = StreamLog::open(&directory).map_err(unwritable)?;
     let interrupted = watch_for_interruption()?;
     let guarded = Guarded {
-        guard: HandGuard::new(&cell),
+        guard: ArmGuard::new(&cell),
+        signals: &signals,
         interrupted: &interrupted,
     };
     let ending = run(&mut parts, &cell.streaming, &guarded, &mut log);
     let logged = log.finish().map_err(unwritable);
+    write_signals(&signals, &directory)?;
     manifest.end = Some(jiff::Timestamp::now());
     manifest.interrupted_by = interrupted.signal();
     (manifest.status, manifest.error) = match &ending {

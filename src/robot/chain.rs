@@ -47,6 +47,14 @@ impl JointKind {
             Self::Prismatic => "m",
         }
     }
+
+    /// The unit of the joint's efforts.
+    pub fn effort_unit(self) -> &'static str {
+        match self {
+            Self::Revolute => "N m",
+            Self::Prismatic => "N",
+        }
+    }
 }
 
 /// Limits of a joint, in rad or m and seconds; infinite if there is no limit.

@@ -43,9 +43,10 @@ pub use collision::{Approach, FAR, Member, StandingBox, Surroundings};
 pub use driver::{
     Bag, BagError, BagPicture, CameraError, CameraPicture, Driver, DriverError, FileDriver,
     GripperDriver, Interpolant, JointState, Middleware, PartTrajectory, PictureTopic, Progress,
-    Ros1Camera, Ros1Driver, Ros1Gripper, Ros2Address, Ros2CameraAddress, Ros2GripperAddress,
-    RosVersion, RosbridgeCamera, RosbridgeDriver, RosbridgeGripper, SerialLine, StepperAnswer,
-    StepperDriver, StepperLink, StepperRequest, open_camera,
+    Reading, Ros1Camera, Ros1Driver, Ros1Gripper, Ros2Address, Ros2CameraAddress,
+    Ros2GripperAddress, RosVersion, RosbridgeCamera, RosbridgeDriver, RosbridgeGripper, SerialLine,
+    SignalMessage, SignalShape, SignalTopic, StepperAnswer, StepperDriver, StepperLink,
+    StepperRequest, TopicName, open_camera, open_signal, size,
 };
 pub use inverse::{Nearest, REACHED};
 pub use kinematics::Jacobian;

@@ -7,6 +7,7 @@ use super::{
     wait_for_event, wait_for_motion,
 };
 use crate::parts::{have, succeeds};
+use std::fs;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -200,6 +201,84 @@ fn false_reports_of_a_server_are_detected_from_the_joints() {
     interrupt(&child);
     let output = child.wait_with_output().unwrap();
     assert_failed(&output, "still moves: watch the arm");
+}
+
+/// Adds safety signals and a limit of the efforts to the cell.
+fn set_safety(robot: &Robot) {
+    let path = robot.folder.path().join("cell.toml");
+    let cell = fs::read_to_string(&path).unwrap();
+    let cell = cell.replace("velocity = 2.0\n", "velocity = 2.0\neffort = 40\n");
+    let place = format!("ros1://127.0.0.1:{}", robot.port);
+    let signals = format!(
+        r#"
+[[safety.signals]]
+name = "button"
+topic = "{place}/emergency_stop"
+message = "std_msgs/Bool"
+stop_at = true
+
+[[safety.signals]]
+name = "wrist"
+topic = "{place}/wrist/wrench"
+message = "geometry_msgs/WrenchStamped"
+force = "20 N"
+
+[[safety.signals]]
+name = "heartbeat"
+topic = "{place}/heartbeat"
+message = "std_msgs/Empty"
+silence = "500 ms"
+"#
+    );
+    fs::write(path, cell + &signals).unwrap();
+}
+
+#[test]
+fn safety_signals_and_efforts_forbid_and_end_motions() {
+    let faults = [
+        (
+            "pressed",
+            "`button` is true; allowed: false. Nothing was moved",
+        ),
+        ("emergency-stop", "`button` is true"),
+        ("force", "`wrist` is 30.00 N"),
+        (
+            "effort",
+            "right_j0 has an effort of 50.00 N m; allowed: 40 N m",
+        ),
+        ("silent", "`heartbeat` is silent for"),
+    ];
+    for (fault, expected) in faults {
+        let Some(robot) = Robot::with_fault(fault) else {
+            return;
+        };
+        set_safety(&robot);
+        let output = rodlab(robot.folder.path(), &STREAM);
+        assert_failed(&output, expected);
+        let signals = log(robot.folder.path(), "signals.csv");
+        assert!(
+            signals.contains("\"wrist\",\"2.00 N, 0.000 N m\""),
+            "{signals}"
+        );
+        if fault != "pressed" {
+            assert_eq!(robot.says(5), "preempted");
+            eprintln!("{fault}: stopped {}", robot.says(5));
+        }
+        let moved = log(robot.folder.path(), "state.csv").lines().count() > 100;
+        assert_eq!(moved, fault != "pressed", "{fault}");
+    }
+}
+
+/// A signal without messages forbids motions if it must not be silent.
+#[test]
+fn a_heartbeat_that_never_comes_forbids_motions() {
+    let Some(robot) = Robot::start() else { return };
+    set_safety(&robot);
+    let path = robot.folder.path().join("cell.toml");
+    let cell = fs::read_to_string(&path).unwrap();
+    fs::write(&path, cell.replace("/heartbeat", "/pulse")).unwrap();
+    let output = rodlab(robot.folder.path(), &STREAM);
+    assert_failed(&output, "no message on /pulse in 3 s");
 }
 
 #[test]

@@ -1,6 +1,8 @@
 """An arm of two joints behind actionlib's own action server: follows its trajectory, and reports its joints at 100 Hz. A camera
-above it sees a dark rod, 200 pixels long, as pixels and as PNG files. With ARM_FAULT=false-end in the environment it reports success at
-once and stands still; with ARM_FAULT=false-cancel it confirms a cancellation, but keeps moving."""
+above it sees a dark rod, 200 pixels long, as pixels and as PNG files. Its safety signals are a latched
+emergency stop, a wrench and a heartbeat. With ARM_FAULT=false-end in the environment it reports success at once and stands still; with
+ARM_FAULT=false-cancel it confirms a cancellation, but keeps moving; with "pressed", "emergency-stop", "force", "effort" or "silent" its
+signals violate their limits, the first one from the beginning and the others one second after the start of a motion."""
 
 import bisect
 import os
@@ -11,19 +13,56 @@ import zlib
 import actionlib
 import rospy
 from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryFeedback, FollowJointTrajectoryResult
+from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import CompressedImage, Image, JointState
+from std_msgs.msg import Bool, Empty
 
 JOINTS = ["right_j0", "right_j1"]
 FAULT = os.environ.get("ARM_FAULT")
 REPORTED = JOINTS + ["right_k1"]
 position = dict.fromkeys(REPORTED, 0.0)
+# Time of the violation of a signal.
+violated = None
+
+
+def is_due(fault):
+    """Whether a signal violates its limits."""
+    global violated
+    motion = arm.motion if "arm" in globals() else None
+    due = FAULT == fault and motion is not None and (rospy.Time.now() - motion[2]).to_sec() > 1.0
+    if due and violated is None:
+        violated = rospy.Time.now()
+    return due
+
+
+def signal():
+    stops = rospy.Publisher("/emergency_stop", Bool, queue_size=10, latch=True)
+    wrenches = rospy.Publisher("/wrist/wrench", WrenchStamped, queue_size=10)
+    beats = rospy.Publisher("/heartbeat", Empty, queue_size=10)
+    stops.publish(FAULT == "pressed")
+    rate = rospy.Rate(100)
+    has_stopped = False
+    while not rospy.is_shutdown():
+        if is_due("emergency-stop") and not has_stopped:
+            # A short press.
+            has_stopped = True
+            stops.publish(True)
+            stops.publish(False)
+        wrench = WrenchStamped()
+        wrench.header.stamp = rospy.Time.now()
+        wrench.wrench.force.z = -30.0 if is_due("force") else 2.0
+        wrenches.publish(wrench)
+        if not is_due("silent"):
+            beats.publish()
+        rate.sleep()
 
 
 def report():
     publisher = rospy.Publisher("/robot/joint_states", JointState, queue_size=10)
     rate = rospy.Rate(100)
     while not rospy.is_shutdown():
-        message = JointState(name=list(position), position=list(position.values()))
+        efforts = [50.0 if is_due("effort") else 1.0] * len(position)
+        message = JointState(name=list(position), position=list(position.values()), effort=efforts)
         message.header.stamp = rospy.Time.now()
         publisher.publish(message)
         rate.sleep()
@@ -95,6 +134,8 @@ class Arm:
                 if FAULT != "false-cancel" and not self.server.is_new_goal_available():
                     self.motion = None
                 print("preempted", flush=True)
+                if violated is not None:
+                    print(f"{(rospy.Time.now() - violated).to_sec() * 1e3:.1f} ms after the violation", flush=True)
                 self.server.set_preempted()
                 return
             if (rospy.Time.now() - begin).to_sec() > times[-1] and list(position.values())[:2] == points[-1]:
@@ -118,6 +159,7 @@ def at(time, times, points):
 rospy.init_node("arm", disable_signals=True)
 threading.Thread(target=report, daemon=True).start()
 threading.Thread(target=look, daemon=True).start()
+threading.Thread(target=signal, daemon=True).start()
 arm = Arm()
 print("ready", flush=True)
 threading.Event().wait()

@@ -94,6 +94,6 @@ pub use units::{angle, metres, parse_any as number_with_unit, seconds};
 pub mod dimension {
     pub use super::units::{
         Angle, AngularVelocity, Curvature, Density, Dimension, Dimensionless, Force, Length,
-        Pressure, Time, Velocity,
+        Moment, Pressure, Time, Velocity,
     };
 }

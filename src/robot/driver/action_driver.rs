@@ -90,9 +90,10 @@ impl<Id> News<Id> {
         &mut self,
         names: &[Name],
         position: impl Fn(usize) -> Option<f64>,
+        effort: impl Fn(usize) -> Option<f64>,
         stamp: Option<f64>,
     ) {
-        let heard = JointState::heard(&self.joints, names, position);
+        let heard = JointState::heard(&self.joints, names, position, effort);
         self.reports.add(heard, stamp);
     }
 
@@ -102,7 +103,7 @@ impl<Id> News<Id> {
         names: &[Name],
         position: impl Fn(usize) -> Option<f64>,
     ) {
-        let heard = JointState::heard(&self.joints, names, position);
+        let heard = JointState::heard(&self.joints, names, position, |_| None);
         self.setpoint = heard.or(self.setpoint.take());
     }
 

@@ -75,7 +75,7 @@ mod tests {
     use super::*;
 
     fn report() -> Option<JointState> {
-        JointState::heard(&["a".into()], &["a".to_owned()], |_| Some(0.5))
+        JointState::heard(&["a".into()], &["a".to_owned()], |_| Some(0.5), |_| None)
     }
 
     #[test]

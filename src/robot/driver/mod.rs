@@ -18,8 +18,11 @@ mod rosbridge;
 mod rosbridge_camera;
 mod rosbridge_goal;
 mod rosbridge_gripper;
+mod rosbridge_signal;
 mod rosbridge_socket;
+mod signal;
 mod stepper;
+mod topic_name;
 
 pub use camera_name::{CameraError, open_camera};
 pub use file::FileDriver;
@@ -33,7 +36,9 @@ pub use rosbridge::RosbridgeDriver;
 pub use rosbridge_camera::RosbridgeCamera;
 pub use rosbridge_goal::RosVersion;
 pub use rosbridge_gripper::RosbridgeGripper;
+pub use signal::{Reading, Shape as SignalShape, SignalMessage, SignalTopic, open_signal, size};
 pub use stepper::{SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest};
+pub use topic_name::TopicName;
 
 use std::time::{Duration, Instant};
 
@@ -46,25 +51,33 @@ pub struct JointState {
     pub stamp: Option<f64>,
     /// Positions in the order of the trajectory's joints, rad or m.
     pub positions: Vec<f64>,
+    /// Efforts in the same order, N m or N; empty if not all joints report one.
+    pub efforts: Vec<f64>,
 }
 
 impl JointState {
-    /// Positions of `joints` in a message received now; `position` returns the position of the
-    /// joint with an index in `names`. A message may name more joints, in another order. `None` if
-    /// one is missing, since such a message concerns another part of the robot.
+    /// Positions and efforts of `joints` in a message received now; `position` and `effort` return
+    /// those of the joint with an index in `names`. A message may name more joints, in another
+    /// order. `None` if a position is missing, since such a message concerns another part of the
+    /// robot.
     fn heard<Name: PartialEq<str>>(
         joints: &[String],
         names: &[Name],
         position: impl Fn(usize) -> Option<f64>,
+        effort: impl Fn(usize) -> Option<f64>,
     ) -> Option<Self> {
-        let positions = joints.iter().map(|joint| {
-            let index = names.iter().position(|name| *name == **joint)?;
-            position(index)
-        });
+        let all = |number: &dyn Fn(usize) -> Option<f64>| {
+            let numbers = joints.iter().map(|joint| {
+                let index = names.iter().position(|name| *name == **joint)?;
+                number(index)
+            });
+            numbers.collect::<Option<Vec<f64>>>()
+        };
         Some(Self {
             received: Instant::now(),
             stamp: None,
-            positions: positions.collect::<Option<_>>()?,
+            positions: all(&position)?,
+            efforts: all(&effort).unwrap_or_default(),
         })
     }
 }

@@ -186,7 +186,9 @@ fn hear_state(message: &Value, news: &mut News<String>) {
         return;
     };
     let stamp = clock_time(&message["header"]["stamp"]);
-    news.add_state(names, |index| positions.get(index)?.as_f64(), stamp);
+    let position = |index: usize| positions.get(index)?.as_f64();
+    let effort = |index: usize| message["effort"].get(index)?.as_f64();
+    news.add_state(names, position, effort, stamp);
 }
 
 /// Rounds numbers to a nanoradian or nanometre, which halves the size of messages; servers limit

@@ -277,6 +277,7 @@ impl Connection {
                 received,
                 stamp: Some(time),
                 positions,
+                efforts: Vec::new(),
             });
             if is_late && arm.fault == Fault::ClockJump {
                 let lasts = arm.joint == 0 || arm.elapsed(now) < arm.moment + 0.05;
@@ -300,6 +301,7 @@ impl Connection {
                     received,
                     stamp: None,
                     positions,
+                    efforts: Vec::new(),
                 });
             }
         }

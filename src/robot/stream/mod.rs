@@ -224,6 +224,9 @@ fn run(
         if supervisor.is_interrupted() {
             return Ending::Interrupted;
         }
+        if let Some(reason) = supervisor.forbids() {
+            return Ending::Failed(reason);
+        }
         let elapsed = clock.elapsed(timer);
         let states = match advance(parts, &mut watched, elapsed, log) {
             Ok(states) => states,
@@ -348,7 +351,7 @@ impl Watch<'_> {
         };
         let time = self.clock.time_of(state);
         log.state(part, state, time);
-        if let Some(reason) = (self.supervisor).refuses(&part.name, time, &state.positions) {
+        if let Some(reason) = (self.supervisor).refuses(&part.name, time, state) {
             return Err(reason);
         }
         let has_moved = (watched.follower.as_ref()).is_none_or(Follower::has_moved);

@@ -1,5 +1,5 @@
-//! Before the first goal: connections, first reports, and the check that every joint is at the
-//! first point of its trajectory.
+//! Before the first goal: connections, first reports, and the checks that motion is allowed and
+//! that every joint is at the first point of its trajectory.
 
 use super::follow::apart;
 use super::timer::Timer;
@@ -49,6 +49,9 @@ pub(super) fn prepare(
             }
             Some(_) => timer.sleep(CYCLE),
         }
+    }
+    if let Some(reason) = supervisor.forbids() {
+        return Err(Ending::Failed(format!("{reason}. Nothing was moved")));
     }
     // Only parts with measured positions are compared: a motor without a sensor starts at its
     // present position.

@@ -1,6 +1,7 @@
 //! Supervision of a stream: interruption, and the state of the motion for a display.
 
 use super::bounds::Tolerance;
+use crate::driver::JointState;
 use std::time::{Duration, Instant};
 
 /// Time between two states that are shown.
@@ -25,10 +26,15 @@ pub trait Supervisor {
     /// Whether the motion must end early.
     fn is_interrupted(&self) -> bool;
 
-    /// The reason why the joint positions of a part must end the motion. `time` is that of the
-    /// report on the clock of the motion, s. This method is called in every cycle with the last
-    /// report.
-    fn refuses(&self, _part: &str, _time: f64, _positions: &[f64]) -> Option<String> {
+    /// The reason why nothing may move, whatever the joints report. This method is called before
+    /// the start and in every cycle.
+    fn forbids(&self) -> Option<String> {
+        None
+    }
+
+    /// The reason why the report of a part must end the motion. `time` is that of the report on the
+    /// clock of the motion, s. This method is called in every cycle with the last report.
+    fn refuses(&self, _part: &str, _time: f64, _state: &JointState) -> Option<String> {
         None
     }
 

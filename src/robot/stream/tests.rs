@@ -46,6 +46,7 @@ impl Driver for Arm {
             received,
             stamp: None,
             positions: vec![at + (self.offset)(heard)],
+            efforts: Vec::new(),
         }))
     }
     fn start(&mut self, motion: &Interpolant) -> Result<(), DriverError> {
@@ -227,6 +228,7 @@ impl Driver for Simulated {
             received: self.now,
             stamp: None,
             positions: self.trajectory.at(since.max(0.0)),
+            efforts: Vec::new(),
         }))
     }
     fn clock(&self) -> Option<(f64, Instant)> {

@@ -10,7 +10,8 @@
 //! | `resolved` | the [`Cell`] |
 //! | `surroundings`, `clearance`, `plan` | collision checks; the least distance along a motion; joint trajectories along a path of a hand |
 //! | `streaming` | a joint trajectory with the drivers that it moves |
-//! | `safety`, `hand_guard` | limits of the hands, checked before and during every motion |
+//! | `safety`, `arm_guard` | limits of hands and efforts, checked before and during every motion |
+//! | `signal_rule`, `resolve_signals`, `signals` | topics that end motions |
 //! | `approach` | motion of an arm from its current joints to the start of another motion |
 //! | `hand_path` | joints along poses of a hand that begin where it is, and motions along a part of them, with an axis |
 //! | `sums` | lengths from the start of a curve on |
@@ -21,19 +22,22 @@
 //! | `report` | the report of `rodlab check` |
 
 mod approach;
+mod arm_guard;
 mod camera;
 mod clearance;
 mod continuation;
 mod fingers;
-mod hand_guard;
 mod hand_path;
 mod plan;
 mod report;
 mod resolve;
 mod resolve_chain;
+mod resolve_signals;
 mod resolved;
 mod resolver;
 mod safety;
+mod signal_rule;
+mod signals;
 mod streaming;
 mod sums;
 mod surroundings;
@@ -43,13 +47,15 @@ mod typed;
 mod view;
 
 pub(crate) use approach::straight;
+pub use arm_guard::ArmGuard;
 pub use fingers::Fingers;
-pub use hand_guard::HandGuard;
 pub use hand_path::{HandPath, HandPathRequest};
 pub use plan::{Place, Plan, PlanError, PlanReport, PlanRequest, read_poses};
 pub use report::CellReport;
 pub(crate) use resolved::ros_version;
 pub use resolved::{Arm, Axis, Camera, Cell, Chuck, Driver, Gripper, Obstacle, Table};
 pub use safety::Safety;
+pub use signal_rule::{Bounds, SignalRule};
+pub use signals::Signals;
 pub use streaming::StreamReport;
 pub(crate) use sums::sums;

@@ -1,6 +1,7 @@
 //! Converts the cell file as typed to the cell in SI units.
 
 use super::resolve_chain::resolve_arm;
+use super::resolve_signals::signals;
 use super::resolved::{Arm, Axis, Camera, Cell, Chuck, Obstacle, Table};
 use super::resolver::Resolver;
 use super::safety::Safety;
@@ -224,6 +225,7 @@ impl Resolver<'_> {
         let safety = Safety {
             workspace,
             hand_speed: hand_speed.map(|speed| self.positive_si(&path.key("hand_speed"), speed)),
+            signals: signals(self, &path.key("signals"), &typed.signals),
         };
         for arm in arms {
             let hand = arm.hand(&arm.home).translation.vector;

@@ -84,8 +84,12 @@ pub(super) fn resolve_arm(
         let key = path.key("may_touch").index(k);
         [0, 1].map(|end| link(resolver, &key.index(end), &chain, &pair[end]))
     });
+    let efforts = typed.effort.as_ref();
+    let efforts = efforts
+        .and_then(|efforts| for_joints(resolver, &path.key("effort"), efforts, joints.len()));
     Some(Arm {
         name: typed.name.clone(),
+        efforts: efforts.unwrap_or_default(),
         may_touch: may_touch.collect(),
         base: resolver.pose(path, &typed.position, &typed.quaternion, &typed.rpy),
         home,
@@ -286,25 +290,36 @@ fn fixed(resolver: &Resolver<'_>, path: &KeyPath, joint: &FixedJoint) -> Segment
     }
 }
 
+/// One number for all joints or one for each, above 0, as one for each.
+fn for_joints(
+    resolver: &Resolver<'_>,
+    path: &KeyPath,
+    given: &OneOrMany,
+    count: usize,
+) -> Option<Vec<f64>> {
+    let values = match given {
+        OneOrMany::One(value) => vec![*value; count],
+        OneOrMany::Many(values) => values.clone(),
+    };
+    if values.len() != count {
+        resolver.fault(
+            path,
+            format!("one number or {count} are needed, found {}", values.len()),
+        );
+        return None;
+    }
+    let values = values.into_iter();
+    Some(values.map(|value| resolver.positive(path, value)).collect())
+}
+
 /// Replaces limits of the joints by those of the arm.
 fn limits(resolver: &Resolver<'_>, path: &KeyPath, typed: &typed::Arm, chain: &mut Chain) {
-    let count = chain.joints.len();
     let mut lay = |key: &str, given: &Option<OneOrMany>, slot: fn(&mut Limits) -> &mut f64| {
-        let Some(given) = given else { return };
-        let path = path.key(key);
-        let values = match given {
-            OneOrMany::One(value) => vec![*value; count],
-            OneOrMany::Many(values) => values.clone(),
-        };
-        if values.len() != count {
-            resolver.fault(
-                &path,
-                format!("one number or {count} are needed, found {}", values.len()),
-            );
-            return;
-        }
-        for (joint, value) in chain.joints.iter_mut().zip(values) {
-            *slot(&mut joint.limits) = resolver.positive(&path, value);
+        let given = given.as_ref();
+        let values =
+            given.and_then(|given| for_joints(resolver, &path.key(key), given, chain.joints.len()));
+        for (joint, value) in chain.joints.iter_mut().zip(values.unwrap_or_default()) {
+            *slot(&mut joint.limits) = value;
         }
     };
     lay("velocity", &typed.velocity, |limits| &mut limits.velocity);

@@ -23,7 +23,7 @@ pub struct Cell {
     pub camera: Option<Camera>,
     /// File of the rod for tasks that name no other rod.
     pub rod: Option<PathBuf>,
-    /// Limits of the hands.
+    /// Limits of the hands, and signals.
     pub safety: Safety,
     /// Settings for streaming trajectories.
     pub streaming: StreamBounds,
@@ -46,6 +46,8 @@ pub struct Arm {
     pub bodies: Vec<Body>,
     /// Pairs of links that may touch: indices of segments, `None` for the base.
     pub may_touch: Vec<[Option<usize>; 2]>,
+    /// Greatest reported effort of each joint, N m or N; empty without limits.
+    pub efforts: Vec<f64>,
     /// Driver that moves it.
     pub driver: Option<Driver>,
     /// Gripper of the arm.

@@ -1,20 +1,29 @@
-//! Safety limits of the hands: a box that they must not leave, and a greatest speed.
+//! Safety limits of the hands: a box that they must not leave, and a greatest speed. Signals that
+//! end motions.
 
+use super::signal_rule::SignalRule;
 use nalgebra::Vector3;
 
 /// Fraction of the greatest speed that planned motions use.
 const PLANNED: f64 = 0.8;
 
-/// Limits of the hands of all arms.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Limits of the hands of all arms, and signals.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Safety {
     /// Corners of the box with the lower and the upper coordinates, m, in the frame of the cell.
     pub workspace: Option<[[f64; 3]; 2]>,
     /// Greatest speed, m/s.
     pub hand_speed: Option<f64>,
+    /// Topics that are watched.
+    pub signals: Vec<SignalRule>,
 }
 
 impl Safety {
+    /// Whether hands have limits.
+    pub(super) fn limits_hands(&self) -> bool {
+        self.workspace.is_some() || self.hand_speed.is_some()
+    }
+
     /// The speed, m/s, with which a motion is planned if it should have a `speed`.
     pub(super) fn planned(&self, speed: f64) -> f64 {
         self.hand_speed

@@ -193,6 +193,64 @@ fn faults_name_file_line_and_key() {
 }
 
 #[test]
+fn a_signal_is_compared_by_the_keys_of_its_message() {
+    let with = |keys: &str| {
+        let signal = format!("\n[[safety.signals]]\nname = \"s\"\n{keys}\n");
+        read(&(ONE_JOINT.to_owned() + &signal)).map(|mut cell| cell.safety.signals.remove(0))
+    };
+    let at = "topic = \"ros1://10.0.0.1:11311/stop\"\n";
+    let of = |message: &str, keys: &str| with(&format!("{at}message = \"{message}\"\n{keys}"));
+    let button = of("std_msgs/msg/Bool", "stop_at = true").unwrap();
+    assert_eq!(button.topic.topic(), "/stop");
+    assert_eq!((button.bounds, button.silence), (Bounds::Not(true), None));
+    let mode = of(
+        "ur_dashboard_msgs/RobotMode",
+        "allowed = [7]\nsilence = \"2 s\"",
+    )
+    .unwrap();
+    assert_eq!(mode.bounds, Bounds::Numbers(vec![7.0]));
+    assert_eq!(mode.silence.unwrap().as_secs(), 2);
+    let range = of("std_msgs/Float64", "upper = 3.0").unwrap();
+    assert_eq!(range.bounds, Bounds::Range([f64::NEG_INFINITY, 3.0]));
+    let wrench = of("geometry_msgs/WrenchStamped", "torque = \"50 Nmm\"").unwrap();
+    let (force, torque) = (f64::INFINITY, 0.05);
+    assert_eq!(wrench.bounds, Bounds::Wrench { force, torque });
+    for (message, keys, expected) in [
+        ("std_msgs/Bool", "", "no message and no silence would end"),
+        ("std_msgs/Bool", "upper = 1", "are compared by stop_at"),
+        ("std_msgs/Empty", "stop_at = true", "has no content"),
+        (
+            "std_msgs/Pose",
+            "stop_at = true",
+            "\"std_msgs/Pose\" is not read; allowed: std_msgs/Bool",
+        ),
+        ("std_msgs/Int8", "allowed = [\"a\"]", "numbers are needed"),
+        ("std_msgs/String", "allowed = [1]", "texts are needed"),
+        (
+            "std_msgs/Int8",
+            "allowed = [1]\nupper = 2",
+            "either `allowed`, or",
+        ),
+        ("std_msgs/Int8", "lower = 2\nupper = 2", "below `upper`"),
+        ("geometry_msgs/WrenchStamped", "force = \"2 m\"", "a force"),
+        (
+            "std_msgs/Empty",
+            "silence = \"1 ms\"",
+            "allowed: 0.01 s to 3600 s",
+        ),
+    ] {
+        let error = of(message, keys).unwrap_err();
+        assert!(error.contains(expected), "{keys}: {error}");
+        assert!(error.contains("safety.signals.0"), "{error}");
+    }
+    let error = with("topic = \"/stop\"\nmessage = \"std_msgs/Empty\"").unwrap_err();
+    assert!(
+        error.contains("cell.toml:") && error.contains("is not a topic"),
+        "{error}"
+    );
+}
+
+#[test]
 fn ten_lines_of_the_guide_connect_an_arm() {
     let page = include_str!("../../guide/robots.md");
     let block = |k: usize| {

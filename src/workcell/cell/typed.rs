@@ -1,7 +1,7 @@
 //! The cell file as typed: every allowed key, before validation.
 
 use rodlab_lab::scenario::dimension::{
-    Angle, AngularVelocity, Dimensionless, Force, Length, Time, Velocity,
+    Angle, AngularVelocity, Dimensionless, Force, Length, Moment, Time, Velocity,
 };
 use rodlab_lab::scenario::{Quantity, Vector};
 use serde::Deserialize;
@@ -32,7 +32,7 @@ pub struct CellFile {
     pub camera: Option<Camera>,
     /// The rod for tasks that name no other rod.
     pub rod: Option<SuppliedRod>,
-    /// Limits of the hands.
+    /// Limits of the hands, and signals that end motions.
     pub safety: Option<Safety>,
     /// Settings of the streaming of trajectories.
     pub streaming: Option<Streaming>,
@@ -55,6 +55,7 @@ pub struct Arm {
     pub velocity: Option<OneOrMany>,
     pub acceleration: Option<OneOrMany>,
     pub jerk: Option<OneOrMany>,
+    pub effort: Option<OneOrMany>,
     pub link_radius: Option<Quantity<Length>>,
     #[serde(default)]
     pub capsules: Vec<Capsule>,
@@ -222,11 +223,36 @@ pub struct Camera {
     pub source: Option<String>,
 }
 
-/// Limits of the hands.
+/// Limits of the hands, and signals that end motions.
 #[derive(Debug, Deserialize)]
 pub struct Safety {
     pub workspace: Option<Workspace>,
     pub hand_speed: Option<Quantity<Velocity>>,
+    #[serde(default)]
+    pub signals: Vec<Signal>,
+}
+
+/// A topic whose messages, or whose silence, end motions.
+#[derive(Debug, Deserialize)]
+pub struct Signal {
+    pub name: String,
+    pub topic: String,
+    pub message: String,
+    pub stop_at: Option<bool>,
+    pub allowed: Option<Vec<Allowed>>,
+    pub lower: Option<f64>,
+    pub upper: Option<f64>,
+    pub force: Option<Quantity<Force>>,
+    pub torque: Option<Quantity<Moment>>,
+    pub silence: Option<Quantity<Time>>,
+}
+
+/// A number or a text.
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "expected a number or a text")]
+pub enum Allowed {
+    Number(f64),
+    Text(String),
 }
 
 /// A box, by its corners.

@@ -3,10 +3,10 @@
 use super::error::WorkError;
 use super::stopped::LaidAlong;
 use super::workplace::Workplace;
-use crate::cell::{Fingers, HandGuard};
+use crate::cell::{ArmGuard, Fingers};
 use rodlab_files::results::write_whole;
 use rodlab_robot::{
-    Ending, JointTrajectory, Moving, Pose, StreamLog, StreamState, Supervisor, stream,
+    Ending, JointState, JointTrajectory, Moving, Pose, StreamLog, StreamState, Supervisor, stream,
 };
 use std::time::Duration;
 
@@ -101,7 +101,7 @@ impl WorkingArm<'_> {
         let mut log = StreamLog::open(&folder).map_err(unwritable)?;
         self.at.mark(self.arm)?;
         let watched = WatchedMotion {
-            guard: HandGuard::new(self.at.cell),
+            guard: ArmGuard::new(self.at.cell),
             arm: self,
             motion,
             fingers,
@@ -172,10 +172,11 @@ impl WorkingArm<'_> {
             Grip::Open => open,
         };
         let _moving = Moving::begin();
-        let moved = gripper.command(opening, GRIPPER, self.at.is_interrupted);
-        moved.map_err(|error| match (self.at.is_interrupted)() {
-            true => WorkError::Interrupted,
-            false => WorkError::failed(error),
+        self.at.check()?;
+        let moved = gripper.command(opening, GRIPPER, &|| self.at.is_ended());
+        moved.map_err(|error| match self.at.check() {
+            Err(ended) => ended,
+            Ok(()) => WorkError::failed(error),
         })
     }
 
@@ -196,7 +197,7 @@ impl WorkingArm<'_> {
     pub fn rest(&self, duration: Duration) -> Result<(), WorkError> {
         self.at
             .cell
-            .rest(self.arm, duration, self.at.is_interrupted);
+            .rest(self.arm, duration, &|| self.at.is_ended());
         self.at.check()
     }
 
@@ -212,7 +213,7 @@ impl WorkingArm<'_> {
 
 /// A motion that ends when the user interrupts it or the object slips out, and that is shown.
 struct WatchedMotion<'a> {
-    guard: HandGuard<'a>,
+    guard: ArmGuard<'a>,
     arm: &'a WorkingArm<'a>,
     motion: &'a JointTrajectory,
     fingers: Option<&'a Fingers>,
@@ -231,8 +232,12 @@ impl Supervisor for WatchedMotion<'_> {
         (self.arm.at.is_interrupted)() || self.slipped().is_some()
     }
 
-    fn refuses(&self, part: &str, time: f64, positions: &[f64]) -> Option<String> {
-        self.guard.fault(part, time, positions)
+    fn forbids(&self) -> Option<String> {
+        self.arm.at.forbidden()
+    }
+
+    fn refuses(&self, part: &str, time: f64, state: &JointState) -> Option<String> {
+        self.guard.fault(part, time, state)
     }
 
     fn show(&self, state: &StreamState) {

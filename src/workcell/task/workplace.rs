@@ -3,7 +3,7 @@
 use super::display::{Display, Hidden};
 use super::error::WorkError;
 use super::unfinished::Unfinished;
-use crate::cell::Cell;
+use crate::cell::{Cell, Signals};
 use image::RgbImage;
 use rodlab_files::results::write_whole;
 use rodlab_robot::{CameraPicture, open_camera};
@@ -27,6 +27,8 @@ pub struct Workplace<'a> {
     pub marks: &'a [Unfinished],
     /// Whether an interruption was requested.
     pub is_interrupted: &'a dyn Fn() -> bool,
+    /// Safety signals, if the cell has some.
+    pub signals: Option<&'a Signals>,
     /// Display of the progress.
     pub display: &'a dyn Display,
     /// Speed of all motions relative to the planned ones, at most 1.
@@ -43,6 +45,7 @@ impl<'a> Workplace<'a> {
             is_recorded: false,
             marks: &[],
             is_interrupted: &|| false,
+            signals: None,
             display: &Hidden,
             speed_scale: 1.0,
         }
@@ -53,12 +56,23 @@ impl Workplace<'_> {
     /// Checks whether the task may continue.
     ///
     /// # Errors
-    /// An interruption was requested.
+    /// A safety signal forbids motions, or an interruption was requested.
     pub fn check(&self) -> Result<(), WorkError> {
-        match (self.is_interrupted)() {
-            true => Err(WorkError::Interrupted),
-            false => Ok(()),
+        match (self.forbidden(), (self.is_interrupted)()) {
+            (Some(reason), _) => Err(WorkError::Failed(reason)),
+            (None, true) => Err(WorkError::Interrupted),
+            (None, false) => Ok(()),
         }
+    }
+
+    /// The reason why a safety signal forbids motions.
+    pub(super) fn forbidden(&self) -> Option<String> {
+        self.signals.and_then(Signals::fault)
+    }
+
+    /// Whether the task must end early.
+    pub(super) fn is_ended(&self) -> bool {
+        (self.is_interrupted)() || self.forbidden().is_some()
     }
 
     /// Marks an arm before it moves.

@@ -41,6 +41,7 @@ pub fn as_arm(axis: &Axis) -> Arm {
         home: vec![0.0],
         bodies: Vec::new(),
         may_touch: Vec::new(),
+        efforts: Vec::new(),
         driver: axis.driver.clone(),
         gripper: None,
     }

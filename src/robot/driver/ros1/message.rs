@@ -97,7 +97,7 @@ impl Writer {
     }
 
     /// Writes a header without a time, which means "at once".
-    fn header(&mut self) {
+    pub(super) fn header(&mut self) {
         (0..3).for_each(|_| self.u32(0));
         self.text("");
     }
@@ -155,10 +155,15 @@ pub fn cancel(id: &str) -> Vec<u8> {
 }
 
 /// Reads a message.
-struct Reader<'a>(&'a [u8]);
+pub(super) struct Reader<'a>(&'a [u8]);
 
 impl<'a> Reader<'a> {
-    fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
+    /// Reads from the first byte on.
+    pub(super) fn new(message: &'a [u8]) -> Self {
+        Self(message)
+    }
+
+    pub(super) fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
         let (head, tail) = self.0.split_at_checked(count)?;
         self.0 = tail;
         Some(head)
@@ -168,7 +173,7 @@ impl<'a> Reader<'a> {
         Some(u32::from_le_bytes(self.bytes(4)?.try_into().ok()?))
     }
 
-    fn text(&mut self) -> Option<String> {
+    pub(super) fn text(&mut self) -> Option<String> {
         let length = self.u32()? as usize;
         Some(String::from_utf8_lossy(self.bytes(length)?).into_owned())
     }
@@ -176,6 +181,10 @@ impl<'a> Reader<'a> {
     fn texts(&mut self) -> Option<Vec<String>> {
         let count = self.u32()?;
         (0..count).map(|_| self.text()).collect()
+    }
+
+    pub(super) fn f64(&mut self) -> Option<f64> {
+        Some(f64::from_le_bytes(self.bytes(8)?.try_into().ok()?))
     }
 
     fn numbers(&mut self) -> Option<Vec<f64>> {
@@ -193,18 +202,37 @@ impl<'a> Reader<'a> {
     }
 
     /// The time of a `std_msgs/Header`, s.
-    fn header(&mut self) -> Option<f64> {
+    pub(super) fn header(&mut self) -> Option<f64> {
         self.u32()?;
         let time = self.time()?;
         self.text().map(|_| time)
     }
 }
 
-/// Time, s, names and positions of a joint state; `None` if the message is damaged.
-pub fn joint_state(message: &[u8]) -> Option<(f64, Vec<String>, Vec<f64>)> {
+/// Reported joints.
+pub struct JointStates {
+    /// Time of the report, s.
+    pub time: f64,
+    /// Names of joints.
+    pub names: Vec<String>,
+    /// Their positions, rad or m.
+    pub positions: Vec<f64>,
+    /// Their efforts, N m or N; empty if none are reported.
+    pub efforts: Vec<f64>,
+}
+
+/// The joints of a joint state; `None` if the message is damaged.
+pub fn joint_state(message: &[u8]) -> Option<JointStates> {
     let mut reader = Reader(message);
     let time = reader.header()?;
-    Some((time, reader.texts()?, reader.numbers()?))
+    let (names, positions) = (reader.texts()?, reader.numbers()?);
+    let _velocities = reader.numbers()?;
+    Some(JointStates {
+        time,
+        names,
+        positions,
+        efforts: reader.numbers()?,
+    })
 }
 
 /// Identifier and status of a goal.
@@ -311,12 +339,18 @@ mod tests {
         writer.text("bc");
         writer.numbers(&[1.0, -2.5]);
         writer.numbers(&[]);
-        writer.numbers(&[]);
-        let (time, names, positions) = joint_state(&writer.0).unwrap();
+        writer.numbers(&[3.0, 4.0]);
+        let JointStates {
+            time,
+            names,
+            positions,
+            efforts,
+        } = joint_state(&writer.0).unwrap();
         assert_eq!(time, 20.5);
         assert_eq!(names, ["a", "bc"]);
         assert_eq!(positions, [1.0, -2.5]);
-        assert!((0..writer.0.len() - 8).all(|end| joint_state(&writer.0[..end]).is_none()));
+        assert_eq!(efforts, [3.0, 4.0]);
+        assert!((0..writer.0.len()).all(|end| joint_state(&writer.0[..end]).is_none()));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! A node (`node`) uses XML-RPC (`xmlrpc`) for the master and TCPROS for the action server. The
 //! node sends goals and cancellations, and receives joint states, feedback, results and the clock
 //! of a simulated robot (`message`). A `gripper` uses another action. Pictures come from a `camera`
-//! or from a recording (`bag`).
+//! or from a recording (`bag`), and what ends motions from a `signal`.
 
 mod bag;
 mod bag_record;
@@ -12,11 +12,13 @@ mod camera;
 mod gripper;
 mod message;
 mod node;
+mod signal;
 mod xmlrpc;
 
 pub use bag::{Bag, BagError, BagPicture};
 pub use camera::Ros1Camera;
 pub use gripper::Ros1Gripper;
+pub use signal::Ros1Signal;
 
 use super::action_driver::{ActionDriver, ActionLink, News, unique_name};
 use super::follow_joint_trajectory::ros_1_outcome;
@@ -126,8 +128,11 @@ impl Ros1Link {
 fn hear(label: &str, bytes: &[u8], news: &mut News<String>) -> Option<()> {
     match label {
         STATES => {
-            let (stamp, names, positions) = message::joint_state(bytes)?;
-            news.add_state(&names, |index| positions.get(index).copied(), Some(stamp));
+            let states = message::joint_state(bytes)?;
+            let of = |numbers: &[f64], index: usize| numbers.get(index).copied();
+            let position = |index| of(&states.positions, index);
+            let effort = |index| of(&states.efforts, index);
+            news.add_state(&states.names, position, effort, Some(states.time));
         }
         CLOCK => news.set_time(message::clock(bytes)?),
         FEEDBACK => {

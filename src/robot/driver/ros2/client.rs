@@ -66,7 +66,8 @@ impl Connection {
     fn read_sample(&mut self, news: &mut News<GoalId>) -> Result<bool, String> {
         if let Some(states) = self.joint_states.next()? {
             let position = |index: usize| states.position.get(index).copied();
-            news.add_state(&states.name, position, None);
+            let effort = |index: usize| states.effort.get(index).copied();
+            news.add_state(&states.name, position, effort, None);
             return Ok(true);
         }
         let Some(feedback) = self.feedback.next()? else {

@@ -199,7 +199,7 @@ pub struct Feedback {
     pub setpoint: Vec<f64>,
 }
 
-/// Beginning of `sensor_msgs/JointState`, including the positions.
+/// `sensor_msgs/JointState`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct JointStates {
     header: Header,
@@ -207,7 +207,26 @@ pub struct JointStates {
     pub name: Vec<String>,
     /// Their positions, rad or m.
     pub position: Vec<f64>,
+    /// Their velocities, rad/s or m/s.
+    pub velocity: Vec<f64>,
+    /// Their efforts, N m or N; empty if none are reported.
+    pub effort: Vec<f64>,
 }
+
+/// `geometry_msgs/WrenchStamped`.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct WrenchStamped {
+    /// Time stamp and frame.
+    pub header: Header,
+    /// Force, N.
+    pub force: [f64; 3],
+    /// Torque, N m.
+    pub torque: [f64; 3],
+}
+
+/// `std_msgs/Empty`, which has one byte in DDS.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct NoContent(u8);
 
 /// `sensor_msgs/Image`.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -3,8 +3,8 @@
 //!
 //! An action of ROS 2 (`action`) consists of three services, send_goal, get_result and cancel_goal
 //! (`service`), and of topics for feedback and status. Their messages (`message`) are encoded in
-//! CDR. Arms use `client` and grippers `gripper`; pictures come from a `camera`. All of this needs
-//! the cargo feature `ros2`.
+//! CDR. Arms use `client` and grippers `gripper`; pictures come from a `camera`, and
+//! what ends motions from a `signal`. All of this needs the cargo feature `ros2`.
 
 #[cfg(feature = "ros2")]
 mod action;
@@ -18,8 +18,11 @@ mod gripper;
 mod message;
 #[cfg(feature = "ros2")]
 mod service;
+#[cfg(feature = "ros2")]
+mod signal;
 
 use super::picture::PictureTopic;
+use super::signal::{SignalMessage, SignalTopic};
 use super::{Driver, DriverError, GripperDriver};
 use std::net::IpAddr;
 
@@ -133,5 +136,31 @@ impl Ros2CameraAddress {
             let reason = "this program was built without the feature ros2";
             Err(DriverError::Refused(format!("{}: {reason}", self.topic)))
         }
+    }
+}
+
+/// Subscribes to a signal of ROS 2.
+///
+/// # Errors
+/// There is no such network, or the program was built without the feature `ros2`
+/// ([`Ros2Address::IS_BUILT`]).
+pub fn open_signal(
+    domain: u16,
+    interface: Option<IpAddr>,
+    topic: &str,
+    message: SignalMessage,
+) -> Result<Box<dyn SignalTopic>, DriverError> {
+    #[cfg(feature = "ros2")]
+    {
+        let signal = signal::Ros2Signal::open(domain, interface, topic, message);
+        let signal = signal
+            .map_err(|reason| DriverError::Lost(format!("ROS 2, domain {domain}: {reason}")))?;
+        Ok(Box::new(signal))
+    }
+    #[cfg(not(feature = "ros2"))]
+    {
+        let _ = (domain, interface, message);
+        let reason = "this program was built without the feature ros2";
+        Err(DriverError::Refused(format!("{topic}: {reason}")))
     }
 }

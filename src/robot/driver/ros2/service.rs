@@ -136,10 +136,23 @@ pub fn best_effort() -> QosPolicies {
     profile(Reliability::BestEffort)
 }
 
+/// Quality of service of publishers that send their last messages to later subscribers.
+pub fn latched() -> QosPolicies {
+    let max_blocking_time = rustdds::Duration::from_millis(WRITE_PATIENCE.into());
+    durable(
+        Reliability::Reliable { max_blocking_time },
+        Durability::TransientLocal,
+    )
+}
+
 fn profile(reliability: Reliability) -> QosPolicies {
+    durable(reliability, Durability::Volatile)
+}
+
+fn durable(reliability: Reliability, durability: Durability) -> QosPolicies {
     QosPolicyBuilder::new()
         .reliability(reliability)
-        .durability(Durability::Volatile)
+        .durability(durability)
         .history(History::KeepLast { depth: DEPTH })
         .build()
 }

@@ -96,6 +96,7 @@ impl StepperDriver {
             received: self.asked,
             stamp: None,
             positions: vec![self.zero + f64::from(answer.position) * self.radians_per_step],
+            efforts: Vec::new(),
         });
         if answer.watchdog {
             return Err(DriverError::Aborted(format!(
@@ -175,6 +176,7 @@ impl Driver for StepperDriver {
             received: self.asked,
             stamp: None,
             positions: motion.first().to_vec(),
+            efforts: Vec::new(),
         });
         self.motion = Some(Motion {
             path: motion.clone(),

@@ -1,12 +1,11 @@
-//! Checks that hands keep their safety limits, along every motion and during it.
+//! Checks that hands and efforts keep their limits, along every motion and during it.
 //!
-//! [`Cell::prepare_stream`] checks the whole motion before it starts, whatever planned it, and a
-//! [`HandGuard`] the reports of the joints while it lasts.
+//! [`Cell::prepare_stream`] checks the hands along the whole motion before it starts, whatever
+//! planned it, and an [`ArmGuard`] the reports of the joints while it lasts.
 
-use super::resolved::Cell;
-use super::safety::Safety;
+use super::resolved::{Arm, Cell};
 use nalgebra::Vector3;
-use rodlab_robot::Part;
+use rodlab_robot::{JointState, Part};
 use std::cell::RefCell;
 use std::collections::VecDeque;
 
@@ -19,13 +18,38 @@ const MEASURED: f64 = 1.2;
 /// Distance from the box, m, at which a motion ends: an arm may leave its trajectory a little.
 const OUTSIDE: f64 = 5e-3;
 
+impl Arm {
+    /// The joint whose effort is too large, N m or N, as text. Missing efforts are too large.
+    fn excessive_effort(&self, efforts: &[f64]) -> Option<String> {
+        if self.efforts.is_empty() {
+            return None;
+        }
+        if efforts.len() != self.efforts.len() {
+            return Some("it reports no efforts, which `effort` of the cell file limits".into());
+        }
+        let joints = self
+            .chain
+            .joints
+            .iter()
+            .zip(efforts.iter().zip(&self.efforts));
+        let mut excessive = joints.filter(|(_, (effort, most))| !(effort.abs() <= **most));
+        excessive.next().map(|(joint, (effort, most))| {
+            let unit = joint.kind.effort_unit();
+            format!(
+                "{} has an effort of {effort:.2} {unit}; allowed: {most} {unit}",
+                joint.name
+            )
+        })
+    }
+}
+
 impl Cell {
     /// Checks the hands along a motion.
     ///
     /// # Errors
     /// A hand leaves the box, or is too fast; the message gives arm and time.
     pub(super) fn safe_hands(&self, parts: &[Part]) -> Result<(), String> {
-        if self.safety == Safety::default() {
+        if !self.safety.limits_hands() {
             return Ok(());
         }
         for arm in &self.arms {
@@ -58,14 +82,14 @@ impl Cell {
 /// Time, s, and place of a hand, m.
 type Place = (f64, Vector3<f64>);
 
-/// Monitors the hands of the arms of a cell during a motion.
-pub struct HandGuard<'a> {
+/// Monitors the arms of a cell during a motion.
+pub struct ArmGuard<'a> {
     cell: &'a Cell,
     /// Times, s, and places of each hand within the last [`WINDOW`].
     seen: RefCell<Vec<VecDeque<Place>>>,
 }
 
-impl<'a> HandGuard<'a> {
+impl<'a> ArmGuard<'a> {
     /// The guard of a motion that begins.
     pub fn new(cell: &'a Cell) -> Self {
         Self {
@@ -74,14 +98,18 @@ impl<'a> HandGuard<'a> {
         }
     }
 
-    /// The reason why the joint positions of a part, reported at a time of the motion, s, must end
-    /// the motion.
-    pub fn fault(&self, part: &str, time: f64, positions: &[f64]) -> Option<String> {
+    /// The reason why a report of a part, at a time of the motion, s, must end the motion.
+    pub fn fault(&self, part: &str, time: f64, state: &JointState) -> Option<String> {
+        let arm = self.cell.arms.iter().position(|arm| arm.name == part)?;
+        let effort = self.cell.arms[arm].excessive_effort(&state.efforts);
+        effort.or_else(|| self.hand_fault(arm, time, &state.positions))
+    }
+
+    fn hand_fault(&self, arm: usize, time: f64, positions: &[f64]) -> Option<String> {
         let safety = &self.cell.safety;
-        if *safety == Safety::default() {
+        if !safety.limits_hands() {
             return None;
         }
-        let arm = self.cell.arms.iter().position(|arm| arm.name == part)?;
         let hand = self.cell.arms[arm].hand(positions).translation.vector;
         let seen = &mut self.seen.borrow_mut()[arm];
         if seen.back().is_some_and(|(last, _)| *last >= time) {
@@ -103,6 +131,7 @@ impl<'a> HandGuard<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::safety::Safety;
     use super::*;
     use crate::test_cells::gantry;
     use rodlab_robot::JointTrajectory;
@@ -113,6 +142,7 @@ mod tests {
         cell.safety = Safety {
             workspace: Some([[-0.3, -0.3, 0.0], [0.3, 0.3, 1.0]]),
             hand_speed: Some(0.2),
+            ..Safety::default()
         };
         cell
     }
@@ -132,6 +162,15 @@ mod tests {
             columns: arm.columns().collect(),
             times: (0..=100).map(|k| duration * f64::from(k) / 100.0).collect(),
             points: points.collect(),
+        }
+    }
+
+    fn report(positions: Vec<f64>) -> JointState {
+        JointState {
+            received: std::time::Instant::now(),
+            stamp: None,
+            positions,
+            efforts: Vec::new(),
         }
     }
 
@@ -168,7 +207,7 @@ mod tests {
     #[test]
     fn reported_joints_beyond_the_limits_end_a_motion() {
         let cell = guarded();
-        let guard = HandGuard::new(&cell);
+        let guard = ArmGuard::new(&cell);
         let at = |x: f64| {
             let mut joints = cell.arms[0].home.clone();
             joints[0] += x;
@@ -178,18 +217,59 @@ mod tests {
         for k in 0..100 {
             let time = 0.01 * f64::from(k);
             let noise = if k % 2 == 0 { 1e-4 } else { -1e-4 };
-            assert_eq!(guard.fault("gantry", time, &at(0.2 * time + noise)), None);
+            assert_eq!(
+                guard.fault("gantry", time, &report(at(0.2 * time + noise))),
+                None
+            );
         }
-        let outside = guard.fault("gantry", 1.0, &at(0.306)).unwrap();
+        let outside = guard.fault("gantry", 1.0, &report(at(0.306))).unwrap();
         assert!(outside.contains("workspace"), "{outside}");
-        let guard = HandGuard::new(&cell);
+        let guard = ArmGuard::new(&cell);
         let faults = (0..20).map(|k| {
             let time = 0.01 * f64::from(k);
-            guard.fault("gantry", time, &at(0.3 * time))
+            guard.fault("gantry", time, &report(at(0.3 * time)))
         });
         let first = faults.flatten().next().unwrap();
         assert!(first.contains("faster than"), "{first}");
         // Another part has no hand.
-        assert_eq!(guard.fault("axis", 0.0, &[0.0]), None);
+        assert_eq!(guard.fault("axis", 0.0, &report(vec![0.0])), None);
+    }
+
+    #[test]
+    fn efforts_above_their_limit_end_a_motion() {
+        let mut cell = gantry();
+        let count = cell.arms[0].chain.joints.len();
+        let of = |first: f64| {
+            let mut efforts = vec![-5.0; count];
+            efforts[0] = first;
+            JointState {
+                efforts,
+                ..report(cell.arms[0].home.clone())
+            }
+        };
+        let reports = [9.9, -10.5, f64::NAN].map(of);
+        let none = report(cell.arms[0].home.clone());
+        assert_eq!(ArmGuard::new(&cell).fault("gantry", 0.0, &reports[1]), None);
+        cell.arms[0].efforts = vec![10.0; count];
+        let guard = ArmGuard::new(&cell);
+        assert_eq!(guard.fault("gantry", 0.0, &reports[0]), None);
+        let joint = &cell.arms[0].chain.joints[0].name;
+        let much = guard.fault("gantry", 0.0, &reports[1]).unwrap();
+        assert_eq!(
+            much,
+            format!("{joint} has an effort of -10.50 N; allowed: 10 N")
+        );
+        assert!(
+            guard
+                .fault("gantry", 0.0, &reports[2])
+                .unwrap()
+                .contains("NaN")
+        );
+        assert!(
+            guard
+                .fault("gantry", 0.0, &none)
+                .unwrap()
+                .contains("no efforts")
+        );
     }
 }

@@ -1,0 +1,143 @@
+//! Rules of safety signals: which messages of a topic, or which silence, end motions.
+
+use rodlab_robot::{Reading, SignalMessage, TopicName, size};
+use std::time::Duration;
+
+/// A topic that is watched while arms move.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SignalRule {
+    /// Name in messages.
+    pub name: String,
+    /// The topic.
+    pub topic: TopicName,
+    /// Type of its messages.
+    pub message: SignalMessage,
+    /// Which messages end motions.
+    pub bounds: Bounds,
+    /// Longest time without a message; `None` if the topic may be silent.
+    pub silence: Option<Duration>,
+}
+
+/// Which messages of a signal allow motions.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Bounds {
+    /// All of them; only silence ends motions.
+    Any,
+    /// All flags but this one.
+    Not(bool),
+    /// These numbers.
+    Numbers(Vec<f64>),
+    /// These texts.
+    Texts(Vec<String>),
+    /// Numbers between two ends.
+    Range([f64; 2]),
+    /// Wrenches whose force, N, and torque, N m, have at most these sizes.
+    Wrench {
+        /// N.
+        force: f64,
+        /// N m.
+        torque: f64,
+    },
+}
+
+impl SignalRule {
+    /// The reason why a message ends motions. A number that is not finite ends them.
+    pub fn refuses(&self, reading: &Reading) -> Option<String> {
+        let is_allowed = match (&self.bounds, reading) {
+            (Bounds::Any, _) => true,
+            (Bounds::Not(stop), Reading::Flag(flag)) => flag != stop,
+            (Bounds::Numbers(allowed), Reading::Number(number)) => allowed.contains(number),
+            (Bounds::Texts(allowed), Reading::Text(text)) => allowed.contains(text),
+            (Bounds::Range([lower, upper]), Reading::Number(number)) => {
+                (lower..=upper).contains(&number)
+            }
+            (Bounds::Wrench { force, torque }, Reading::Wrench { .. }) => {
+                is_weak(reading, *force, *torque)
+            }
+            _ => false,
+        };
+        (!is_allowed).then(|| {
+            let allowed = match &self.bounds {
+                Bounds::Any => String::new(),
+                Bounds::Not(stop) => (!stop).to_string(),
+                Bounds::Numbers(allowed) => {
+                    let allowed: Vec<_> = allowed.iter().map(f64::to_string).collect();
+                    allowed.join(", ")
+                }
+                Bounds::Texts(allowed) => allowed.join(", "),
+                Bounds::Range([lower, upper]) => format!("{lower} to {upper}"),
+                Bounds::Wrench { force, torque } => format!("{force} N, {torque} N m"),
+            };
+            format!(
+                "safety signal `{}` is {reading}; allowed: {allowed}",
+                self.name
+            )
+        })
+    }
+}
+
+fn is_weak(reading: &Reading, most_force: f64, most_torque: f64) -> bool {
+    match reading {
+        Reading::Wrench { force, torque } => {
+            size(force) <= most_force && size(torque) <= most_torque
+        }
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rule(bounds: Bounds) -> SignalRule {
+        SignalRule {
+            name: "s".into(),
+            topic: TopicName::parse("ros1://h:1/s", "s").unwrap().unwrap(),
+            message: SignalMessage::named("std_msgs/msg/Bool").unwrap(),
+            bounds,
+            silence: None,
+        }
+    }
+
+    #[test]
+    fn only_allowed_messages_let_arms_move() {
+        let wrench = |force: f64, torque: f64| Reading::Wrench {
+            force: [0.0, -force, 0.0],
+            torque: [torque, 0.0, 0.0],
+        };
+        let limit = Bounds::Wrench {
+            force: 20.0,
+            torque: f64::INFINITY,
+        };
+        let modes = Bounds::Numbers(vec![5.0, 7.0]);
+        let range = Bounds::Range([-1.0, f64::INFINITY]);
+        let texts = Bounds::Texts(vec!["auto".into()]);
+        let cases = [
+            (Bounds::Not(true), Reading::Flag(false), None),
+            (
+                Bounds::Not(true),
+                Reading::Flag(true),
+                Some("is true; allowed: false"),
+            ),
+            (modes.clone(), Reading::Number(7.0), None),
+            (modes, Reading::Number(3.0), Some("is 3; allowed: 5, 7")),
+            (range.clone(), Reading::Number(1e9), None),
+            (range.clone(), Reading::Number(-2.0), Some("-1 to inf")),
+            (range, Reading::Number(f64::NAN), Some("NaN")),
+            (texts.clone(), Reading::Text("auto".into()), None),
+            (texts, Reading::Text("manual".into()), Some("\"manual\"")),
+            (limit.clone(), wrench(19.9, 1e3), None),
+            (limit.clone(), wrench(20.1, 0.0), Some("20.10 N")),
+            (limit, wrench(f64::NAN, 0.0), Some("NaN N")),
+            (Bounds::Any, Reading::Beat, None),
+        ];
+        for (bounds, reading, expected) in cases {
+            let found = rule(bounds).refuses(&reading);
+            match (&found, expected) {
+                (None, None) => {}
+                (Some(found), Some(expected)) => assert!(found.contains(expected), "{found}"),
+                _ => panic!("{reading}: {found:?}"),
+            }
+        }
+    }
+}
