@@ -11,7 +11,8 @@ use super::status_line::StatusLine;
 use rodlab_files::results::write_whole;
 use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
-    Planning, Task, TaskCommand, TaskError, TaskRecord, TaskRun, Unfinished, WorkError, Workplace,
+    FirstRun, Planning, Task, TaskCommand, TaskError, TaskRecord, TaskRun, Unfinished, WorkError,
+    Workplace,
 };
 
 /// Arguments of a command that carries out a task in a cell.
@@ -26,6 +27,8 @@ pub struct InCell<C: Args> {
 
 /// A task in a cell, with its directory and the marks of its arms.
 struct Work<'a> {
+    /// Name of the command.
+    name: &'static str,
     chosen: &'a TaskCell,
     choice: &'a CellChoice,
     directory: &'a Path,
@@ -66,6 +69,7 @@ where
         let marked = arms.iter().filter(|_| way.checked.is_some());
         let marks = marked.map(|arm| Unfinished::of(&chosen.cell, *arm, &directory));
         let work = Work {
+            name: C::NAME,
             marks: if chosen.is_virtual {
                 Vec::new()
             } else {
@@ -107,6 +111,13 @@ impl Work<'_> {
         cell: &Cell,
     ) -> Result<(), Failure> {
         run.note(self.directory)?;
+        let motion = run.task.motion(cell)?;
+        let first_run = FirstRun::of(cell, self.name, motion.as_slice());
+        // A simulated cell is never slowed down.
+        let speed_scale = match self.chosen.is_virtual {
+            true => self.choice.speed_scale,
+            false => first_run.speed(self.choice.speed_scale),
+        };
         let report = run.report(self.directory);
         self.chosen
             .confirm(arms, &report, self.directory, self.choice)?;
@@ -122,7 +133,7 @@ impl Work<'_> {
             is_interrupted: &|| interrupted.is_raised(),
             signals: signals.as_ref(),
             display: &StatusLine::new(self.common),
-            speed_scale: self.choice.speed_scale,
+            speed_scale,
         });
         if let Some(signals) = &signals {
             write_signals(signals, self.directory)?;
@@ -136,6 +147,9 @@ impl Work<'_> {
             }) => self.clear(),
             Err(_) => None,
         };
+        if ended.is_ok() && is_real {
+            first_run.finished().map_err(Failure::system)?;
+        }
         let next = run.head.stopped.as_ref();
         let next = next.map(|stopped| stopped.next.as_str());
         let early = |error: TaskError| self.ended_early(&error.error, error.to_string(), next);

@@ -7,7 +7,7 @@ use super::safety_signals::{open_signals, write_signals};
 use rodlab_files::results::write_whole;
 use rodlab_robot::{Ending, JointState, JointTrajectory, StreamLog, Supervisor, stream as run};
 use rodlab_workcell::cell::{ArmGuard, Cell, Driver, Signals, StreamReport};
-use rodlab_workcell::task::write_manifest;
+use rodlab_workcell::task::{FirstRun, write_manifest};
 
 const HELP: [&str; 2] = help!(
     "\
@@ -93,13 +93,15 @@ impl Supervisor for Guarded<'_> {
 /// Streams trajectories.
 pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     let cell = Cell::read(&arguments.cell)?;
-    let read = |path: &PathBuf| {
-        let trajectory = JointTrajectory::read(path);
-        trajectory.map(|trajectory| trajectory.scaled(arguments.speed))
-    };
     let files = &arguments.trajectories;
-    let trajectories = files.iter().map(read).collect::<Result<Vec<_>, _>>();
-    let trajectories = trajectories.or_input()?;
+    let planned = files
+        .iter()
+        .map(|path| JointTrajectory::read(path))
+        .collect::<Result<Vec<_>, _>>();
+    let planned = planned.or_input()?;
+    let first_run = FirstRun::of(&cell, "stream", &planned);
+    let speed = first_run.speed(arguments.speed);
+    let trajectories: Vec<_> = planned.iter().map(|motion| motion.scaled(speed)).collect();
     let names: Vec<_> = files
         .iter()
         .map(|file| file.display().to_string())
@@ -126,7 +128,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         cell: &arguments.cell,
         trajectories: files,
         trajectory_hashes: hashes,
-        speed: arguments.speed,
+        speed,
         start: jiff::Timestamp::now(),
         end: None,
         status: "running",
@@ -171,6 +173,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         ))),
         Ending::Finished => {
             logged?;
+            first_run.finished().map_err(Failure::system)?;
             // A driver that writes to standard output uses it exclusively.
             if drives_standard_output(&cell) {
                 Ok(())

@@ -218,3 +218,39 @@ tool = {{ position = [0.3, 0, 0] }}
     let columns = [("right.right_j0_rad", 1.0), ("right.right_j1_rad", -0.5)];
     table(folder, "joints.csv", &columns, points, seconds);
 }
+
+/// A motion is slow until it was finished once; another motion is slow again.
+#[test]
+fn the_first_run_of_a_motion_is_slow() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let driver = "kind = \"file\"\npath = \"sent.csv\"";
+    two_joints(folder, driver, 40, 1.5);
+    let cell = folder.join("cell.toml");
+    let typed = fs::read_to_string(&cell).unwrap();
+    fs::write(&cell, format!("[safety]\nfirst_run = 0.5\n\n{typed}")).unwrap();
+    let speed = |name: &str| {
+        let output = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+            .args(["stream", "joints.csv", "--cell", "cell.toml", "--out", name])
+            .env("XDG_STATE_HOME", folder.join("state"))
+            .current_dir(folder)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", said(&output));
+        let manifest = fs::read_to_string(folder.join(name).join("manifest.json")).unwrap();
+        let manifest: serde_json::Value = serde_json::from_str(&manifest).unwrap();
+        let speed = manifest["speed"].as_f64().unwrap();
+        assert!((manifest["duration_s"].as_f64().unwrap() - 1.5 / speed).abs() < 1e-6);
+        speed
+    };
+    assert_eq!(speed("first"), 0.5);
+    assert_eq!(speed("second"), 1.0);
+    table(
+        folder,
+        "joints.csv",
+        &[("right.right_j0_rad", 0.9), ("right.right_j1_rad", 0.0)],
+        40,
+        1.5,
+    );
+    assert_eq!(speed("other"), 0.5);
+}

@@ -14,6 +14,8 @@ pub struct Safety {
     pub workspace: Option<[[f64; 3]; 2]>,
     /// Greatest speed, m/s.
     pub hand_speed: Option<f64>,
+    /// Speed, relative to the planned one, of a motion that has not been carried out yet.
+    pub first_run: Option<f64>,
     /// Topics that are watched.
     pub signals: Vec<SignalRule>,
 }

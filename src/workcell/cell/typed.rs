@@ -228,6 +228,7 @@ pub struct Camera {
 pub struct Safety {
     pub workspace: Option<Workspace>,
     pub hand_speed: Option<Quantity<Velocity>>,
+    pub first_run: Option<f64>,
     #[serde(default)]
     pub signals: Vec<Signal>,
 }

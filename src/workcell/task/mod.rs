@@ -21,7 +21,7 @@
 //! | `stage` | name and description of a step |
 //! | `error` | reasons of an early end |
 //! | `stopped` | state of the cell after an early end |
-//! | `unfinished` | whether the last task finished |
+//! | `unfinished`, `first_run` | whether the last task finished; whether a motion was carried out |
 //! | `record` | the record of any task in a results directory |
 //! | `deploy_plan`, `deploy_record` | plan and record of a deployment |
 
@@ -34,6 +34,7 @@ mod deploy_record;
 mod display;
 mod error;
 mod exploration;
+mod first_run;
 mod fold;
 mod identification;
 mod look;
@@ -42,6 +43,7 @@ mod record;
 mod room;
 mod runner;
 mod stage;
+mod state_folder;
 mod step;
 mod stopped;
 mod tie;
@@ -62,6 +64,7 @@ pub use exploration::{
     ExplorationTask, ExploreError, SearchSteps, found_and_theory, quarter_sphere, read_directions,
     read_rows as read_exploration, section, section_figure,
 };
+pub use first_run::FirstRun;
 pub use fold::{
     FoldMotion, FoldPlan, FoldRecord, FoldRequest, FoldScore, FoldTask, FoldWay, Look, heading,
 };

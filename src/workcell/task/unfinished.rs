@@ -5,8 +5,8 @@
 //! nothing.
 
 use super::error::WorkError;
+use super::state_folder::state_folder;
 use crate::cell::Cell;
-use std::env;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -30,7 +30,7 @@ impl Unfinished {
         let hash = blake3::hash(moved_by.as_bytes()).to_hex();
         Self {
             arm,
-            file: folder().join(&hash[..DIGITS]),
+            file: state_folder("unfinished").join(&hash[..DIGITS]),
             directory: std::path::absolute(directory).unwrap_or_else(|_| directory.to_owned()),
         }
     }
@@ -62,13 +62,4 @@ impl Unfinished {
             _ => Ok(()),
         }
     }
-}
-
-/// Directory of the marks: `$XDG_STATE_HOME/rodlab/unfinished`.
-fn folder() -> PathBuf {
-    let given = env::var_os("XDG_STATE_HOME").map(PathBuf::from);
-    let at_home = || env::var_os("HOME").map(|home| Path::new(&home).join(".local/state"));
-    let state = given.filter(|path| path.is_absolute()).or_else(at_home);
-    let state = state.unwrap_or_else(env::temp_dir);
-    state.join("rodlab").join("unfinished")
 }
