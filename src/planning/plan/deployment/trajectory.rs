@@ -25,7 +25,8 @@ pub enum Scheme {
 /// Interval of the network outputs that are compared with the equations. Those between are
 /// compared with interpolated grasps.
 const CHECKED: usize = 8;
-/// Allowed error of an output, L_gb and rad: twice the largest error of the built-in network.
+/// Allowed error of an output, L_gb and rad: three times the largest error of the built-in
+/// network.
 const TOLERANCES: [f64; 2] = [0.05, 0.02];
 
 /// Solver for the optimal grasps.
