@@ -5,6 +5,7 @@ use rodlab_files::figure::Tempo;
 use rodlab_files::results::replace_own;
 use rodlab_lab::experiment::{load, prepare};
 use rodlab_lab::report::{ExportFormat, ExportRequest, mjcf, write_export};
+use rodlab_workcell::recording::record;
 
 const HELP: [&str; 2] = help!(
     "\
@@ -12,26 +13,31 @@ Examples:
   rodlab export results/whip --format gltf --out whip.glb --speed 0.1    ten times slower
   rodlab export results/sweep --case friction-0.3 --format usd --out slide.usda
   rodlab export results/knot --format obj --out knot.obj --at 0.5s
-  rodlab export beam.toml --format mjcf --out beam.xml",
+  rodlab export beam.toml --format mjcf --out beam.xml
+  rodlab export results/deploy --format mcap --out deploy.mcap",
     "\
 gltf: tubes with a joint for each node, keyed at each output; y is up.
 usd: curves with widths and time samples, meshes of bodies; z is up.
 obj: tubes and bodies at one output; z is up.
 mjcf: rods as flexes of MuJoCo 4. The command lists what the file does not contain.
+mcap: the log of a task in a cell, or of `rodlab stream`, as messages of ROS 2, for Foxglove.
 `rodlab guide exchange` describes the files."
 );
+
+/// First bytes of an MCAP file.
+const MCAP: &[u8] = b"\x89MCAP0";
 
 /// Arguments of `rodlab export`.
 #[derive(Debug, Args)]
 #[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct ExportArguments {
-    /// A results directory, finished or still running; for mjcf a scenario file
+    /// A results directory, finished or still running; for mjcf a scenario file, for mcap a log
     #[arg(value_name = "DIR|SCENARIO")]
     pub source: PathBuf,
     /// Format of the file
     #[arg(long, value_name = "FORMAT")]
     pub format: FormatName,
-    /// Output file: .glb, .usda, .obj or .xml
+    /// Output file: .glb, .usda, .obj, .xml or .mcap
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// The case of a sweep, by its id
@@ -62,6 +68,8 @@ pub enum FormatName {
     Obj,
     /// Model of MuJoCo 4
     Mjcf,
+    /// Recording of a task in a cell
+    Mcap,
 }
 
 impl FormatName {
@@ -72,6 +80,7 @@ impl FormatName {
             Self::Usd => "usda",
             Self::Obj => "obj",
             Self::Mjcf => "xml",
+            Self::Mcap => "mcap",
         }
     }
 }
@@ -91,6 +100,7 @@ pub fn export(arguments: &ExportArguments) -> Result<(), Failure> {
     }
     let format = match arguments.format {
         FormatName::Mjcf => return export_scenario(arguments),
+        FormatName::Mcap => return export_recording(arguments),
         FormatName::Gltf => ExportFormat::Gltf,
         FormatName::Usd => ExportFormat::Usd,
         FormatName::Obj => ExportFormat::Obj(arguments.at.map(|time| time.as_secs_f64())),
@@ -125,6 +135,26 @@ pub fn export(arguments: &ExportArguments) -> Result<(), Failure> {
     print(&format!(
         "{}\n{content}, {megabytes:.2} MB\n",
         out.display()
+    ))
+}
+
+/// Writes the recording of a log.
+fn export_recording(arguments: &ExportArguments) -> Result<(), Failure> {
+    let ExportArguments { source, out, .. } = arguments;
+    if arguments.case.is_some() || arguments.at.is_some() || !arguments.overrides.is_empty() {
+        return Err(Failure::Input(
+            "--case, --at and --set do not belong to --format mcap".into(),
+        ));
+    }
+    let recording = record(source).or_input()?;
+    replace_own(out, &recording.file, |bytes| bytes.starts_with(MCAP))?;
+    print(&format!(
+        "{}\n{} motions, {} messages, {:.1} s, {:.2} MB\n",
+        out.display(),
+        recording.motions,
+        recording.messages,
+        recording.duration,
+        recording.file.len() as f64 / 1e6
     ))
 }
 

@@ -5,11 +5,11 @@ use crate::driver::JointState;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 /// Tables `commanded.csv` and `state.csv` (`time_s`, `part`, `joint`, `position`) and `events.csv`
 /// (`time_s`, `event`). Times are measured from the opening of the log, after the start on the
-/// robot's clock if it has one.
+/// robot's clock if it has one. The first event, `opened`, has the seconds since 1970.
 pub struct StreamLog {
     files: Option<Files>,
     opened: Instant,
@@ -38,14 +38,20 @@ impl StreamLog {
             Ok(file)
         };
         let table = "time_s,part,joint,position";
-        Ok(Self {
+        let mut log = Self {
             files: Some(Files {
                 commanded: create("commanded.csv", table)?,
                 state: create("state.csv", table)?,
                 events: create("events.csv", "time_s,event")?,
             }),
             ..Self::none()
-        })
+        };
+        // The only absolute time of the log, for comparison with other logs.
+        let now = SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .unwrap_or_default();
+        log.event(&format!("opened {:.6}", now.as_secs_f64()));
+        Ok(log)
     }
 
     /// A log that discards everything.

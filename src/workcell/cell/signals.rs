@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Time between two looks at the topics.
 const CYCLE: Duration = Duration::from_millis(2);
@@ -125,18 +125,29 @@ impl Signals {
         self.state().fault.clone()
     }
 
-    /// The messages as a table with the columns `time_s`, from the subscription on, `signal` and
+    /// The messages as a table with the columns `time_s`, seconds since 1970, `signal` and
     /// `message`; `None` without signals. Repeated and frequent messages are left out.
     pub fn log(&self) -> Option<String> {
         let state = self.state();
         if state.signals.is_empty() {
             return None;
         }
+        let since = state.begin.elapsed();
+        let now = SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .unwrap_or_default();
+        let begin = now.saturating_sub(since).as_secs_f64();
         let mut table = "time_s,signal,message\n".to_owned();
         for (time, index, content) in &state.log {
             let quoted =
                 [&state.signals[*index].rule.name, content].map(|text| text.replace('"', "\"\""));
-            let _ = writeln!(table, "{time:.4},\"{}\",\"{}\"", quoted[0], quoted[1]);
+            let _ = writeln!(
+                table,
+                "{:.4},\"{}\",\"{}\"",
+                begin + time,
+                quoted[0],
+                quoted[1]
+            );
         }
         Some(table)
     }

@@ -1,0 +1,140 @@
+//! Reads the log of a motion or of a task: one folder per motion, with its tables.
+
+use super::RecordingError;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::UNIX_EPOCH;
+
+/// The event with which a log begins, before the time on the clock of this machine, s.
+const OPENED: &str = "opened ";
+/// Depth of folders that are searched.
+const DEPTH: usize = 4;
+
+/// The tables of a motion.
+pub struct MotionLog {
+    /// Folder below the directory, empty for the directory itself.
+    pub name: String,
+    folder: PathBuf,
+    /// Time of its begin, s.
+    opened: f64,
+}
+
+/// Joints of a part at a time.
+pub struct Joints {
+    /// Time, s.
+    pub time: f64,
+    /// The arm or axis.
+    pub part: String,
+    /// Names of its joints.
+    pub names: Vec<String>,
+    /// Their positions, rad or m.
+    pub positions: Vec<f64>,
+}
+
+/// Folders of motions in a directory, in the order of their begin.
+pub fn motions(directory: &Path) -> Result<Vec<MotionLog>, RecordingError> {
+    let mut found = Vec::new();
+    collect(directory, directory, DEPTH, &mut found)?;
+    found.sort_by(|a, b| a.opened.total_cmp(&b.opened));
+    Ok(found)
+}
+
+fn collect(
+    directory: &Path,
+    folder: &Path,
+    depth: usize,
+    found: &mut Vec<MotionLog>,
+) -> Result<(), RecordingError> {
+    let events = folder.join("events.csv");
+    if events.is_file() {
+        let first = rows::<(f64, String)>(&events)?.into_iter().next();
+        let opened = first.and_then(|(_, event)| event.strip_prefix(OPENED)?.parse().ok());
+        let name = folder.strip_prefix(directory).unwrap_or(folder);
+        found.push(MotionLog {
+            name: name.display().to_string(),
+            folder: folder.to_owned(),
+            opened: opened.ok_or_else(|| RecordingError::WithoutTime(events.clone()))?,
+        });
+    }
+    for entry in fs::read_dir(folder).map_err(RecordingError::at(folder))? {
+        let path = entry.map_err(RecordingError::at(folder))?.path();
+        if path.is_dir() && depth > 0 {
+            collect(directory, &path, depth - 1, found)?;
+        }
+    }
+    Ok(())
+}
+
+impl MotionLog {
+    /// Events with their times, s.
+    pub fn events(&self) -> Result<Vec<(f64, String)>, RecordingError> {
+        let rows = rows::<(f64, String)>(&self.folder.join("events.csv"))?.into_iter();
+        Ok(rows
+            .map(|(time, event)| (self.opened + time, event))
+            .collect())
+    }
+
+    /// The rows of `state.csv` or `commanded.csv`; those of one part and time are together.
+    pub fn joints(&self, table: &str) -> Result<Vec<Joints>, RecordingError> {
+        let mut all: Vec<Joints> = Vec::new();
+        for (time, part, joint, position) in
+            rows::<(f64, String, String, f64)>(&self.folder.join(table))?
+        {
+            let time = self.opened + time;
+            match all.last_mut() {
+                Some(last)
+                    if last.time == time && last.part == part && !last.names.contains(&joint) =>
+                {
+                    last.names.push(joint);
+                    last.positions.push(position);
+                }
+                _ => all.push(Joints {
+                    time,
+                    part,
+                    names: vec![joint],
+                    positions: vec![position],
+                }),
+            }
+        }
+        Ok(all)
+    }
+}
+
+/// Messages of safety signals in a directory: time, s, name and content.
+pub fn signals(directory: &Path) -> Result<Vec<(f64, String, String)>, RecordingError> {
+    let path = directory.join("signals.csv");
+    match path.is_file() {
+        true => rows(&path),
+        false => Ok(Vec::new()),
+    }
+}
+
+/// Photographs in a directory, `picture.png` and others whose names begin so, with the times at
+/// which they were written, s.
+pub fn pictures(directory: &Path) -> Result<Vec<(f64, Vec<u8>)>, RecordingError> {
+    let mut pictures = Vec::new();
+    for entry in fs::read_dir(directory).map_err(RecordingError::at(directory))? {
+        let path = entry.map_err(RecordingError::at(directory))?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if !(name.starts_with("picture") && name.ends_with(".png")) {
+            continue;
+        }
+        let written = fs::metadata(&path).and_then(|data| data.modified());
+        let written = written.map_err(RecordingError::at(&path))?;
+        let time = written.duration_since(UNIX_EPOCH).unwrap_or_default();
+        let file = fs::read(&path).map_err(RecordingError::at(&path))?;
+        pictures.push((time.as_secs_f64(), file));
+    }
+    Ok(pictures)
+}
+
+/// All rows of a table.
+fn rows<Row: serde::de::DeserializeOwned>(path: &Path) -> Result<Vec<Row>, RecordingError> {
+    let text = fs::read(path).map_err(RecordingError::at(path))?;
+    let mut reader = csv::Reader::from_reader(text.as_slice());
+    let rows = reader.deserialize().collect::<Result<Vec<Row>, _>>();
+    rows.map_err(|error| RecordingError::Table {
+        path: path.to_owned(),
+        error,
+    })
+}
