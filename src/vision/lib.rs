@@ -4,7 +4,8 @@
 //! [`trace()`] follows these steps:
 //!
 //! 1. [`Contrast`]: how much each pixel looks like a rod, by a [`ColourRule`]; its threshold is the
-//!    [`Mask`].
+//!    [`Mask`]. If the strands of the automatic rule are uneven, they are compared with those that
+//!    differ from the background in more than shade.
 //! 2. Thinning reduces the mask to lines one pixel wide, which form a graph of ends and junctions
 //!    joined by branches.
 //! 3. Forks that face each other are the halves of one crossing. Arms are paired so that the paths
@@ -50,6 +51,8 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 mod across;
+mod advice;
+mod attempt;
 #[cfg(test)]
 mod benchmark_tests;
 mod calibration;
@@ -57,6 +60,7 @@ mod camera;
 mod camera_file;
 mod centreline;
 mod checkerboard;
+mod choice;
 mod colour;
 mod connection;
 mod contrast;
@@ -68,6 +72,7 @@ mod curve_file;
 mod dice;
 mod doubt;
 mod error;
+mod fitness;
 mod hand_eye;
 mod hand_eye_consensus;
 mod hand_eye_mount;
@@ -94,24 +99,30 @@ mod photograph_tests;
 mod picture;
 mod pixels;
 mod pose_file;
+mod region;
 mod render;
 mod reprojection;
+#[cfg(test)]
+mod room_tests;
 mod saddle;
 mod score;
 mod score_figure;
 mod seen_length;
+mod shading;
 mod sheet;
 mod skeleton;
 mod smoothing;
 mod straight_edge;
 mod strand;
 mod strand_end;
+mod surroundings;
 mod thinning;
 mod trace;
 #[cfg(test)]
 mod trace_tests;
 mod whole_rod;
 
+pub use advice::Doubt;
 pub use calibration::{Calibration, board_pose, calibrate};
 pub use camera::{Camera, Lens};
 pub use centreline::Strand;
@@ -140,6 +151,7 @@ pub use picture::{
     pictures_in, read_labels, read_picture,
 };
 pub use pose_file::read_poses;
+pub use region::Region;
 pub use render::{RenderOptions, RenderedRod, render};
 pub use score::{CurveError, SCORE_POINTS, Score, part_of_curve, rigid_alignment, score};
 pub use score_figure::score_figure;
