@@ -122,7 +122,7 @@ impl Attempt {
                 None => empty(&mask),
             });
         }
-        if strands.len() > MOST_STRANDS {
+        if strands.len() > MOST_STRANDS && options.strands.is_none() {
             return Err(VisionError::Noise {
                 lines: strands.len(),
             });
