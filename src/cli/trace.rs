@@ -16,10 +16,10 @@ Examples:
   rodlab trace photo.jpg --out traced                 rods on a plain background
   rodlab trace photo.jpg --strands 2 --region 100,80,640,480 --out traced
   rodlab trace letter.png --colour pen --out traced   pen on paper
-  rodlab trace letter.png --colour pen --pixel \"0.2 mm\" --pattern letter.csv
-  rodlab trace ros1://192.168.1.5:11311/camera/image_raw --cell cell.toml --out traced",
+  rodlab trace letter.png --colour pen --pixel \"0.2 mm\" --pattern letter.csv",
     "\
 More examples:
+  rodlab trace ros1://192.168.1.5:11311/camera/image_raw --cell cell.toml --out traced
   rodlab trace photo.jpg --colour pick:320,240 --cell cell.toml --out traced
   rodlab trace photo.jpg --colour red --json
   rodlab trace recording.bag --every 30 --out traced

@@ -1,7 +1,7 @@
 //! Signs that a result is wrong, in words, with a remedy for each.
 
 use super::attempt::Attempt;
-use super::trace::TraceOptions;
+use super::options::TraceOptions;
 use image::RgbImage;
 use std::fmt;
 

@@ -11,10 +11,10 @@ use super::fitness::{Fitness, fitness};
 use super::joining::join_arms;
 use super::layers::layers;
 use super::mask::Mask;
+use super::options::TraceOptions;
 use super::skeleton::Skeleton;
 use super::strand::paths;
 use super::strand_end::EndStops;
-use super::trace::TraceOptions;
 use super::{Point, VisionError};
 use image::RgbImage;
 

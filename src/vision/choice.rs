@@ -7,7 +7,7 @@ use super::colour::ColourRule;
 use super::contrast::Contrast;
 use super::fitness::Fitness;
 use super::mask::Mask;
-use super::trace::TraceOptions;
+use super::options::TraceOptions;
 use image::RgbImage;
 
 /// Evenness at which a strand needs no comparison with the result of other rules.

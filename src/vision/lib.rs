@@ -53,6 +53,7 @@
 mod across;
 mod advice;
 mod attempt;
+mod averages;
 #[cfg(test)]
 mod benchmark_tests;
 mod calibration;
@@ -88,6 +89,7 @@ mod layers;
 mod lens_fit;
 mod marker;
 mod mask;
+mod options;
 mod order;
 mod overlap;
 mod overlay;
@@ -139,6 +141,7 @@ pub use marker::{
     InstabilityRule, InstabilityWatch, MarkerErrors, compare_markers, find_markers, helix_points,
 };
 pub use mask::Mask;
+pub use options::TraceOptions;
 pub use order::{StrandCrossing, find_crossings};
 pub use overlay::{
     centrelines_csv, centrelines_svg, edges_overlay, encode_labels, encode_picture, marker_overlay,
@@ -158,7 +161,7 @@ pub use score_figure::score_figure;
 pub use seen_length::SeenLength;
 pub use sheet::{EdgePose, Sheet, find_sheet, sliding};
 pub use straight_edge::{FoundEdge, find_edge};
-pub use trace::{Trace, TraceOptions, clean_mask, trace, trace_contrast};
+pub use trace::{Trace, clean_mask, trace, trace_contrast};
 pub use whole_rod::whole_rod;
 
 /// A point of an image, pixels: u to the right, v down; (0, 0) is the centre of the first pixel.

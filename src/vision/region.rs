@@ -1,9 +1,7 @@
 //! The part of a picture that is searched: a rectangle or a polygon.
 
 use super::contrast::Contrast;
-use super::labels::paint_labels;
 use super::mask::Mask;
-use super::trace::Trace;
 use super::{Point, VisionError};
 use image::{RgbImage, imageops};
 
@@ -167,25 +165,6 @@ impl Frame {
             whole.set(column + left, row + top, true);
         }
         whole
-    }
-
-    /// A trace in the pixels of the whole image.
-    pub fn paste(self, mut trace: Trace, size: [u32; 2]) -> Trace {
-        let offset = Point::from(self.origin.map(f64::from));
-        for strand in &mut trace.strands {
-            for point in &mut strand.points {
-                *point += offset;
-            }
-        }
-        for crossing in &mut trace.crossings {
-            crossing.position += offset;
-        }
-        for (point, _, _) in &mut trace.rejected {
-            *point += offset;
-        }
-        trace.mask = self.paste_mask(&trace.mask, size);
-        trace.labels = paint_labels(&trace.mask, &trace.strands, &trace.crossings);
-        trace
     }
 }
 

@@ -1,6 +1,6 @@
 //! Difference of a pixel from its surroundings, lighter or darker.
 
-use super::contrast::{blur, local_means};
+use super::averages::{blur, local_means};
 use image::RgbImage;
 
 /// Half side of the closing, pixels: the darker and the lighter flank of a rod that has the colour

@@ -4,53 +4,15 @@ use super::advice::{Doubt, advice};
 use super::attempt::{Attempt, Corners};
 use super::centreline::Strand;
 use super::choice::{choose, rod_contrasts, select};
-use super::colour::ColourRule;
 use super::contrast::{Contrast, picked};
 use super::labels::paint_labels;
 use super::mask::Mask;
+use super::options::TraceOptions;
 use super::order::{StrandCrossing, find_crossings};
-use super::region::{Frame, Region};
+use super::region::Frame;
 use super::{Point, VisionError};
 use image::{GrayImage, RgbImage};
 use std::borrow::Cow;
-
-/// Options of the search for strands.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TraceOptions {
-    /// Colours of the rod.
-    ///
-    /// With [`ColourRule::Background`], the result of another rule may be used: see [`trace()`].
-    pub colour: ColourRule,
-    /// Further colours; strands of different rules are separate.
-    pub more_colours: Vec<ColourRule>,
-    /// Part of the image that is searched.
-    pub region: Option<Region>,
-    /// Number of rods: the strands that look most like rods are kept.
-    pub strands: Option<usize>,
-    /// Least length of a strand, pixels.
-    pub least_length: f64,
-    /// Least number of pixels of a part of the mask; smaller parts are noise.
-    pub least_area: usize,
-    /// Number of pixels below which a hole of the mask is a highlight of a rod, not a loop.
-    pub largest_hole: usize,
-    /// Least length of a strand, in widths; shorter ones are not lines.
-    pub least_slenderness: f64,
-}
-
-impl Default for TraceOptions {
-    fn default() -> Self {
-        Self {
-            colour: ColourRule::Background,
-            more_colours: Vec::new(),
-            region: None,
-            strands: None,
-            least_length: 0.0,
-            least_area: 60,
-            largest_hole: 20,
-            least_slenderness: 3.0,
-        }
-    }
-}
 
 /// Result of tracing a picture.
 #[derive(Clone, Debug)]
@@ -83,8 +45,8 @@ impl Trace {
 
 /// Finds the strands of a picture.
 ///
-/// With [`ColourRule::Background`] only, the strands found by that rule are kept if they are even
-/// and complete. Otherwise they are compared with those of [`ColourRule::Tint`], and the set with
+/// With [`ColourRule::Background`](super::ColourRule::Background) only, the strands found by that rule are kept if they are even
+/// and complete. Otherwise they are compared with those of [`ColourRule::Tint`](super::ColourRule::Tint), and the set with
 /// the greater length of rod is used.
 ///
 /// # Errors
@@ -191,8 +153,27 @@ impl<'a> Search<'a> {
             doubts,
         };
         Ok(match self.frame {
-            Some(frame) => frame.paste(trace, self.size),
+            Some(frame) => paste(frame, trace, self.size),
             None => trace,
         })
     }
+}
+
+/// A trace in the pixels of the whole image, of the given width and height.
+fn paste(frame: Frame, mut trace: Trace, size: [u32; 2]) -> Trace {
+    let offset = Point::from(frame.origin.map(f64::from));
+    for strand in &mut trace.strands {
+        for point in &mut strand.points {
+            *point += offset;
+        }
+    }
+    for crossing in &mut trace.crossings {
+        crossing.position += offset;
+    }
+    for (point, _, _) in &mut trace.rejected {
+        *point += offset;
+    }
+    trace.mask = frame.paste_mask(&trace.mask, size);
+    trace.labels = paint_labels(&trace.mask, &trace.strands, &trace.crossings);
+    trace
 }
