@@ -58,10 +58,8 @@ fn evenness(contrast: &Contrast, strands: &[Strand], number: usize) -> f64 {
     let margin = ((width / step.max(1e-3)) as usize).min(count / 4);
     let is_even = |index: usize| {
         let chord = chord(contrast, strand, index, width);
-        chord.is_some_and(|chord| {
-            let ratio = chord.width() / width;
-            EVEN_WIDTH[0] <= ratio && ratio <= EVEN_WIDTH[1]
-        })
+        let even = EVEN_WIDTH[0]..=EVEN_WIDTH[1];
+        chord.is_some_and(|chord| even.contains(&(chord.width() / width)))
     };
     let (mut even, mut all) = (0.0, 0.0);
     for index in (margin..count - margin).step_by(stride) {
