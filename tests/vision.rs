@@ -144,6 +144,26 @@ fn a_photograph_is_traced_and_scored() {
 
 /// `trace --pattern`, `score --out` and similar options used to replace any existing file.
 #[test]
+fn the_rods_asked_for_are_traced() {
+    let folder = TempDir::new().expect("a folder");
+    photograph(folder.path());
+    let one = ["trace", "photo.png", "--strands", "1", "--json"];
+    let answer = json(&rodlab(folder.path(), &one).success());
+    assert_eq!(answer["strands"].as_array().map(Vec::len), Some(1));
+    assert_eq!(answer["rejected"].as_array().map(Vec::len), Some(1));
+
+    let colours = ["trace", "photo.png", "--colour", "red", "--colour", "cyan"];
+    let answer = json(&rodlab(folder.path(), &[&colours[..], &["--json"]].concat()).success());
+    assert_eq!(answer["strands"].as_array().map(Vec::len), Some(2));
+
+    // There are only two rods: the program reports its doubt.
+    let three = ["trace", "photo.png", "--strands", "3"];
+    let text = rodlab(folder.path(), &three).success();
+    let text = String::from_utf8_lossy(&text.get_output().stdout).into_owned();
+    assert!(text.contains("doubtful: 2 of 3 strands"), "{text}");
+}
+
+#[test]
 fn files_of_the_user_are_not_replaced_by_answers() {
     let folder = TempDir::new().expect("a folder");
     let place = folder.path();
@@ -181,12 +201,24 @@ fn bad_images_end_with_exit_code_2() {
     let wrong = camera().to_toml().replace("width = 640", "width = 320");
     fs::write(place.join("wrong.toml"), wrong).expect("a camera");
     fs::write(place.join("none.toml"), "[arm]\nlength = 1\n").expect("a file");
-    let cases: [(&[&str], &str); 13] = [
+    let cases: [(&[&str], &str); 16] = [
         (&["trace", "absent.png"], "absent.png"),
         (&["trace", "half.png"], "half.png: the image is"),
         (&["trace", "text.png"], "neither a PNG nor a JPEG"),
         (&["trace", "black.png", "--out", "why"], "the mask is empty"),
         (&["trace", "photo.png", "--colour", "redd"], "\"redd\""),
+        (
+            &["trace", "photo.png", "--region", "1,2,3"],
+            "x,y,width,height",
+        ),
+        (
+            &["trace", "photo.png", "--region", "900,0,9,9"],
+            "640 × 480",
+        ),
+        (
+            &["trace", "photo.png", "--least-length", "5000"],
+            "5000 px long",
+        ),
         (&["trace", "photo.png", "--mask", "black.png"], "100 × 80"),
         (&["trace", "photo.png", "--cell", "wrong.toml"], "640 × 480"),
         (

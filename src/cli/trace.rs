@@ -5,21 +5,22 @@ use super::prelude::*;
 use super::trace_answer::{Answer, answer, counted, summary};
 use image::{GrayImage, RgbImage};
 use rodlab_vision::{
-    Camera, ColourRule, Contrast, Mask, Metric, Trace, TraceOptions, VisionError, centrelines_csv,
-    centrelines_svg, clean_mask, encode_labels, encode_picture, instance_dice, mask_overlay,
-    overlay, pattern, pattern_csv, read_labels, read_picture, trace_contrast,
+    Camera, ColourRule, Contrast, Mask, Metric, Region, Trace, TraceOptions, VisionError,
+    centrelines_csv, centrelines_svg, clean_mask, encode_labels, encode_picture, instance_dice,
+    mask_overlay, overlay, pattern, pattern_csv, read_labels, read_picture, trace_contrast,
 };
 
 const HELP: [&str; 2] = help!(
     "\
 Examples:
   rodlab trace photo.jpg --out traced                 rods on a plain background
+  rodlab trace photo.jpg --strands 2 --region 100,80,640,480 --out traced
   rodlab trace letter.png --colour pen --out traced   pen on paper
-  rodlab trace letter.png --colour pen --pixel \"0.2 mm\" --pattern letter.csv
-  rodlab trace photo.jpg --colour pick:320,240 --cell cell.toml --out traced
-  rodlab trace ros1://192.168.1.5:11311/camera/image_raw --cell cell.toml --out traced",
+  rodlab trace letter.png --colour pen --pixel \"0.2 mm\" --pattern letter.csv",
     "\
 More examples:
+  rodlab trace ros1://192.168.1.5:11311/camera/image_raw --cell cell.toml --out traced
+  rodlab trace photo.jpg --colour pick:320,240 --cell cell.toml --out traced
   rodlab trace photo.jpg --colour red --json
   rodlab trace recording.bag --every 30 --out traced
   rodlab trace rosbridge://192.168.1.5:9090/camera/image_raw/compressed --out traced
@@ -41,10 +42,12 @@ pub struct TraceArguments {
     pub image: PathBuf,
     #[command(flatten)]
     recording: RecordingArguments,
-    /// Colour of the rod: auto, pen, black, white, a hue, #rrggbb, pick:u,v or hsv:h-h,s-s,v-v
+    /// Colour of a rod, once for each: auto, tint, a hue, pick:u,v and others (see --help)
     ///
-    /// Hues are red, orange, yellow, green, cyan, blue, purple and pink. A radius may follow a colour: #rrggbb[:radius],
-    /// pick:u,v[:radius].
+    /// Hues are red, orange, yellow, green, cyan, blue, purple and pink; there are also black and white. A colour is
+    /// #rrggbb[:radius] or that of a pixel, pick:u,v[:radius], or hsv:h-h,s-s,v-v. "tint" is any colour except those of
+    /// the background and its shadows; "lighter" and "darker" (or "pen") compare with the surroundings; "relief" does so
+    /// in both directions, for white on white. Strands of different colours are separate.
     // No alias "color", since that is an option of all subcommands.
     #[arg(
         long,
@@ -52,7 +55,18 @@ pub struct TraceArguments {
         default_value = "auto",
         conflicts_with = "mask"
     )]
-    pub colour: String,
+    pub colour: Vec<String>,
+    /// Number of rods: keep the strands that look most like rods
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=60))]
+    pub strands: Option<u16>,
+    /// Part of the image, pixels: x,y,width,height or corners
+    ///
+    /// The corners of a polygon are separated by spaces: "100,80 740,80 420,560". Strands end at its edge.
+    #[arg(long, value_name = "REGION")]
+    pub region: Option<String>,
+    /// Length below which a strand is left out
+    #[arg(long, value_name = "PIXELS", default_value_t = 0.0, value_parser = least_length)]
+    pub least_length: f64,
     /// Mask of the same size: pixels that are not black belong to the rod
     #[arg(long, value_name = "FILE")]
     pub mask: Option<PathBuf>,
@@ -87,13 +101,29 @@ pub struct TraceArguments {
     pub json: bool,
 }
 
-/// Traces one image, or all of a folder.
-pub fn trace(arguments: &TraceArguments) -> Result<(), Failure> {
-    let options = TraceOptions {
-        colour: ColourRule::parse(&arguments.colour)?,
+fn least_length(text: &str) -> Result<f64, String> {
+    let length = text.parse().ok();
+    let length = length.filter(|length: &f64| length.is_finite() && *length >= 0.0);
+    length.ok_or_else(|| "expected a number of pixels, at least 0".into())
+}
+
+fn options(arguments: &TraceArguments) -> Result<TraceOptions, VisionError> {
+    let rules = arguments.colour.iter().map(|rule| ColourRule::parse(rule));
+    let mut rules = rules.collect::<Result<Vec<_>, _>>()?.into_iter();
+    Ok(TraceOptions {
+        colour: rules.next().unwrap_or(ColourRule::Background),
+        more_colours: rules.collect(),
+        region: arguments.region.as_deref().map(Region::parse).transpose()?,
+        strands: arguments.strands.map(usize::from),
+        least_length: arguments.least_length,
         least_area: arguments.least_area,
         ..TraceOptions::default()
-    };
+    })
+}
+
+/// Traces one image, or all of a folder.
+pub fn trace(arguments: &TraceArguments) -> Result<(), Failure> {
+    let options = options(arguments)?;
     let camera = arguments.cell.as_deref().map(Camera::read).transpose()?;
     let sources = pictures(&arguments.image, &arguments.recording)?;
     if !is_series(&arguments.image) {
@@ -147,15 +177,18 @@ fn trace_picture(
             .check_size(picture.width(), picture.height())
             .at(&file)?;
     }
-    let contrast = match &arguments.mask {
-        Some(mask) => Contrast::of_mask(&mask_of(mask, &picture)?),
-        None => Contrast::new(&picture, &options.colour).at(&file)?,
+    let traced = match &arguments.mask {
+        Some(mask) => {
+            let mask = Contrast::of_mask(&mask_of(mask, &picture)?);
+            trace_contrast(&picture, &mask, options)
+        }
+        None => rodlab_vision::trace(&picture, options),
     };
-    let traced = match trace_contrast(&picture, &contrast, options) {
+    let traced = match traced {
         Ok(traced) => traced,
         Err(error) => {
-            if let Some(out) = &out {
-                let mask = clean_mask(&contrast, options);
+            if let (Some(out), None) = (&out, &arguments.mask) {
+                let mask = clean_mask(&picture, options).at(&file)?;
                 let shown = encode_picture(&mask_overlay(&picture, &mask));
                 write_files(out, vec![("overlay.png", shown)])?;
             }

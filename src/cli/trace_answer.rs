@@ -15,8 +15,10 @@ pub struct Answer {
     height: u32,
     strands: Vec<StrandAnswer>,
     crossings: Vec<CrossingAnswer>,
-    /// Parts of the mask that are not lines.
+    /// Parts of the mask that are not lines, and strands that were left out.
     rejected: Vec<RejectedAnswer>,
+    /// Signs that the result is wrong, each with a remedy.
+    doubts: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     mean_instance_dice: Option<f64>,
 }
@@ -116,9 +118,13 @@ pub fn answer(
         strands,
         crossings: crossings.collect(),
         rejected: rejected.collect(),
+        doubts: traced.doubts.iter().map(ToString::to_string).collect(),
         mean_instance_dice,
     })
 }
+
+/// Largest number of parts left out that are listed in the text.
+const MOST_PARTS: usize = 8;
 
 /// The answer as text.
 pub fn summary(answer: &Answer) -> String {
@@ -144,12 +150,18 @@ pub fn summary(answer: &Answer) -> String {
             writeln!(text, ", from ({u0:.1}, {v0:.1}) to ({u1:.1}, {v1:.1})")
         };
     }
-    for part in &answer.rejected {
+    for part in answer.rejected.iter().take(MOST_PARTS) {
         let _ = writeln!(
             text,
-            "  left out, not a line: a part {:.0} px long and {:.0} px wide at ({:.0}, {:.0})",
+            "  left out: a part {:.0} px long and {:.0} px wide at ({:.0}, {:.0})",
             part.length_px, part.width_px, part.u_px, part.v_px
         );
+    }
+    if let Some(more @ 1..) = answer.rejected.len().checked_sub(MOST_PARTS) {
+        let _ = writeln!(text, "  left out: {}", counted(more, "more part"));
+    }
+    for doubt in &answer.doubts {
+        let _ = writeln!(text, "  doubtful: {doubt}");
     }
     if let Some(dice) = answer.mean_instance_dice {
         let _ = writeln!(text, "  mean instance Dice {dice:.4}");

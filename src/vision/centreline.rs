@@ -221,12 +221,12 @@ fn first_guess(
 
 /// The edges of a strand along its normal, from a point of its centreline.
 #[derive(Clone, Copy, Debug)]
-struct Chord {
+pub(super) struct Chord {
     edges: [f64; 2],
 }
 
 impl Chord {
-    fn width(&self) -> f64 {
+    pub fn width(&self) -> f64 {
         self.edges[1] - self.edges[0]
     }
 
@@ -237,7 +237,12 @@ impl Chord {
 
 /// Looks for both edges within a width of a point; `None` if the strand is wider or leaves the
 /// image.
-fn chord(contrast: &Contrast, strand: &Strand, index: usize, width: f64) -> Option<Chord> {
+pub(super) fn chord(
+    contrast: &Contrast,
+    strand: &Strand,
+    index: usize,
+    width: f64,
+) -> Option<Chord> {
     let (centre, across) = (strand.points[index], normal(strand.tangent(index)));
     let threshold = f64::from(contrast.threshold);
     let value = |t: f64| {

@@ -26,6 +26,16 @@ pub enum ColourRule {
         /// Difference in brightness, out of 255.
         offset: u8,
     },
+    /// Pixels lighter than the mean of their surroundings.
+    Lighter {
+        /// Difference in brightness, out of 255.
+        offset: u8,
+    },
+    /// All colours that differ from the background and from its shades, such as shadows on a table
+    /// and the grain of wood.
+    Tint,
+    /// Lighter or darker than the surroundings, with the parts between: a white rod on white.
+    Relief,
 }
 
 /// A box in hue, saturation and value. The hue is cyclic: a range with a lower end above the upper
@@ -69,7 +79,8 @@ const HUES: [(&str, [f64; 2]); 8] = [
 impl ColourRule {
     /// Parses a rule.
     ///
-    /// `auto`, `pen`, `pen:OFFSET`, `black`, `white`, a hue (`red`, `orange`, `yellow`, `green`, `cyan`, `blue`,
+    /// `auto`, `tint`, `relief`, `pen` or `darker`, `lighter`, each of these three also with
+    /// `:OFFSET`, `black`, `white`, a hue (`red`, `orange`, `yellow`, `green`, `cyan`, `blue`,
     /// `purple`, `pink`), `#rrggbb`, `#rrggbb:RADIUS`, `pick:U,V`, `pick:U,V:RADIUS` or `hsv:H-H,S-S,V-V` with
     /// degrees and per cent.
     ///
@@ -92,15 +103,21 @@ impl ColourRule {
         }
         match text {
             "auto" => return Ok(Self::Background),
-            "pen" => return Ok(Self::Pen { offset: PEN_OFFSET }),
+            "tint" => return Ok(Self::Tint),
+            "relief" => return Ok(Self::Relief),
+            "pen" | "darker" => return Ok(Self::Pen { offset: PEN_OFFSET }),
+            "lighter" => return Ok(Self::Lighter { offset: PEN_OFFSET }),
             "black" => return Ok(hsv([0.0, 360.0], [0.0, 1.0], [0.0, 0.25])),
             "white" => return Ok(hsv([0.0, 360.0], [0.0, 0.25], [0.75, 1.0])),
             _ => {}
         }
-        if let Some(offset) = text.strip_prefix("pen:") {
+        if let Some((name @ ("pen" | "darker" | "lighter"), offset)) = text.split_once(':') {
             let offset = offset.parse().ok().filter(|offset| *offset > 0);
             let offset = offset.ok_or_else(|| fault("the offset is a whole number, 1 to 255"))?;
-            return Ok(Self::Pen { offset });
+            return Ok(match name {
+                "lighter" => Self::Lighter { offset },
+                _ => Self::Pen { offset },
+            });
         }
         if let Some(sample) = text.strip_prefix('#') {
             let (digits, radius) = sample.split_once(':').unwrap_or((sample, ""));
@@ -137,7 +154,7 @@ impl ColourRule {
             });
         }
         Err(fault(
-            "expected auto, pen, black, white, red, orange, yellow, green, cyan, blue, purple, pink, \
+            "expected auto, tint, relief, pen, darker, lighter, black, white, red, orange, yellow, green, cyan, blue, purple, pink, \
              #rrggbb[:radius], pick:u,v[:radius] or hsv:h-h,s-s,v-v",
         ))
     }
@@ -311,6 +328,8 @@ mod tests {
             "hsv:0-20,50-40,0-100",
             "pen:0",
             "pen:300",
+            "lighter:0",
+            "darker:x",
             "",
             "#ééé",
         ] {

@@ -1,8 +1,11 @@
 //! Contrast of every pixel: a grey image whose threshold gives the mask.
 
 use super::VisionError;
+use super::averages::{blur, local_means};
 use super::colour::{ColourRule, LabBall, colour_difference, lab};
 use super::pixels::around;
+use super::shading::{LEAST_SHADED, shaded_contrast};
+use super::surroundings::{brightness, flanks_contrast, reach};
 use image::{GrayImage, RgbImage};
 
 /// A grey image that is brighter where a pixel looks more like a rod. Pixels at or above the threshold are the mask;
@@ -22,8 +25,10 @@ pub struct Contrast {
 /// Least difference of a rod from its background, out of 255, for [`ColourRule::Background`];
 /// larger than sensor noise.
 const LEAST_CONTRAST: f64 = 24.0;
-/// Threshold of the rules other than [`ColourRule::Background`].
-const MIDDLE: u8 = 128;
+/// Threshold of the rules with a fixed one.
+pub(super) const MIDDLE: u8 = 128;
+/// Least difference in brightness from the surroundings for [`ColourRule::Relief`].
+const LEAST_RELIEF: u64 = 6;
 
 impl Contrast {
     /// Applies a colour rule to a picture, after a binomial blur of 3 × 3 pixels that reduces
@@ -40,21 +45,25 @@ impl Contrast {
                 (map(picture, value), MIDDLE)
             }
             ColourRule::Lab(ball) => (lab_contrast(picture, ball), MIDDLE),
-            ColourRule::Pick { u, v, radius } => {
-                let sample = sample(picture, *u, *v).ok_or_else(|| VisionError::Colour {
-                    text: format!("pick:{u},{v}"),
-                    reason: format!("the image has {width} × {height} pixels, counted from 0"),
-                })?;
-                let ball = LabBall {
-                    centre: sample,
-                    radius: *radius,
-                };
-                (lab_contrast(picture, &ball), MIDDLE)
+            ColourRule::Pick { .. } => return Self::new(picture, &picked(picture, rule)?),
+            ColourRule::Pen { offset } => (offset_contrast(picture, *offset, -1), MIDDLE),
+            ColourRule::Lighter { offset } => (offset_contrast(picture, *offset, 1), MIDDLE),
+            ColourRule::Tint => {
+                let blurred = blurred(picture);
+                let commonest = commonest_colour(&blurred);
+                (shaded_contrast(&blurred, commonest), MIDDLE)
             }
-            ColourRule::Pen { offset } => (pen_contrast(picture, *offset), MIDDLE),
+            ColourRule::Relief => (flanks_contrast(picture), MIDDLE),
         };
-        blur(&mut values, width, height);
-        let threshold = threshold_of(rule, &values, threshold);
+        if !matches!(rule, ColourRule::Tint | ColourRule::Relief) {
+            blur(&mut values, width, height);
+        }
+        let threshold = match rule {
+            ColourRule::Background => otsu_threshold(&values, LEAST_CONTRAST),
+            ColourRule::Tint => otsu_threshold(&values, LEAST_SHADED),
+            ColourRule::Relief => relief_threshold(&values),
+            _ => threshold,
+        };
         Ok(Self {
             width,
             height,
@@ -102,16 +111,92 @@ impl Contrast {
     }
 }
 
-fn threshold_of(rule: &ColourRule, values: &[u8], fixed: u8) -> u8 {
-    if *rule != ColourRule::Background {
-        return fixed;
+/// A rule whose colour does not depend on the picture any more: the colour of a pixel becomes a
+/// ball; other rules are unchanged.
+///
+/// # Errors
+/// The pixel to pick is outside the picture.
+pub(super) fn picked(picture: &RgbImage, rule: &ColourRule) -> Result<ColourRule, VisionError> {
+    let ColourRule::Pick { u, v, radius } = rule else {
+        return Ok(rule.clone());
+    };
+    let (width, height) = picture.dimensions();
+    let centre = sample(picture, *u, *v).ok_or_else(|| VisionError::Colour {
+        text: format!("pick:{u},{v}"),
+        reason: format!("the image has {width} × {height} pixels, counted from 0"),
+    })?;
+    Ok(ColourRule::Lab(LabBall {
+        centre,
+        radius: *radius,
+    }))
+}
+
+/// The union of several contrasts, with a common threshold.
+pub(super) fn union(contrasts: &[Contrast]) -> Option<Contrast> {
+    let (first, rest) = contrasts.split_first()?;
+    let mut whole = Contrast {
+        values: levelled(first),
+        threshold: MIDDLE,
+        ..*first
+    };
+    for other in rest {
+        for (value, other) in whole.values.iter_mut().zip(levelled(other)) {
+            *value = (*value).max(other);
+        }
     }
+    Some(whole)
+}
+
+/// The values of a contrast, scaled so that its threshold is [`MIDDLE`].
+fn levelled(contrast: &Contrast) -> Vec<u8> {
+    let factor = f64::from(MIDDLE) / f64::from(contrast.threshold.max(1));
+    let scaled = |value: usize| (value as f64 * factor).round().min(255.0) as u8;
+    let table: Vec<u8> = (0..256).map(scaled).collect();
+    contrast
+        .values
+        .iter()
+        .map(|value| table[usize::from(*value)])
+        .collect()
+}
+
+fn blurred(picture: &RgbImage) -> RgbImage {
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    let mut blurred = picture.clone();
+    for channel in 0..3 {
+        let mut values: Vec<u8> = picture.pixels().map(|pixel| pixel.0[channel]).collect();
+        blur(&mut values, width, height);
+        for (pixel, value) in blurred.pixels_mut().zip(values) {
+            pixel.0[channel] = value;
+        }
+    }
+    blurred
+}
+
+fn histogram(values: &[u8]) -> [u64; 256] {
     let mut histogram = [0; 256];
     for value in values {
         histogram[usize::from(*value)] += 1;
     }
+    histogram
+}
+
+/// Three times the contrast that three quarters of the pixels do not exceed.
+fn relief_threshold(values: &[u8]) -> u8 {
+    let histogram = histogram(values);
+    let mut below = 0;
+    let usual = histogram.iter().position(|count| {
+        below += count;
+        4 * below >= 3 * values.len() as u64
+    });
+    (3 * usual.unwrap_or(0) as u64).clamp(LEAST_RELIEF, 255) as u8
+}
+
+/// Half-way between the background and dim parts of the rods; 255 if the rods differ from the
+/// background by less than `least`.
+fn otsu_threshold(values: &[u8], least: f64) -> u8 {
+    let histogram = histogram(values);
     let (threshold, [dark, bright]) = otsu(&histogram);
-    if bright - dark < LEAST_CONTRAST {
+    if bright - dark < least {
         // No colour differs enough from the background.
         return u8::MAX;
     }
@@ -225,97 +310,19 @@ fn sample(picture: &RgbImage, u: u32, v: u32) -> Option<[f64; 3]> {
     Some(sum.map(|sum| sum / count))
 }
 
-/// Darkness of a pixel relative to the mean of its surroundings, scaled so that `offset` gives
-/// [`MIDDLE`].
-fn pen_contrast(picture: &RgbImage, offset: u8) -> Vec<u8> {
+/// Difference in brightness of a pixel from the mean of its surroundings, lighter for `sign` 1 and
+/// darker for −1, scaled so that `offset` gives [`MIDDLE`].
+fn offset_contrast(picture: &RgbImage, offset: u8, sign: i32) -> Vec<u8> {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
-    let grey: Vec<u8> = map(picture, |[red, green, blue]| {
-        ((77 * u32::from(red) + 150 * u32::from(green) + 29 * u32::from(blue)) >> 8) as u8
-    });
-    // Wider than any stroke, narrower than shadows.
-    let reach = (width.max(height) / 16).max(8);
-    let means = local_means(&grey, width, height, reach);
+    let grey = brightness(picture);
+    let means = local_means(&grey, width, height, reach(picture));
     grey.iter()
         .zip(means)
         .map(|(grey, mean)| {
-            let darker = i32::from(mean) - i32::from(*grey) - i32::from(offset);
-            (i32::from(MIDDLE) + darker).clamp(0, 255) as u8
+            let more = sign * (i32::from(*grey) - i32::from(mean)) - i32::from(offset);
+            (i32::from(MIDDLE) + more).clamp(0, 255) as u8
         })
         .collect()
-}
-
-/// Mean over a square with half side `reach` around every pixel, cut off at the border.
-fn local_means(values: &[u8], width: usize, height: usize, reach: usize) -> Vec<u8> {
-    let mut columns = vec![0u32; width];
-    let mut means = vec![0; values.len()];
-    let row = |index: usize| &values[index * width..(index + 1) * width];
-    let mut rows = 0..0;
-    for centre in 0..height {
-        let wanted = centre.saturating_sub(reach)..(centre + reach + 1).min(height);
-        for index in rows.end..wanted.end {
-            for (sum, value) in columns.iter_mut().zip(row(index)) {
-                *sum += u32::from(*value);
-            }
-        }
-        for index in rows.start..wanted.start {
-            for (sum, value) in columns.iter_mut().zip(row(index)) {
-                *sum -= u32::from(*value);
-            }
-        }
-        rows = wanted;
-        let (mut sum, mut window) = (0u64, 0..0);
-        for column in 0..width {
-            let wanted = column.saturating_sub(reach)..(column + reach + 1).min(width);
-            sum += (window.end..wanted.end)
-                .map(|index| u64::from(columns[index]))
-                .sum::<u64>();
-            sum -= (window.start..wanted.start)
-                .map(|index| u64::from(columns[index]))
-                .sum::<u64>();
-            window = wanted;
-            let count = (window.len() * rows.len()) as u64;
-            means[centre * width + column] = (sum / count) as u8;
-        }
-    }
-    means
-}
-
-/// Binomial blur with weights 1, 2, 1 along rows and columns; pixels beyond the border repeat
-/// those on it.
-pub(super) fn blur(values: &mut [u8], width: usize, height: usize) {
-    if width < 3 || height < 3 {
-        return;
-    }
-    let mut sums = vec![0u16; 3 * width];
-    let along_row = |row: &[u8], sums: &mut [u16]| {
-        let value = |index: usize| u16::from(row[index]);
-        sums[0] = 3 * value(0) + value(1);
-        for ((sum, left), (middle, right)) in sums[1..]
-            .iter_mut()
-            .zip(row)
-            .zip(row[1..].iter().zip(&row[2..]))
-        {
-            *sum = u16::from(*left) + 2 * u16::from(*middle) + u16::from(*right);
-        }
-        sums[width - 1] = value(width - 2) + 3 * value(width - 1);
-    };
-    // Three rows of sums, used cyclically: those of the row above, of the row itself, and of the
-    // row below.
-    let slot = |row: usize| (row % 3) * width..(row % 3 + 1) * width;
-    along_row(&values[..width], &mut sums[slot(0)]);
-    for row in 0..height {
-        if row + 1 < height {
-            let below = &values[(row + 1) * width..(row + 2) * width];
-            along_row(below, &mut sums[slot(row + 1)]);
-        }
-        let above = &sums[slot(if row == 0 { 0 } else { row - 1 })];
-        let middle = &sums[slot(row)];
-        let below = &sums[slot(if row + 1 < height { row + 1 } else { row })];
-        let out = &mut values[row * width..(row + 1) * width];
-        for (((out, above), middle), below) in out.iter_mut().zip(above).zip(middle).zip(below) {
-            *out = ((above + 2 * middle + below + 8) >> 4) as u8;
-        }
-    }
 }
 
 #[cfg(test)]
@@ -333,37 +340,6 @@ mod tests {
         let (threshold, [dark, bright]) = otsu(&histogram);
         assert!((13..=150).contains(&threshold), "{threshold}");
         assert_eq!((dark, bright), (11.0, 155.0));
-    }
-
-    #[test]
-    fn a_blur_keeps_the_mean_and_a_plateau() {
-        let mut values = vec![0u8; 49];
-        values[24] = 160;
-        blur(&mut values, 7, 7);
-        assert_eq!(values.iter().map(|v| u32::from(*v)).sum::<u32>(), 160);
-        assert_eq!(values[24], 40);
-        let mut flat = vec![77u8; 30];
-        blur(&mut flat, 6, 5);
-        assert!(flat.iter().all(|value| *value == 77));
-    }
-
-    #[test]
-    fn local_means_agree_with_the_sum_over_the_window() {
-        let (width, height, reach) = (9, 7, 2);
-        let values: Vec<u8> = (0..width * height).map(|i| (i * 37 % 251) as u8).collect();
-        let means = local_means(&values, width, height, reach);
-        for row in 0..height {
-            for column in 0..width {
-                let mut window = Vec::new();
-                for r in row.saturating_sub(reach)..(row + reach + 1).min(height) {
-                    for c in column.saturating_sub(reach)..(column + reach + 1).min(width) {
-                        window.push(u64::from(values[r * width + c]));
-                    }
-                }
-                let mean = window.iter().sum::<u64>() / window.len() as u64;
-                assert_eq!(u64::from(means[row * width + column]), mean);
-            }
-        }
     }
 
     #[test]

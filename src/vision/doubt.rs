@@ -8,23 +8,40 @@ use super::skeleton::median;
 use image::RgbImage;
 
 /// Largest number of strands; more mean that the mask is noise.
-const MOST_STRANDS: usize = 60;
+pub(super) const MOST_STRANDS: usize = 60;
 /// Hue difference of different strands, in bins of 5°; within one strand it is smaller.
 const OTHER_HUE: f64 = 5.0;
 /// Length of a part with another hue at which a strand is doubtful, in widths.
 const LONGEST_OTHER: f64 = 1.5;
 
-/// Number of signs: ends of strands on other strands, strands that change their hue, and parts of
-/// the mask without a strand, each as large as the square of a strand's width. 0 if the mask is
-/// noise.
-pub(super) fn doubts(picture: &RgbImage, mask: &Mask, strands: &[Strand]) -> usize {
+/// Signs that strands were joined or divided incorrectly; none if the mask is noise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Signs {
+    /// Ends of strands on other strands, and strands that change their hue.
+    pub joints: usize,
+    /// Parts of the mask without a strand, each as large as the square of a strand's width.
+    pub unexplained: usize,
+}
+
+impl Signs {
+    /// Number of signs.
+    pub fn count(self) -> usize {
+        self.joints + self.unexplained
+    }
+}
+
+/// Looks for signs that strands were joined or divided incorrectly.
+pub(super) fn doubts(picture: &RgbImage, mask: &Mask, strands: &[Strand]) -> Signs {
     if strands.len() > MOST_STRANDS {
-        return 0;
+        return Signs::default();
     }
     let owners = Owners::new(mask, strands);
     let numbers = 0..strands.len();
     let changing = numbers.filter(|number| changes_hue(picture, strands, *number, &owners));
-    doubtful_ends(strands) + changing.count() + owners.unexplained(mask, strands)
+    Signs {
+        joints: doubtful_ends(strands) + changing.count(),
+        unexplained: owners.unexplained(mask, strands),
+    }
 }
 
 /// Ends of strands that touch another strand, since a strand may have been divided there.

@@ -62,6 +62,39 @@ pub enum VisionError {
         /// Largest percentage that lines may cover.
         limit_percent: usize,
     },
+    /// Rods cannot be distinguished from noise.
+    #[error(
+        "rods cannot be distinguished from the background: the mask has {lines} lines; name the colour of the rod \
+         (--colour), the part of the image that shows it (--region x,y,width,height), or the number of rods (--strands)"
+    )]
+    Noise {
+        /// Lines in the mask.
+        lines: usize,
+    },
+    /// No strand has the length that was asked for.
+    #[error("no strand is {least:.0} px long; the longest one has {longest:.0} px")]
+    Short {
+        /// Least length of a strand, pixels.
+        least: f64,
+        /// Length of the longest strand, pixels.
+        longest: f64,
+    },
+    /// A text is not a region.
+    #[error("region \"{text}\": {reason}")]
+    Region {
+        /// The text.
+        text: String,
+        /// The allowed forms.
+        reason: &'static str,
+    },
+    /// A region has no pixel of the image.
+    #[error("the region lies outside of the image, which has {width} × {height} pixels")]
+    OutsideRegion {
+        /// Width of the image.
+        width: u32,
+        /// Height of the image.
+        height: u32,
+    },
     /// The mask has a part that is not a line.
     #[error(
         "the mask has a blob at ({u:.0}, {v:.0}) px, {length:.0} px long and {width:.0} px wide, that is not a line: \

@@ -4,7 +4,8 @@
 //! [`trace()`] follows these steps:
 //!
 //! 1. [`Contrast`]: how much each pixel looks like a rod, by a [`ColourRule`]; its threshold is the
-//!    [`Mask`].
+//!    [`Mask`]. If the strands of the automatic rule are uneven, they are compared with those that
+//!    differ from the background in more than shade.
 //! 2. Thinning reduces the mask to lines one pixel wide, which form a graph of ends and junctions
 //!    joined by branches.
 //! 3. Forks that face each other are the halves of one crossing. Arms are paired so that the paths
@@ -50,6 +51,9 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 mod across;
+mod advice;
+mod attempt;
+mod averages;
 #[cfg(test)]
 mod benchmark_tests;
 mod calibration;
@@ -57,6 +61,7 @@ mod camera;
 mod camera_file;
 mod centreline;
 mod checkerboard;
+mod choice;
 mod colour;
 mod connection;
 mod contrast;
@@ -68,6 +73,7 @@ mod curve_file;
 mod dice;
 mod doubt;
 mod error;
+mod fitness;
 mod hand_eye;
 mod hand_eye_consensus;
 mod hand_eye_mount;
@@ -83,6 +89,7 @@ mod layers;
 mod lens_fit;
 mod marker;
 mod mask;
+mod options;
 mod order;
 mod overlap;
 mod overlay;
@@ -94,24 +101,30 @@ mod photograph_tests;
 mod picture;
 mod pixels;
 mod pose_file;
+mod region;
 mod render;
 mod reprojection;
+#[cfg(test)]
+mod room_tests;
 mod saddle;
 mod score;
 mod score_figure;
 mod seen_length;
+mod shading;
 mod sheet;
 mod skeleton;
 mod smoothing;
 mod straight_edge;
 mod strand;
 mod strand_end;
+mod surroundings;
 mod thinning;
 mod trace;
 #[cfg(test)]
 mod trace_tests;
 mod whole_rod;
 
+pub use advice::Doubt;
 pub use calibration::{Calibration, board_pose, calibrate};
 pub use camera::{Camera, Lens};
 pub use centreline::Strand;
@@ -128,6 +141,7 @@ pub use marker::{
     InstabilityRule, InstabilityWatch, MarkerErrors, compare_markers, find_markers, helix_points,
 };
 pub use mask::Mask;
+pub use options::TraceOptions;
 pub use order::{StrandCrossing, find_crossings};
 pub use overlay::{
     centrelines_csv, centrelines_svg, edges_overlay, encode_labels, encode_picture, marker_overlay,
@@ -140,13 +154,14 @@ pub use picture::{
     pictures_in, read_labels, read_picture,
 };
 pub use pose_file::read_poses;
+pub use region::Region;
 pub use render::{RenderOptions, RenderedRod, render};
 pub use score::{CurveError, SCORE_POINTS, Score, part_of_curve, rigid_alignment, score};
 pub use score_figure::score_figure;
 pub use seen_length::SeenLength;
 pub use sheet::{EdgePose, Sheet, find_sheet, sliding};
 pub use straight_edge::{FoundEdge, find_edge};
-pub use trace::{Trace, TraceOptions, clean_mask, trace, trace_contrast};
+pub use trace::{Trace, clean_mask, trace, trace_contrast};
 pub use whole_rod::whole_rod;
 
 /// A point of an image, pixels: u to the right, v down; (0, 0) is the centre of the first pixel.

@@ -115,6 +115,15 @@ impl Mask {
         members
     }
 
+    /// The union with a mask of the same size.
+    pub(super) fn with(&self, other: &Self) -> Self {
+        let cells = self.cells.iter().zip(&other.cells);
+        Self {
+            cells: cells.map(|(a, b)| a | b).collect(),
+            ..*self
+        }
+    }
+
     /// Removes parts of fewer pixels than `specks` and fills holes of fewer pixels than `holes`.
     pub fn clean(&mut self, specks: usize, holes: usize) {
         self.replace_small(1, specks, true);

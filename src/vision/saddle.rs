@@ -46,7 +46,7 @@ impl Grey {
     pub fn saddles(&self) -> Vec<Point> {
         let mut blurred: Vec<u8> = self.values.iter().map(|value| *value as u8).collect();
         for _ in 0..4 {
-            super::contrast::blur(&mut blurred, self.width, self.height);
+            super::averages::blur(&mut blurred, self.width, self.height);
         }
         let value = |column: usize, row: usize| f64::from(blurred[row * self.width + column]);
         let mut strength = vec![0.0; self.values.len()];

@@ -1,46 +1,18 @@
 //! Finds the strands in a picture.
 
-use super::across::reach_across;
-use super::centreline::{Strand, centreline};
-use super::colour::{ColourRule, lab};
-use super::contrast::Contrast;
-use super::corner::cut_corners;
-use super::crossing::crossings;
-use super::doubt::doubts;
-use super::joining::join_arms;
+use super::advice::{Doubt, advice};
+use super::attempt::{Attempt, Corners};
+use super::centreline::Strand;
+use super::choice::{choose, rod_contrasts, select};
+use super::contrast::{Contrast, picked};
 use super::labels::paint_labels;
-use super::layers::layers;
 use super::mask::Mask;
+use super::options::TraceOptions;
 use super::order::{StrandCrossing, find_crossings};
-use super::skeleton::Skeleton;
-use super::strand::paths;
-use super::strand_end::EndStops;
+use super::region::Frame;
 use super::{Point, VisionError};
 use image::{GrayImage, RgbImage};
-
-/// Options of the search for strands.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TraceOptions {
-    /// Colours of the rod.
-    pub colour: ColourRule,
-    /// Least number of pixels of a part of the mask; smaller parts are noise.
-    pub least_area: usize,
-    /// Number of pixels below which a hole of the mask is a highlight of a rod, not a loop.
-    pub largest_hole: usize,
-    /// Least length of a strand, in widths; shorter ones are not lines.
-    pub least_slenderness: f64,
-}
-
-impl Default for TraceOptions {
-    fn default() -> Self {
-        Self {
-            colour: ColourRule::Background,
-            least_area: 60,
-            largest_hole: 20,
-            least_slenderness: 3.0,
-        }
-    }
-}
+use std::borrow::Cow;
 
 /// Result of tracing a picture.
 #[derive(Clone, Debug)]
@@ -53,8 +25,11 @@ pub struct Trace {
     pub crossings: Vec<StrandCrossing>,
     /// Label image: number of the strand at each pixel, from 1; 0 is background.
     pub labels: GrayImage,
-    /// Parts of the mask that are not lines: centre, length and width of each.
+    /// Parts of the mask that are not strands, and strands that were left out: centre, length and
+    /// width of each.
     pub rejected: Vec<(Point, f64, f64)>,
+    /// Signs that the result is wrong.
+    pub doubts: Vec<Doubt>,
 }
 
 impl Trace {
@@ -68,81 +43,21 @@ impl Trace {
     }
 }
 
-/// Largest percentage of a picture that lines may cover.
-const LARGEST_COVERAGE_PERCENT: usize = 50;
-
 /// Finds the strands of a picture.
 ///
+/// With [`ColourRule::Background`](super::ColourRule::Background) only, the strands found by that rule are kept if they are even
+/// and complete. Otherwise they are compared with those of [`ColourRule::Tint`](super::ColourRule::Tint), and the set with
+/// the greater length of rod is used.
+///
 /// # Errors
-/// Nothing or everything looks like a rod, or no part of the mask is a line.
+/// Nothing or everything looks like a rod, no part of the mask is a line, or rods cannot be
+/// distinguished from noise.
 pub fn trace(picture: &RgbImage, options: &TraceOptions) -> Result<Trace, VisionError> {
-    let contrast = Contrast::new(picture, &options.colour)?;
-    trace_contrast(picture, &contrast, options)
-}
-
-/// The mask that [`trace`] uses, even if it finds nothing in it.
-pub fn clean_mask(contrast: &Contrast, options: &TraceOptions) -> Mask {
-    let mut mask = Mask::of_contrast(contrast);
-    mask.clean(options.least_area, options.largest_hole);
-    mask
-}
-
-/// Strands, and parts that are not strands.
-struct Found {
-    strands: Vec<Strand>,
-    rejected: Vec<(Point, f64, f64)>,
-}
-
-impl Found {
-    fn new(
-        picture: &RgbImage,
-        contrast: &Contrast,
-        mask: &Mask,
-        skeleton: Skeleton,
-        options: &TraceOptions,
-    ) -> Self {
-        let colour = |point: Point| lab(picture.get_pixel(point.x as u32, point.y as u32).0);
-        let (mut crossings, links) = crossings(&skeleton, colour);
-        join_arms(&skeleton, &links, &mut crossings, mask, colour);
-        let ends = EndStops::new(&skeleton, &crossings, colour);
-        let mut strands = Vec::new();
-        let mut rejected = blobs(&skeleton);
-        for path in paths(&skeleton, &crossings, &links) {
-            let strand = centreline(contrast, &skeleton, &path, &ends);
-            let (length, width) = (strand.length(), strand.width());
-            if length >= options.least_slenderness * width && strand.points.len() > 2 {
-                strands.push(strand);
-            } else if let Some(point) = strand.points.get(strand.points.len() / 2) {
-                rejected.push((*point, length, width));
-            }
-        }
-        reach_across(contrast, &mut strands);
-        Self { strands, rejected }
-    }
-}
-
-/// Parts of the mask that thinning reduces to a point: centre, length and width of each.
-fn blobs(skeleton: &Skeleton) -> Vec<(Point, f64, f64)> {
-    let mut is_point = vec![true; skeleton.nodes.len()];
-    for node in skeleton
-        .branches
-        .iter()
-        .filter_map(|branch| branch.nodes)
-        .flatten()
-    {
-        is_point[node] = false;
-    }
-    let points = skeleton
-        .nodes
-        .iter()
-        .zip(is_point)
-        .filter(|(_, is_point)| *is_point);
-    points
-        .map(|(node, _)| {
-            let width = 2.0 * node.half_width;
-            (node.position, width, width)
-        })
-        .collect()
+    let search = Search::new(picture, options)?;
+    let found = choose(&search.picture, &search.options, |contrast| {
+        search.limit(contrast)
+    });
+    search.finish(found?)
 }
 
 /// Finds the strands of a picture from a contrast image of the same size.
@@ -154,52 +69,111 @@ pub fn trace_contrast(
     contrast: &Contrast,
     options: &TraceOptions,
 ) -> Result<Trace, VisionError> {
-    let mask = clean_mask(contrast, options);
-    let (found, pixels) = (mask.area(), mask.width() * mask.height());
-    if found == 0 {
-        return Err(VisionError::EmptyMask { found, pixels });
-    }
-    if 100 * found > LARGEST_COVERAGE_PERCENT * pixels {
-        return Err(VisionError::FullMask {
-            found,
-            pixels,
-            limit_percent: LARGEST_COVERAGE_PERCENT,
-        });
-    }
-    let plain = Found::new(picture, contrast, &mask, Skeleton::new(&mask), options);
-    let doubts = |found: &Found| doubts(picture, &mask, &found.strands);
-    let Found { strands, rejected } = match doubts(&plain) {
-        0 => plain,
-        doubtful => layers(picture, &mask, options.least_area, options.largest_hole)
-            .map(|masks| Skeleton::joined(masks.iter().map(Skeleton::new)))
-            .map(|mut skeleton| {
-                cut_corners(&mut skeleton);
-                Found::new(picture, contrast, &mask, skeleton, options)
-            })
-            .filter(|layered| {
-                let rank = |doubtful, found: &Found| (doubtful, found.strands.len());
-                rank(doubts(layered), layered) <= rank(doubtful, &plain)
-            })
-            .unwrap_or(plain),
+    let search = Search::new(picture, options)?;
+    let mut contrast = match search.frame {
+        Some(frame) => frame.cut_contrast(contrast),
+        None => contrast.clone(),
     };
-    if strands.is_empty() {
-        return Err(match rejected.first() {
-            Some((point, length, width)) => VisionError::Blob {
-                u: point.x,
-                v: point.y,
-                length: *length,
-                width: *width,
-            },
-            None => VisionError::EmptyMask { found, pixels },
-        });
+    search.limit(&mut contrast);
+    let found = Attempt::new(&search.picture, &[contrast], None, Corners::Keep, options)?;
+    search.finish(select(found, options)?)
+}
+
+/// The mask of the colour rules, even if [`trace`] finds nothing in it.
+///
+/// # Errors
+/// The region or the pixel to pick lies outside of the picture.
+pub fn clean_mask(picture: &RgbImage, options: &TraceOptions) -> Result<Mask, VisionError> {
+    let search = Search::new(picture, options)?;
+    let mut mask = Mask::new(
+        search.picture.width() as usize,
+        search.picture.height() as usize,
+    );
+    for mut contrast in rod_contrasts(&search.picture, &search.options)? {
+        search.limit(&mut contrast);
+        mask = mask.with(&Mask::of_contrast(&contrast));
     }
-    let crossings = find_crossings(picture, &strands);
-    let labels = paint_labels(&mask, &strands, &crossings);
-    Ok(Trace {
-        mask,
-        strands,
-        crossings,
-        labels,
-        rejected,
+    mask.clean(options.least_area, options.largest_hole);
+    Ok(match search.frame {
+        Some(frame) => frame.paste_mask(&mask, search.size),
+        None => mask,
     })
+}
+
+/// The part of a picture that is searched.
+struct Search<'a> {
+    picture: Cow<'a, RgbImage>,
+    /// Width and height of the whole picture.
+    size: [u32; 2],
+    frame: Option<Frame>,
+    /// The options, with the colours of picked pixels.
+    options: TraceOptions,
+}
+
+impl<'a> Search<'a> {
+    fn new(picture: &'a RgbImage, options: &TraceOptions) -> Result<Self, VisionError> {
+        let rules = options.more_colours.iter();
+        let rules = rules.map(|rule| picked(picture, rule));
+        let (width, height) = picture.dimensions();
+        let region = options.region.as_ref();
+        let frame = region
+            .map(|region| region.frame(width, height))
+            .transpose()?;
+        Ok(Self {
+            picture: match frame {
+                Some(frame) => Cow::Owned(frame.cut(picture)),
+                None => Cow::Borrowed(picture),
+            },
+            size: [width, height],
+            frame,
+            options: TraceOptions {
+                colour: picked(picture, &options.colour)?,
+                more_colours: rules.collect::<Result<_, _>>()?,
+                ..options.clone()
+            },
+        })
+    }
+
+    fn limit(&self, contrast: &mut Contrast) {
+        if let (Some(region), Some(frame)) = (&self.options.region, self.frame) {
+            region.limit(contrast, frame);
+        }
+    }
+
+    fn finish(&self, found: Attempt) -> Result<Trace, VisionError> {
+        let doubts = advice(&self.picture, &found, &self.options);
+        let crossings = find_crossings(&self.picture, &found.strands);
+        let labels = paint_labels(&found.mask, &found.strands, &crossings);
+        let trace = Trace {
+            mask: found.mask,
+            strands: found.strands,
+            crossings,
+            labels,
+            rejected: found.rejected,
+            doubts,
+        };
+        Ok(match self.frame {
+            Some(frame) => paste(frame, trace, self.size),
+            None => trace,
+        })
+    }
+}
+
+/// A trace in the pixels of the whole image, of the given width and height.
+fn paste(frame: Frame, mut trace: Trace, size: [u32; 2]) -> Trace {
+    let offset = Point::from(frame.origin.map(f64::from));
+    for strand in &mut trace.strands {
+        for point in &mut strand.points {
+            *point += offset;
+        }
+    }
+    for crossing in &mut trace.crossings {
+        crossing.position += offset;
+    }
+    for (point, _, _) in &mut trace.rejected {
+        *point += offset;
+    }
+    trace.mask = frame.paste_mask(&trace.mask, size);
+    trace.labels = paint_labels(&trace.mask, &trace.strands, &trace.crossings);
+    trace
 }
