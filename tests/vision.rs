@@ -142,7 +142,6 @@ fn a_photograph_is_traced_and_scored() {
     assert!(place.join("score.svg").is_file() && place.join("score.png").is_file());
 }
 
-/// `trace --pattern`, `score --out` and similar options used to replace any existing file.
 #[test]
 fn the_rods_asked_for_are_traced() {
     let folder = TempDir::new().expect("a folder");
@@ -163,6 +162,7 @@ fn the_rods_asked_for_are_traced() {
     assert!(text.contains("doubtful: 2 of 3 strands"), "{text}");
 }
 
+/// `trace --pattern`, `score --out` and similar options used to replace any existing file.
 #[test]
 fn files_of_the_user_are_not_replaced_by_answers() {
     let folder = TempDir::new().expect("a folder");

@@ -44,10 +44,11 @@ pub struct TraceArguments {
     recording: RecordingArguments,
     /// Colour of a rod, once for each: auto, tint, a hue, pick:u,v and others (see --help)
     ///
-    /// Hues are red, orange, yellow, green, cyan, blue, purple and pink; there are also black and white. A colour is
-    /// #rrggbb[:radius] or that of a pixel, pick:u,v[:radius], or hsv:h-h,s-s,v-v. "tint" is any colour except those of
-    /// the background and its shadows; "lighter" and "darker" (or "pen") compare with the surroundings; "relief" does so
-    /// in both directions, for white on white. Strands of different colours are separate.
+    /// Hues are red, orange, yellow, green, cyan, blue, purple and pink; there are also black and
+    /// white. A colour is #rrggbb[:radius] or that of a pixel, pick:u,v[:radius], or
+    /// hsv:h-h,s-s,v-v. "tint" is any colour except those of the background and its shadows;
+    /// "lighter" and "darker" (or "pen") compare with the surroundings; "relief" does so in both
+    /// directions, for white on white. Strands of different colours are separate.
     // No alias "color", since that is an option of all subcommands.
     #[arg(
         long,
@@ -61,7 +62,8 @@ pub struct TraceArguments {
     pub strands: Option<u16>,
     /// Part of the image, pixels: x,y,width,height or corners
     ///
-    /// The corners of a polygon are separated by spaces: "100,80 740,80 420,560". Strands end at its edge.
+    /// The corners of a polygon are separated by spaces: "100,80 740,80 420,560". Strands end at
+    /// its edge.
     #[arg(long, value_name = "REGION")]
     pub region: Option<String>,
     /// Length below which a strand is left out

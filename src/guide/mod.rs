@@ -74,6 +74,7 @@ pages! {
     exchange
     robots
     cell
+    bench
     virtual_cell
     exploration
     vision

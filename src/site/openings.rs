@@ -225,6 +225,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab deploy --pattern A.svg",
     ],
     [
+        "bench",
+        "tab5.2-cell/tab5.2-cell_laid.svg",
+        "Patterns laid by an arm",
+        "rodlab deploy --pattern line:0.2 --rod green_vps",
+    ],
+    [
         "virtual_cell",
         "tab5.2-cell/tab5.2-cell_laid.svg",
         "Patterns laid by an arm",

@@ -8,7 +8,8 @@ use super::region::Region;
 pub struct TraceOptions {
     /// Colours of the rod.
     ///
-    /// With [`ColourRule::Background`], the result of another rule may be used: see [`trace()`](super::trace()).
+    /// With [`ColourRule::Background`], the result of another rule may be used: see
+    /// [`trace()`](super::trace()).
     pub colour: ColourRule,
     /// Further colours; strands of different rules are separate.
     pub more_colours: Vec<ColourRule>,

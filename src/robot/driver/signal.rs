@@ -1,7 +1,7 @@
 //! Signals: topics whose messages end or forbid motions, such as an emergency stop, the mode of a
 //! robot, a force sensor or a heartbeat.
 
-use super::{DriverError, Ros2Address, TopicName, ros1, ros2, rosbridge_signal};
+use super::{DriverError, TopicName, ros1, ros2, rosbridge_signal};
 use std::fmt;
 
 /// Content of a message of a signal.
@@ -145,12 +145,6 @@ pub fn open_signal(
             domain,
             interface,
             topic,
-        } => {
-            debug_assert!(
-                Ros2Address::IS_BUILT,
-                "such names are rejected without ROS 2"
-            );
-            ros2::open_signal(*domain, *interface, topic, message)?
-        }
+        } => ros2::open_signal(*domain, *interface, topic, message)?,
     })
 }
