@@ -225,12 +225,11 @@ impl Resolver<'_> {
         let safety = Safety {
             workspace,
             hand_speed: hand_speed.map(|speed| self.positive_si(&path.key("hand_speed"), speed)),
-            first_run: typed.first_run.map(|speed| {
-                if !(0.01..=1.0).contains(&speed) {
+            first_run: typed.first_run.inspect(|speed| {
+                if !(0.01..=1.0).contains(speed) {
                     let message = format!("{speed}; allowed: 0.01 to 1");
                     self.fault(&path.key("first_run"), message);
                 }
-                speed
             }),
             signals: signals(self, &path.key("signals"), &typed.signals),
         };
