@@ -38,7 +38,7 @@ struct State {
     log: Vec<(f64, usize, String)>,
 }
 
-/// What is known about a signal.
+/// State of a signal.
 #[derive(Debug)]
 struct Heard {
     rule: SignalRule,
