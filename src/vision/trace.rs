@@ -45,9 +45,10 @@ impl Trace {
 
 /// Finds the strands of a picture.
 ///
-/// With [`ColourRule::Background`](super::ColourRule::Background) only, the strands found by that rule are kept if they are even
-/// and complete. Otherwise they are compared with those of [`ColourRule::Tint`](super::ColourRule::Tint), and the set with
-/// the greater length of rod is used.
+/// With [`ColourRule::Background`](super::ColourRule::Background) only, the strands found by that
+/// rule are kept if they are even and complete. Otherwise they are compared with those of
+/// [`ColourRule::Tint`](super::ColourRule::Tint), and the set with the greater length of rod is
+/// used.
 ///
 /// # Errors
 /// Nothing or everything looks like a rod, no part of the mask is a line, or rods cannot be

@@ -21,6 +21,7 @@ mod rosbridge_gripper;
 mod rosbridge_signal;
 mod rosbridge_socket;
 mod signal;
+mod signal_name;
 mod stepper;
 mod topic_name;
 
@@ -36,7 +37,8 @@ pub use rosbridge::RosbridgeDriver;
 pub use rosbridge_camera::RosbridgeCamera;
 pub use rosbridge_goal::RosVersion;
 pub use rosbridge_gripper::RosbridgeGripper;
-pub use signal::{Reading, Shape as SignalShape, SignalMessage, SignalTopic, open_signal, size};
+pub use signal::{Reading, Shape as SignalShape, SignalMessage, SignalTopic, size};
+pub use signal_name::open_signal;
 pub use stepper::{SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest};
 pub use topic_name::TopicName;
 

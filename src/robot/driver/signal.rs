@@ -1,7 +1,7 @@
 //! Signals: topics whose messages end or forbid motions, such as an emergency stop, the mode of a
 //! robot, a force sensor or a heartbeat.
 
-use super::{DriverError, TopicName, ros1, ros2, rosbridge_signal};
+use super::DriverError;
 use std::fmt;
 
 /// Content of a message of a signal.
@@ -124,27 +124,4 @@ pub trait SignalTopic: Send {
     /// # Errors
     /// The connection is lost, or a message is damaged.
     fn readings(&mut self) -> Result<Vec<Reading>, DriverError>;
-}
-
-/// Subscribes to a signal.
-///
-/// # Errors
-/// The master or the server does not answer, or this program was built without ROS 2.
-pub fn open_signal(
-    name: &TopicName,
-    message: SignalMessage,
-) -> Result<Box<dyn SignalTopic>, DriverError> {
-    Ok(match name {
-        TopicName::Ros1 { master, topic } => {
-            Box::new(ros1::Ros1Signal::open(master, topic, message)?)
-        }
-        TopicName::Rosbridge { server, topic } => Box::new(
-            rosbridge_signal::RosbridgeSignal::open(server, topic, message)?,
-        ),
-        TopicName::Ros2 {
-            domain,
-            interface,
-            topic,
-        } => ros2::open_signal(*domain, *interface, topic, message)?,
-    })
 }
