@@ -9,6 +9,7 @@ use super::prelude::*;
 use super::safety_signals::{open_signals, write_signals};
 use super::status_line::StatusLine;
 use rodlab_files::results::write_whole;
+use rodlab_robot::JointTrajectory;
 use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
     FirstRun, Planning, Task, TaskCommand, TaskError, TaskRecord, TaskRun, Unfinished, WorkError,
@@ -27,8 +28,8 @@ pub struct InCell<C: Args> {
 
 /// A task in a cell, with its directory and the marks of its arms.
 struct Work<'a> {
-    /// Name of the command.
-    name: &'static str,
+    /// The record of the motion; `None` if the cell is simulated.
+    first_run: Option<FirstRun>,
     chosen: &'a TaskCell,
     choice: &'a CellChoice,
     directory: &'a Path,
@@ -65,11 +66,12 @@ where
         }
         let task = self.what.plan(&planning, &arms)?;
         let directory = planning.directory()?.to_owned();
-        write_motion(&task, &chosen.cell, &directory)?;
+        let motion = write_motion(&task, &chosen.cell, &directory)?;
         let marked = arms.iter().filter(|_| way.checked.is_some());
         let marks = marked.map(|arm| Unfinished::of(&chosen.cell, *arm, &directory));
         let work = Work {
-            name: C::NAME,
+            first_run: (!chosen.is_virtual)
+                .then(|| FirstRun::of(&chosen.cell, C::NAME, motion.as_slice())),
             marks: if chosen.is_virtual {
                 Vec::new()
             } else {
@@ -91,14 +93,19 @@ where
     }
 }
 
-/// Writes the motion, and a page that shows it.
-fn write_motion<T: Task>(task: &T, cell: &Cell, directory: &Path) -> Result<(), Failure> {
+/// Writes the motion, and a page that shows it. Returns the motion.
+fn write_motion<T: Task>(
+    task: &T,
+    cell: &Cell,
+    directory: &Path,
+) -> Result<Option<JointTrajectory>, Failure> {
     let motion = task.motion(cell)?;
     if let Some(joints) = &motion {
         write_whole(&directory.join("joints.csv"), joints.to_csv()?.as_bytes())?;
     }
     let page = cell.page(motion.as_ref(), T::FRAMES);
-    Ok(write_whole(&directory.join("cell.html"), page.as_bytes())?)
+    write_whole(&directory.join("cell.html"), page.as_bytes())?;
+    Ok(motion)
 }
 
 impl Work<'_> {
@@ -111,13 +118,9 @@ impl Work<'_> {
         cell: &Cell,
     ) -> Result<(), Failure> {
         run.note(self.directory)?;
-        let motion = run.task.motion(cell)?;
-        let first_run = FirstRun::of(cell, self.name, motion.as_slice());
-        // A simulated cell is never slowed down.
-        let speed_scale = match self.chosen.is_virtual {
-            true => self.choice.speed_scale,
-            false => first_run.speed(self.choice.speed_scale),
-        };
+        let chosen = self.choice.speed_scale;
+        let first_run = self.first_run.as_ref();
+        let speed_scale = first_run.map_or(chosen, |first_run| first_run.speed(chosen));
         let report = run.report(self.directory);
         self.chosen
             .confirm(arms, &report, self.directory, self.choice)?;
@@ -135,9 +138,9 @@ impl Work<'_> {
             display: &StatusLine::new(self.common),
             speed_scale,
         });
-        if let Some(signals) = &signals {
-            write_signals(signals, self.directory)?;
-        }
+        let listed = signals
+            .as_ref()
+            .and_then(|signals| write_signals(signals, self.directory).err());
         let unclear = match &ended {
             // The arms have done their work and hold nothing.
             Ok(())
@@ -147,13 +150,15 @@ impl Work<'_> {
             }) => self.clear(),
             Err(_) => None,
         };
-        if ended.is_ok() && is_real {
-            first_run.finished().map_err(Failure::system)?;
-        }
+        let unrecorded = first_run.filter(|_| ended.is_ok());
+        let unrecorded = unrecorded.and_then(|first_run| first_run.finished().err());
         let next = run.head.stopped.as_ref();
         let next = next.map(|stopped| stopped.next.as_str());
         let early = |error: TaskError| self.ended_early(&error.error, error.to_string(), next);
-        let failure = unclear.or_else(|| ended.err().map(early));
+        let failure = unclear
+            .or_else(|| ended.err().map(early))
+            .or(listed)
+            .or_else(|| unrecorded.map(Failure::system));
         self.finish(&run, failure)
     }
 

@@ -23,7 +23,7 @@ motion ends: every arm is commanded to hold, and monitored until it is at rest. 
 SIGTERM, SIGHUP, SIGQUIT, SIGUSR1 and SIGUSR2 have the same effect.
 
 The log is a directory with manifest.json, trajectory.csv (for several, trajectory-1.csv and so on),
-commanded.csv, state.csv and events.csv. Exit code 1: a driver failed; the message gives the reason."
+commanded.csv, state.csv, events.csv and, if the cell has safety signals, signals.csv. Exit code 1: a driver failed; the message gives the reason."
 );
 
 /// Arguments of `rodlab stream`.
@@ -152,7 +152,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     };
     let ending = run(&mut parts, &cell.streaming, &guarded, &mut log);
     let logged = log.finish().map_err(unwritable);
-    write_signals(&signals, &directory)?;
+    let listed = write_signals(&signals, &directory);
     manifest.end = Some(jiff::Timestamp::now());
     manifest.interrupted_by = interrupted.signal();
     (manifest.status, manifest.error) = match &ending {
@@ -173,6 +173,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         ))),
         Ending::Finished => {
             logged?;
+            listed?;
             first_run.finished().map_err(Failure::system)?;
             // A driver that writes to standard output uses it exclusively.
             if drives_standard_output(&cell) {

@@ -35,6 +35,7 @@ mod stream;
 mod tests;
 mod timing;
 mod trajectory;
+mod unix_time;
 mod urdf;
 
 pub use body::{Body, Hull, Shape};
@@ -43,10 +44,10 @@ pub use collision::{Approach, FAR, Member, StandingBox, Surroundings};
 pub use driver::{
     Bag, BagError, BagPicture, CameraError, CameraPicture, Driver, DriverError, FileDriver,
     GripperDriver, Interpolant, JointState, Middleware, PartTrajectory, PictureTopic, Progress,
-    Reading, Ros1Camera, Ros1Driver, Ros1Gripper, Ros2Address, Ros2CameraAddress,
-    Ros2GripperAddress, RosVersion, RosbridgeCamera, RosbridgeDriver, RosbridgeGripper, SerialLine,
-    SignalMessage, SignalShape, SignalTopic, StepperAnswer, StepperDriver, StepperLink,
-    StepperRequest, TopicName, open_camera, open_signal, size,
+    Reading, Ros1Camera, Ros1Driver, Ros1Gripper, Ros2Address, Ros2GripperAddress, Ros2Topic,
+    RosVersion, RosbridgeCamera, RosbridgeDriver, RosbridgeGripper, SerialLine, SignalMessage,
+    SignalShape, SignalTopic, StepperAnswer, StepperDriver, StepperLink, StepperRequest, TopicName,
+    open_camera, open_signal,
 };
 pub use inverse::{Nearest, REACHED};
 pub use kinematics::Jacobian;
@@ -64,4 +65,5 @@ pub use timing::{
     Motion as TimedMotion, SAMPLE, TimingError, Utilisation, parametrise, utilisation,
 };
 pub use trajectory::{Column, JointTrajectory, Table, TableError, read_table};
+pub use unix_time::unix_time;
 pub use urdf::{UrdfArm, UrdfError, read_urdf};

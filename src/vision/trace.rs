@@ -58,7 +58,7 @@ pub fn trace(picture: &RgbImage, options: &TraceOptions) -> Result<Trace, Vision
     let found = choose(&search.picture, &search.options, |contrast| {
         search.limit(contrast)
     });
-    search.finish(found?)
+    Ok(search.finish(found?))
 }
 
 /// Finds the strands of a picture from a contrast image of the same size.
@@ -77,7 +77,7 @@ pub fn trace_contrast(
     };
     search.limit(&mut contrast);
     let found = Attempt::new(&search.picture, &[contrast], None, Corners::Keep, options)?;
-    search.finish(select(found, options)?)
+    Ok(search.finish(select(found, options)?))
 }
 
 /// The mask of the colour rules, even if [`trace`] finds nothing in it.
@@ -141,27 +141,27 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn finish(&self, found: Attempt) -> Result<Trace, VisionError> {
+    fn finish(&self, found: Attempt) -> Trace {
         let doubts = advice(&self.picture, &found, &self.options);
         let crossings = find_crossings(&self.picture, &found.strands);
-        let labels = paint_labels(&found.mask, &found.strands, &crossings);
-        let trace = Trace {
+        let mut trace = Trace {
             mask: found.mask,
             strands: found.strands,
             crossings,
-            labels,
+            labels: GrayImage::default(),
             rejected: found.rejected,
             doubts,
         };
-        Ok(match self.frame {
-            Some(frame) => paste(frame, trace, self.size),
-            None => trace,
-        })
+        if let Some(frame) = self.frame {
+            paste(frame, &mut trace, self.size);
+        }
+        trace.labels = paint_labels(&trace.mask, &trace.strands, &trace.crossings);
+        trace
     }
 }
 
-/// A trace in the pixels of the whole image, of the given width and height.
-fn paste(frame: Frame, mut trace: Trace, size: [u32; 2]) -> Trace {
+/// Moves a trace to the pixels of the whole image, of the given width and height.
+fn paste(frame: Frame, trace: &mut Trace, size: [u32; 2]) {
     let offset = Point::from(frame.origin.map(f64::from));
     for strand in &mut trace.strands {
         for point in &mut strand.points {
@@ -175,6 +175,4 @@ fn paste(frame: Frame, mut trace: Trace, size: [u32; 2]) -> Trace {
         *point += offset;
     }
     trace.mask = frame.paste_mask(&trace.mask, size);
-    trace.labels = paint_labels(&trace.mask, &trace.strands, &trace.crossings);
-    trace
 }

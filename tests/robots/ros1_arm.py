@@ -28,7 +28,7 @@ violated = None
 def is_due(fault):
     """Whether a signal violates its limits."""
     global violated
-    motion = arm.motion if "arm" in globals() else None
+    motion = arm.motion
     due = FAULT == fault and motion is not None and (rospy.Time.now() - motion[2]).to_sec() > 1.0
     if due and violated is None:
         violated = rospy.Time.now()
@@ -157,9 +157,8 @@ def at(time, times, points):
 
 
 rospy.init_node("arm", disable_signals=True)
-threading.Thread(target=report, daemon=True).start()
-threading.Thread(target=look, daemon=True).start()
-threading.Thread(target=signal, daemon=True).start()
 arm = Arm()
+for task in (report, look, signal):
+    threading.Thread(target=task, daemon=True).start()
 print("ready", flush=True)
 threading.Event().wait()

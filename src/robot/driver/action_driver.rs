@@ -3,8 +3,9 @@
 
 use super::clocked_reports::ClockedReports;
 use super::{Driver, DriverError, Interpolant, JointState, Progress};
+use crate::unix_time::unix_time;
 use std::fmt::Display;
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
 /// Longest time for the first report about a goal.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -13,8 +14,7 @@ const LONGEST_COMPLAINT: usize = 300;
 
 /// A unique name, for servers that identify goals by text.
 pub(super) fn unique_name() -> String {
-    let now = SystemTime::now().duration_since(UNIX_EPOCH);
-    format!("rodlab-{}", now.map_or(0, |now| now.as_nanos()))
+    format!("rodlab-{}", unix_time().as_nanos())
 }
 
 /// A goal that was sent.

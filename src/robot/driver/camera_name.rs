@@ -1,6 +1,6 @@
 //! Cameras by the names of their topics.
 
-use super::{DriverError, PictureTopic, Ros1Camera, Ros2CameraAddress, RosbridgeCamera, TopicName};
+use super::{DriverError, PictureTopic, Ros1Camera, RosbridgeCamera, TopicName};
 
 /// Topic in messages about names.
 const EXAMPLE: &str = "camera/image_raw";
@@ -30,15 +30,6 @@ fn opened(name: TopicName) -> Result<Box<dyn PictureTopic>, DriverError> {
     Ok(match name {
         TopicName::Ros1 { master, topic } => Box::new(Ros1Camera::open(&master, &topic)?),
         TopicName::Rosbridge { server, topic } => Box::new(RosbridgeCamera::open(&server, &topic)?),
-        TopicName::Ros2 {
-            domain,
-            interface,
-            topic,
-        } => Ros2CameraAddress {
-            domain,
-            interface,
-            topic,
-        }
-        .open()?,
+        TopicName::Ros2(address) => address.open_camera()?,
     })
 }

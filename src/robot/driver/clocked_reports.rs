@@ -1,7 +1,8 @@
 //! Reports of joints, and the time of a simulated robot from a separate topic.
 
 use super::JointState;
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use crate::unix_time::unix_time;
+use std::time::{Duration, Instant};
 
 /// Longest wait for the first message of the clock to which the stamps belong.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -65,8 +66,7 @@ impl ClockedReports {
 /// Whether a stamp, s, belongs to another clock than that of this machine. A stamp of zero means
 /// no stamp.
 fn is_of_another_clock(stamp: Option<f64>) -> bool {
-    let ours = SystemTime::now().duration_since(UNIX_EPOCH);
-    let ours = ours.unwrap_or_default().as_secs_f64();
+    let ours = unix_time().as_secs_f64();
     stamp.is_some_and(|stamp| stamp > 0.0 && (stamp - ours).abs() > OTHER_CLOCK)
 }
 
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn other_reports_do_not_wait() {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
+        let now = unix_time();
         for stamp in [None, Some(0.0), Some(now.as_secs_f64())] {
             let mut reports = ClockedReports::default();
             reports.open();

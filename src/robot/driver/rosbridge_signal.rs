@@ -3,6 +3,7 @@
 use super::DriverError;
 use super::rosbridge_socket::{complaint, end_in_words, open_quiet_socket, read, send};
 use super::signal::{Reading, Shape, SignalMessage, SignalTopic};
+use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::net::TcpStream;
 use tungstenite::WebSocket;
@@ -85,7 +86,7 @@ fn reading(shape: Shape, message: &Value) -> Option<Reading> {
             let vector = |name: &str| {
                 let vector = message.get("wrench")?.get(name)?;
                 let part = |axis: &str| number(vector.get(axis)?);
-                Some([part("x")?, part("y")?, part("z")?])
+                Some(Vector3::new(part("x")?, part("y")?, part("z")?))
             };
             Reading::Wrench {
                 force: vector("force")?,

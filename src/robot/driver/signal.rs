@@ -2,6 +2,7 @@
 //! robot, a force sensor or a heartbeat.
 
 use super::DriverError;
+use nalgebra::Vector3;
 use std::fmt;
 
 /// Content of a message of a signal.
@@ -16,9 +17,9 @@ pub enum Reading {
     /// `geometry_msgs/WrenchStamped`: force, N, and torque, N m.
     Wrench {
         /// N.
-        force: [f64; 3],
+        force: Vector3<f64>,
         /// N m.
-        torque: [f64; 3],
+        torque: Vector3<f64>,
     },
     /// `std_msgs/Empty`.
     Beat,
@@ -31,17 +32,12 @@ impl fmt::Display for Reading {
             Self::Number(number) => write!(to, "{number}"),
             Self::Text(text) => write!(to, "{text:?}"),
             Self::Wrench { force, torque } => {
-                let [force, torque] = [force, torque].map(size);
+                let [force, torque] = [force, torque].map(Vector3::norm);
                 write!(to, "{force:.2} N, {torque:.3} N m")
             }
             Self::Beat => to.write_str("a message"),
         }
     }
-}
-
-/// Length of a vector.
-pub fn size(vector: &[f64; 3]) -> f64 {
-    vector.iter().map(|part| part * part).sum::<f64>().sqrt()
 }
 
 /// Layout of a message.

@@ -2,7 +2,7 @@
 
 use super::rosbridge_signal::RosbridgeSignal;
 use super::signal::{SignalMessage, SignalTopic};
-use super::{DriverError, TopicName, ros1, ros2};
+use super::{DriverError, TopicName, ros1};
 
 /// Subscribes to a signal.
 ///
@@ -19,10 +19,6 @@ pub fn open_signal(
         TopicName::Rosbridge { server, topic } => {
             Box::new(RosbridgeSignal::open(server, topic, message)?)
         }
-        TopicName::Ros2 {
-            domain,
-            interface,
-            topic,
-        } => ros2::open_signal(*domain, *interface, topic, message)?,
+        TopicName::Ros2(address) => address.open_signal(message)?,
     })
 }

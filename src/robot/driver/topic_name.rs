@@ -1,8 +1,7 @@
 //! Topics by their names: `ros1://host:port/topic`, `rosbridge://host:port/topic`,
 //! `ros2://domain/topic`.
 
-use super::Ros2Address;
-use std::net::IpAddr;
+use super::{Ros2Address, Ros2Topic};
 
 /// Highest domain with valid DDS ports.
 const LAST_DOMAIN: u16 = 232;
@@ -25,14 +24,7 @@ pub enum TopicName {
         topic: String,
     },
     /// In a domain of ROS 2.
-    Ros2 {
-        /// `ROS_DOMAIN_ID`.
-        domain: u16,
-        /// Address of this machine on the network; `None` means all networks.
-        interface: Option<IpAddr>,
-        /// The topic, with its first slash.
-        topic: String,
-    },
+    Ros2(Ros2Topic),
 }
 
 impl TopicName {
@@ -49,9 +41,8 @@ impl TopicName {
     /// The topic, with its first slash.
     pub fn topic(&self) -> &str {
         match self {
-            Self::Ros1 { topic, .. } | Self::Rosbridge { topic, .. } | Self::Ros2 { topic, .. } => {
-                topic
-            }
+            Self::Ros1 { topic, .. } | Self::Rosbridge { topic, .. } => topic,
+            Self::Ros2(address) => &address.topic,
         }
     }
 }
@@ -87,11 +78,11 @@ fn parsed(scheme: &str, place: &str, example: &str) -> Result<TopicName, String>
                 return Err("this program was built without ROS 2 (cargo feature ros2)".into());
             }
             let domain = domain.parse().ok().filter(|domain| *domain <= LAST_DOMAIN);
-            Ok(TopicName::Ros2 {
+            Ok(TopicName::Ros2(Ros2Topic {
                 domain: domain.filter(|_| !topic.is_empty()).ok_or_else(expected)?,
                 interface,
                 topic,
-            })
+            }))
         }
         "ros1" => Err(format!(
             "expected ros1://host:port/topic, such as ros1://192.168.1.5:11311/{example}"

@@ -2,10 +2,11 @@
 
 use super::Part;
 use crate::driver::JointState;
+use crate::unix_time::unix_time;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use std::time::Instant;
 
 /// Tables `commanded.csv` and `state.csv` (`time_s`, `part`, `joint`, `position`) and `events.csv`
 /// (`time_s`, `event`). Times are measured from the opening of the log, after the start on the
@@ -47,10 +48,7 @@ impl StreamLog {
             ..Self::none()
         };
         // The only absolute time of the log, for comparison with other logs.
-        let now = SystemTime::now()
-            .duration_since(UNIX_EPOCH)
-            .unwrap_or_default();
-        log.event(&format!("opened {:.6}", now.as_secs_f64()));
+        log.event(&format!("opened {:.6}", unix_time().as_secs_f64()));
         Ok(log)
     }
 

@@ -1,6 +1,6 @@
 //! Rules of safety signals: which messages of a topic, or which silence, end motions.
 
-use rodlab_robot::{Reading, SignalMessage, TopicName, size};
+use rodlab_robot::{Reading, SignalMessage, TopicName};
 use std::time::Duration;
 
 /// A topic that is watched while arms move.
@@ -51,9 +51,13 @@ impl SignalRule {
             (Bounds::Range([lower, upper]), Reading::Number(number)) => {
                 (lower..=upper).contains(&number)
             }
-            (Bounds::Wrench { force, torque }, Reading::Wrench { .. }) => {
-                is_weak(reading, *force, *torque)
-            }
+            (
+                Bounds::Wrench { force, torque },
+                Reading::Wrench {
+                    force: f,
+                    torque: t,
+                },
+            ) => f.norm() <= *force && t.norm() <= *torque,
             _ => false,
         };
         (!is_allowed).then(|| {
@@ -76,15 +80,6 @@ impl SignalRule {
     }
 }
 
-fn is_weak(reading: &Reading, most_force: f64, most_torque: f64) -> bool {
-    match reading {
-        Reading::Wrench { force, torque } => {
-            size(force) <= most_force && size(torque) <= most_torque
-        }
-        _ => false,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -102,8 +97,8 @@ mod tests {
     #[test]
     fn only_allowed_messages_let_arms_move() {
         let wrench = |force: f64, torque: f64| Reading::Wrench {
-            force: [0.0, -force, 0.0],
-            torque: [torque, 0.0, 0.0],
+            force: [0.0, -force, 0.0].into(),
+            torque: [torque, 0.0, 0.0].into(),
         };
         let limit = Bounds::Wrench {
             force: 20.0,

@@ -4,12 +4,12 @@
 //! forbids motions for the rest of the task, even if the next message would allow them.
 
 use super::signal_rule::SignalRule;
-use rodlab_robot::{DriverError, Reading, SignalTopic, open_signal};
+use rodlab_robot::{DriverError, Reading, SignalTopic, open_signal, unix_time};
 use std::fmt::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
 /// Time between two looks at the topics.
 const CYCLE: Duration = Duration::from_millis(2);
@@ -31,6 +31,8 @@ pub struct Signals {
 #[derive(Debug)]
 struct State {
     begin: Instant,
+    /// Time of the begin since 1970.
+    opened: Duration,
     signals: Vec<Heard>,
     /// The reason why nothing may move.
     fault: Option<String>,
@@ -84,7 +86,7 @@ impl Signals {
     }
 
     fn watching(rules: &[SignalRule], mut topics: Vec<Box<dyn SignalTopic>>) -> Self {
-        let begin = Instant::now();
+        let (begin, opened) = (Instant::now(), unix_time());
         let heard = rules.iter().map(|rule| Heard {
             rule: rule.clone(),
             last: None,
@@ -92,6 +94,7 @@ impl Signals {
         });
         let state = Arc::new(Mutex::new(State {
             begin,
+            opened,
             signals: heard.collect(),
             fault: None,
             log: Vec::new(),
@@ -132,11 +135,7 @@ impl Signals {
         if state.signals.is_empty() {
             return None;
         }
-        let since = state.begin.elapsed();
-        let now = SystemTime::now()
-            .duration_since(UNIX_EPOCH)
-            .unwrap_or_default();
-        let begin = now.saturating_sub(since).as_secs_f64();
+        let begin = state.opened.as_secs_f64();
         let mut table = "time_s,signal,message\n".to_owned();
         for (time, index, content) in &state.log {
             let quoted =
@@ -235,6 +234,7 @@ mod tests {
         };
         State {
             begin: Instant::now(),
+            opened: Duration::ZERO,
             signals: vec![Heard {
                 rule,
                 last: None,

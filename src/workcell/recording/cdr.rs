@@ -10,60 +10,60 @@ pub struct MessageType {
     pub definition: &'static str,
 }
 
-/// Positions of joints.
-pub const JOINT_STATE: MessageType = MessageType {
-    name: "sensor_msgs/msg/JointState",
-    definition: "\
-std_msgs/Header header
-string[] name
-float64[] position
-float64[] velocity
-float64[] effort
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
+/// Definition of a time, which follows those that have one.
+macro_rules! time {
+    () => {
+        "\
 ================================================================================
 MSG: builtin_interfaces/Time
 int32 sec
 uint32 nanosec
+"
+    };
+}
+
+/// Definition of a header, which follows those that have one.
+macro_rules! header {
+    () => {
+        concat!(
+            "\
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
 ",
+            time!()
+        )
+    };
+}
+
+/// Positions of joints.
+pub const JOINT_STATE: MessageType = MessageType {
+    name: "sensor_msgs/msg/JointState",
+    definition: concat!(
+        "std_msgs/Header header\nstring[] name\n",
+        "float64[] position\nfloat64[] velocity\nfloat64[] effort\n",
+        header!()
+    ),
 };
 
 /// A picture as a file.
 pub const COMPRESSED_IMAGE: MessageType = MessageType {
     name: "sensor_msgs/msg/CompressedImage",
-    definition: "\
-std_msgs/Header header
-string format
-uint8[] data
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-",
+    definition: concat!(
+        "std_msgs/Header header\nstring format\nuint8[] data\n",
+        header!()
+    ),
 };
 
 /// A line of a log.
 pub const LOG: MessageType = MessageType {
     name: "rcl_interfaces/msg/Log",
-    definition: "\
-builtin_interfaces/Time stamp
-uint8 level
-string name
-string msg
-string file
-string function
-uint32 line
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-",
+    definition: concat!(
+        "builtin_interfaces/Time stamp\nuint8 level\nstring name\nstring msg\n",
+        "string file\nstring function\nuint32 line\n",
+        time!()
+    ),
 };
 
 /// Level of a [`LOG`] that only informs.

@@ -92,13 +92,13 @@ pub fn record(directory: &Path) -> Result<Recording, RecordingError> {
     }
     let mut messages = Vec::new();
     for motion in &motions {
-        for (time, event) in motion.events()? {
+        for (time, event) in motion.events() {
             let time = nanoseconds(time);
             messages.push(Message {
                 time,
                 topic: "/events".into(),
                 kind: LOG,
-                data: cdr::log(time, &motion.name, &event),
+                data: cdr::log(time, &motion.name, event),
             });
         }
         for (table, topic) in [

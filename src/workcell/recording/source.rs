@@ -17,6 +17,8 @@ pub struct MotionLog {
     folder: PathBuf,
     /// Time of its begin, s.
     opened: f64,
+    /// Events with their times after the begin, s.
+    events: Vec<(f64, String)>,
 }
 
 /// Joints of a part at a time.
@@ -45,15 +47,17 @@ fn collect(
     depth: usize,
     found: &mut Vec<MotionLog>,
 ) -> Result<(), RecordingError> {
-    let events = folder.join("events.csv");
-    if events.is_file() {
-        let first = rows::<(f64, String)>(&events)?.into_iter().next();
+    let table = folder.join("events.csv");
+    if table.is_file() {
+        let events = rows::<(f64, String)>(&table)?;
+        let first = events.first();
         let opened = first.and_then(|(_, event)| event.strip_prefix(OPENED)?.parse().ok());
         let name = folder.strip_prefix(directory).unwrap_or(folder);
         found.push(MotionLog {
             name: name.display().to_string(),
             folder: folder.to_owned(),
-            opened: opened.ok_or_else(|| RecordingError::WithoutTime(events.clone()))?,
+            opened: opened.ok_or(RecordingError::WithoutTime(table))?,
+            events,
         });
     }
     for entry in fs::read_dir(folder).map_err(RecordingError::at(folder))? {
@@ -67,11 +71,9 @@ fn collect(
 
 impl MotionLog {
     /// Events with their times, s.
-    pub fn events(&self) -> Result<Vec<(f64, String)>, RecordingError> {
-        let rows = rows::<(f64, String)>(&self.folder.join("events.csv"))?.into_iter();
-        Ok(rows
-            .map(|(time, event)| (self.opened + time, event))
-            .collect())
+    pub fn events(&self) -> impl Iterator<Item = (f64, &str)> {
+        let events = self.events.iter();
+        events.map(|(time, event)| (self.opened + time, event.as_str()))
     }
 
     /// The rows of `state.csv` or `commanded.csv`; those of one part and time are together.

@@ -3,7 +3,7 @@
 use super::super::DriverError;
 use super::super::picture::{CameraPicture, PictureTopic, pixels, sends_files};
 use super::message::{COMPRESSED_IMAGE, IMAGE, compressed_image, raw_image};
-use super::node::{Heard, Node, lock, mailbox, master_uri};
+use super::node::{Heard, Node, lock, master_uri, subscriber};
 use std::sync::mpsc::Receiver;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
@@ -48,21 +48,13 @@ impl Ros1Camera {
     /// The master does not answer.
     pub fn open(master: &str, topic: &str) -> Result<Self, DriverError> {
         let master = master_uri(master);
-        let lost = |error: std::io::Error| {
-            DriverError::Lost(format!(
-                "ROS master {master}: {error}; is it started, and is this its address?"
-            ))
-        };
         let is_compressed = sends_files(topic);
         let kind = if is_compressed {
             COMPRESSED_IMAGE
         } else {
             IMAGE
         };
-        let (sender, heard) = mailbox();
-        let node = Node::start(&master).map_err(lost)?;
-        node.subscribe("picture", topic, kind, &sender)
-            .map_err(lost)?;
+        let (node, _, heard) = subscriber(&master, "picture", topic, kind)?;
         let newest = Arc::new(Newest::default());
         let keeper = Arc::clone(&newest);
         std::thread::spawn(move || keeper.keep(&heard));

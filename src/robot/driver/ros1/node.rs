@@ -1,14 +1,16 @@
 //! A node of ROS 1: topics in and out over TCPROS, and the XML-RPC interface for discovery.
 
+use super::super::DriverError;
 use super::message::MessageType;
 use super::xmlrpc::{self, Value, answer, authority, call, read_call};
+use crate::unix_time::unix_time;
 use std::collections::BTreeSet;
 use std::io::{self, Read, Write};
 use std::net::{IpAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
 /// Size of the queue of messages. Faster publishers are blocked by their full connections.
 const MOST_WAITING: usize = 64;
@@ -70,6 +72,27 @@ pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// A node at a master that subscribes to one topic, and both ends of the queue of its messages.
+///
+/// # Errors
+/// The master does not answer.
+pub fn subscriber(
+    master: &str,
+    label: &'static str,
+    topic: &str,
+    kind: MessageType,
+) -> Result<(Node, SyncSender<Heard>, Receiver<Heard>), DriverError> {
+    let lost = |error: io::Error| {
+        DriverError::Lost(format!(
+            "ROS master {master}: {error}; is it started, and is this its address?"
+        ))
+    };
+    let (sender, heard) = mailbox();
+    let node = Node::start(master).map_err(lost)?;
+    node.subscribe(label, topic, kind, &sender).map_err(lost)?;
+    Ok((node, sender, heard))
+}
+
 /// The address of a master with a trailing slash.
 pub fn master_uri(master: &str) -> String {
     format!("{}/", master.trim_end_matches('/'))
@@ -81,8 +104,7 @@ impl Node {
     /// # Errors
     /// The master does not answer, or no port can be opened.
     pub fn start(master: &str) -> io::Result<Self> {
-        let since = SystemTime::now().duration_since(UNIX_EPOCH);
-        let unique = since.map_or(0, |since| since.as_micros());
+        let unique = unix_time().as_micros();
         let name = format!("/rodlab_{}_{unique}", std::process::id());
         call(master, "getPid", &[Value::text(&name)])?;
         // The master can reach the local address of the connection to it.

@@ -3,7 +3,8 @@
 use super::super::DriverError;
 use super::super::signal::{Reading, Shape, SignalMessage, SignalTopic};
 use super::message::{MessageType, Reader};
-use super::node::{Heard, Node, mailbox, master_uri};
+use super::node::{Heard, Node, master_uri, subscriber};
+use nalgebra::Vector3;
 use std::sync::mpsc::{Receiver, TryRecvError};
 
 /// A topic of a signal.
@@ -22,20 +23,12 @@ impl Ros1Signal {
     /// The master does not answer.
     pub fn open(master: &str, topic: &str, message: SignalMessage) -> Result<Self, DriverError> {
         let master = master_uri(master);
-        let lost = |error: std::io::Error| {
-            DriverError::Lost(format!(
-                "ROS master {master}: {error}; is it started, and is this its address?"
-            ))
-        };
         // Publishers compare names, and accept any sum.
         let kind = MessageType {
             name: message.name,
             md5: "*",
         };
-        let (sender, heard) = mailbox();
-        let node = Node::start(&master).map_err(lost)?;
-        node.subscribe("signal", topic, kind, &sender)
-            .map_err(lost)?;
+        let (node, sender, heard) = subscriber(&master, "signal", topic, kind)?;
         node.watch_master(&sender);
         Ok(Self {
             master,
@@ -95,7 +88,7 @@ fn reading(shape: Shape, bytes: &[u8]) -> Option<Reading> {
         Shape::Text => Reading::Text(reader.text()?),
         Shape::Wrench => {
             reader.header()?;
-            let mut vector = || Some([reader.f64()?, reader.f64()?, reader.f64()?]);
+            let mut vector = || Some(Vector3::new(reader.f64()?, reader.f64()?, reader.f64()?));
             Reading::Wrench {
                 force: vector()?,
                 torque: vector()?,

@@ -4,7 +4,7 @@ use super::super::DriverError;
 use super::super::picture::{
     CameraPicture, LARGEST_PICTURE, PictureTopic, RawImage, pixels, sends_files,
 };
-use super::Ros2CameraAddress;
+use super::Ros2Topic;
 use super::action::participant;
 use super::message::{CompressedImage, Image};
 use super::service::{Reader, best_effort, reliable, subscribe};
@@ -17,7 +17,7 @@ const INTERVAL: Duration = Duration::from_millis(5);
 
 /// A topic of pictures.
 pub struct Ros2Camera {
-    address: Ros2CameraAddress,
+    address: Ros2Topic,
     readers: Readers,
     _participant: DomainParticipant,
 }
@@ -33,7 +33,7 @@ impl Ros2Camera {
     ///
     /// # Errors
     /// A message: there is no such network, or no free participant index.
-    pub fn open(address: &Ros2CameraAddress) -> Result<Self, String> {
+    pub fn open(address: &Ros2Topic) -> Result<Self, String> {
         let participant = participant(address.domain, address.interface)?;
         let topic = format!("rt/{}", address.topic.trim_matches('/'));
         let readers = if sends_files(&address.topic) {
@@ -142,9 +142,9 @@ mod tests {
 
     const LOOPBACK: IpAddr = IpAddr::V4(Ipv4Addr::LOCALHOST);
 
-    fn address(topic: &str) -> Ros2CameraAddress {
+    fn address(topic: &str) -> Ros2Topic {
         let process = std::process::id();
-        Ros2CameraAddress {
+        Ros2Topic {
             domain: (process % 100 + 1) as u16,
             interface: Some(LOOPBACK),
             topic: format!("/camera_{process}/{topic}"),
@@ -153,7 +153,7 @@ mod tests {
 
     /// Publishes a message repeatedly while `during` runs.
     fn published<R>(
-        address: &Ros2CameraAddress,
+        address: &Ros2Topic,
         kind: &str,
         message: &impl serde::Serialize,
         during: impl FnOnce() -> R,

@@ -106,24 +106,24 @@ impl Ros2GripperAddress {
     }
 }
 
-/// Address of a camera of ROS 2.
+/// A topic of ROS 2.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Ros2CameraAddress {
-    /// `ROS_DOMAIN_ID` of the camera.
+pub struct Ros2Topic {
+    /// `ROS_DOMAIN_ID` of its publisher.
     pub domain: u16,
-    /// Address of this machine on the camera's network; `None` means all networks.
+    /// Address of this machine on its network; `None` means all networks.
     pub interface: Option<IpAddr>,
-    /// Topic of the pictures.
+    /// Name of the topic.
     pub topic: String,
 }
 
-impl Ros2CameraAddress {
-    /// Subscribes to the topic; the camera may start later.
+impl Ros2Topic {
+    /// Subscribes to the pictures of the topic; the camera may start later.
     ///
     /// # Errors
     /// There is no such network, or the program was built without the feature `ros2`
     /// ([`Ros2Address::IS_BUILT`]).
-    pub fn open(&self) -> Result<Box<dyn PictureTopic>, DriverError> {
+    pub fn open_camera(&self) -> Result<Box<dyn PictureTopic>, DriverError> {
         #[cfg(feature = "ros2")]
         {
             let camera = camera::Ros2Camera::open(self).map_err(|reason| {
@@ -137,30 +137,26 @@ impl Ros2CameraAddress {
             Err(DriverError::Refused(format!("{}: {reason}", self.topic)))
         }
     }
-}
 
-/// Subscribes to a signal of ROS 2.
-///
-/// # Errors
-/// There is no such network, or the program was built without the feature `ros2`
-/// ([`Ros2Address::IS_BUILT`]).
-pub fn open_signal(
-    domain: u16,
-    interface: Option<IpAddr>,
-    topic: &str,
-    message: SignalMessage,
-) -> Result<Box<dyn SignalTopic>, DriverError> {
-    #[cfg(feature = "ros2")]
-    {
-        let signal = signal::Ros2Signal::open(domain, interface, topic, message);
-        let signal = signal
-            .map_err(|reason| DriverError::Lost(format!("ROS 2, domain {domain}: {reason}")))?;
-        Ok(Box::new(signal))
-    }
-    #[cfg(not(feature = "ros2"))]
-    {
-        let _ = (domain, interface, message);
-        let reason = "this program was built without the feature ros2";
-        Err(DriverError::Refused(format!("{topic}: {reason}")))
+    /// Subscribes to the messages of the topic as a signal; the publisher may start later.
+    ///
+    /// # Errors
+    /// As for [`Self::open_camera`].
+    pub fn open_signal(&self, message: SignalMessage) -> Result<Box<dyn SignalTopic>, DriverError> {
+        #[cfg(feature = "ros2")]
+        {
+            let signal = signal::Ros2Signal::open(self, message).map_err(|reason| {
+                DriverError::Lost(format!("ROS 2, domain {}: {reason}", self.domain))
+            })?;
+            Ok(Box::new(signal))
+        }
+        #[cfg(not(feature = "ros2"))]
+        {
+            let reason = "this program was built without the feature ros2";
+            Err(DriverError::Refused(format!(
+                "{} ({}): {reason}",
+                self.topic, message.name
+            )))
+        }
     }
 }

@@ -2,20 +2,19 @@
 
 use super::super::DriverError;
 use super::super::signal::{Reading, Shape, SignalMessage, SignalTopic};
+use super::Ros2Topic;
 use super::action::participant;
 use super::message::{NoContent, WrenchStamped};
 use super::service::{Reader, best_effort, latched, reliable, subscribe};
 use rustdds::DomainParticipant;
 use serde::de::DeserializeOwned;
-use std::net::IpAddr;
 
 /// Reads the next message of a subscription, if one has arrived.
 type Next = Box<dyn FnMut() -> Result<Option<Reading>, String> + Send>;
 
 /// A topic of a signal.
 pub struct Ros2Signal {
-    domain: u16,
-    topic: String,
+    address: Ros2Topic,
     readers: Vec<Next>,
     _participant: DomainParticipant,
 }
@@ -25,16 +24,11 @@ impl Ros2Signal {
     ///
     /// # Errors
     /// A message: there is no such network, or no free participant index.
-    pub fn open(
-        domain: u16,
-        interface: Option<IpAddr>,
-        topic: &str,
-        message: SignalMessage,
-    ) -> Result<Self, String> {
-        let participant = participant(domain, interface)?;
+    pub fn open(address: &Ros2Topic, message: SignalMessage) -> Result<Self, String> {
+        let participant = participant(address.domain, address.interface)?;
         let place = Place {
             participant: &participant,
-            topic: format!("rt/{}", topic.trim_matches('/')),
+            topic: format!("rt/{}", address.topic.trim_matches('/')),
             kind: message.dds_name(),
         };
         let readers = match message.shape {
@@ -51,14 +45,13 @@ impl Ros2Signal {
             Shape::Float(_) => place.readers(number::<f64>),
             Shape::Text => place.readers(Reading::Text),
             Shape::Wrench => place.readers(|wrench: WrenchStamped| Reading::Wrench {
-                force: wrench.force,
-                torque: wrench.torque,
+                force: wrench.force.into(),
+                torque: wrench.torque.into(),
             }),
             Shape::Empty => place.readers(|_: NoContent| Reading::Beat),
         }?;
         Ok(Self {
-            domain,
-            topic: topic.to_owned(),
+            address: address.clone(),
             readers,
             _participant: participant,
         })
@@ -102,7 +95,7 @@ impl SignalTopic for Ros2Signal {
                 let reading = next().map_err(|reason| {
                     DriverError::Lost(format!(
                         "{} of ROS 2, domain {}: {reason}",
-                        self.topic, self.domain
+                        self.address.topic, self.address.domain
                     ))
                 })?;
                 match reading {
@@ -119,24 +112,27 @@ impl SignalTopic for Ros2Signal {
 mod tests {
     use super::super::service::{Encoded, publish};
     use super::*;
-    use std::net::Ipv4Addr;
+    use std::net::{IpAddr, Ipv4Addr};
     use std::time::{Duration, Instant};
 
     /// What a subscription reads when a message is published repeatedly.
     fn read(name: &str, message: &impl serde::Serialize) -> Reading {
         let loopback = IpAddr::V4(Ipv4Addr::LOCALHOST);
         let process = std::process::id();
-        let domain = (process % 100 + 1) as u16;
         let signal = SignalMessage::named(name).unwrap();
-        let topic = format!("/signal_{process}/{}", name.replace('/', "_"));
-        let publisher = participant(domain, Some(loopback)).unwrap();
+        let address = Ros2Topic {
+            domain: (process % 100 + 1) as u16,
+            interface: Some(loopback),
+            topic: format!("/signal_{process}/{}", name.replace('/', "_")),
+        };
+        let publisher = participant(address.domain, address.interface).unwrap();
         let writer = publish(
             &publisher,
-            &format!("rt/{}", topic.trim_matches('/')),
+            &format!("rt/{}", address.topic.trim_matches('/')),
             &signal.dds_name(),
         );
         let (writer, message) = (writer.unwrap(), Encoded::of(message).unwrap());
-        let mut subscription = Ros2Signal::open(domain, Some(loopback), &topic, signal).unwrap();
+        let mut subscription = Ros2Signal::open(&address, signal).unwrap();
         let begin = Instant::now();
         loop {
             // There may be no subscriber yet.
