@@ -78,12 +78,12 @@ impl fmt::Display for Doubt {
                 even_percent,
             } => write!(
                 f,
-                "strand {strand} has an even width over {even_percent} % of its length only, and may contain a shadow or an \
+                "strand {strand} has an even width over only {even_percent} % of its length, and may contain a shadow or an \
                  edge: try --colour tint, or give the colour of the rod"
             ),
             Self::Joined { signs } => write!(
                 f,
-                "{} ends on another strand or a strand changes its hue: check the overlay; if rods have different colours, \
+                "{} ends on another strand or changes its hue: check the overlay; if rods have different colours, \
                  give one --colour for each",
                 match signs {
                     1 => "a strand".to_owned(),
