@@ -50,6 +50,11 @@ impl Display for StatusLine {
 /// The state of a motion as text.
 fn described(state: &StreamState, laid: Option<LaidLength>) -> String {
     let mut words = format!("{:.1} of {:.1} s", state.time, state.duration);
+    match state.pace {
+        Some(pace) if pace < 1e-3 => words += ", held",
+        Some(pace) if pace < 0.999 => words += &format!(" at {:.0} %", 1e2 * pace),
+        _ => {}
+    }
     if let Some(LaidLength {
         laid_m: Some(laid),
         path_m,
@@ -85,6 +90,7 @@ mod tests {
             lag: 0.0,
             duration: 40.0,
             tracking: Tolerance::default(),
+            pace: None,
         };
         assert_eq!(described(&state, None), "12.3 of 40.0 s");
         let laid = Some(LaidLength {
@@ -97,6 +103,15 @@ mod tests {
             described(&state, laid),
             "12.3 of 40.0 s, 31.2 of 65.4 cm laid, joints 0.57° off, 0.4 s late"
         );
+        state.pace = Some(0.5);
+        let words = described(&state, None);
+        assert!(
+            words.starts_with("12.3 of 40.0 s at 50 %, joints"),
+            "{words}"
+        );
+        state.pace = Some(0.0);
+        let words = described(&state, None);
+        assert!(words.starts_with("12.3 of 40.0 s, held, joints"), "{words}");
         state.tracking.prismatic = 2e-4;
         let words = described(&state, None);
         assert!(

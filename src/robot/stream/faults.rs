@@ -201,7 +201,7 @@ impl Arm {
             }
             Fault::Jump if is_late => positions[self.joint] += 0.5,
             Fault::Short => positions.iter_mut().for_each(|q| *q *= 0.95),
-            Fault::Swinging if time >= self.end() => {
+            Fault::Swinging if time >= self.end() - 0.2 => {
                 positions[self.joint] += 0.015 * (30.0 * self.elapsed(now)).sin();
             }
             _ => {}
@@ -389,6 +389,42 @@ fn rise(duration: f64) -> PartTrajectory {
     PartTrajectory::smooth(&[("a", 1.0), ("b", -0.7)], duration, 50)
 }
 
+/// Interrupts the motion or changes its speed.
+struct User {
+    asks: bool,
+    /// Time of the interruption, s after the start.
+    moment: f64,
+    /// Speeds in turn, each for 0.7 s, before the last; the second of them holds the motion if it
+    /// is below one half.
+    speeds: Option<[f64; 3]>,
+    timer: Simulated,
+    begin: Instant,
+}
+
+impl User {
+    fn elapsed(&self) -> f64 {
+        let since = self.timer.now().duration_since(self.begin);
+        since.as_secs_f64()
+    }
+}
+
+impl Supervisor for User {
+    fn is_interrupted(&self) -> bool {
+        self.asks && self.elapsed() > self.moment || self.elapsed() > 60.0
+    }
+
+    fn pace(&self) -> f64 {
+        let Some(speeds) = self.speeds else {
+            return 1.0;
+        };
+        let which = ((self.elapsed() / 0.7) as usize).min(2);
+        match (which, speeds[which]) {
+            (1, speed) if speed < 0.5 => 0.0,
+            (_, speed) => speed,
+        }
+    }
+}
+
 /// Runs a case; returns what is wrong with its end.
 fn run_case(seed: u64) -> Result<(), String> {
     let mut random = Random(seed);
@@ -434,18 +470,26 @@ fn run_case(seed: u64) -> Result<(), String> {
         }),
         trajectory: rise(duration),
         kinds: vec![JointKind::Revolute; 2],
+        limits: Vec::new(),
     };
     let mut parts = vec![part("one", &faulty)];
     if !is_alone {
         parts.push(part("other", &sound));
     }
-    let is_interrupted = || {
-        let asks = matches!(fault, Fault::Interruption | Fault::DeafServer);
-        let elapsed = timer.now().duration_since(begin).as_secs_f64();
-        asks && elapsed > moment || elapsed > 60.0
+    let user = User {
+        asks: matches!(fault, Fault::Interruption | Fault::DeafServer),
+        moment,
+        // A third of the motions in pieces is slowed down, held for a while and resumed.
+        speeds: match horizon.is_some() && random.below(3) == 0 {
+            true => Some([random.part(), random.part(), 0.2 + 0.8 * random.part()]),
+            false => None,
+        },
+        timer: timer.clone(),
+        begin,
     };
+    let is_paced = user.speeds.is_some();
     let mut log = StreamLog::none();
-    let ending = stream_by(&timer, &mut parts, &bounds, &is_interrupted, &mut log);
+    let ending = stream_by(&timer, &mut parts, &bounds, &user, &mut log);
     let took = timer.now().duration_since(begin).as_secs_f64();
     drop(parts);
     let now = timer.now();
@@ -457,7 +501,7 @@ fn run_case(seed: u64) -> Result<(), String> {
     let arms = &arms[..count];
     let wrong = |what: &str| {
         Err(format!(
-            "seed {seed}, {fault:?} at {moment:.3} of {duration:.3} s, alone: {is_alone}, in pieces: {}: {what}: {ending:?}",
+            "seed {seed}, {fault:?} at {moment:.3} of {duration:.3} s, alone: {is_alone}, in pieces: {}, at changing speed: {is_paced}: {what}: {ending:?}",
             horizon.is_some()
         ))
     };
@@ -518,10 +562,12 @@ fn run_case(seed: u64) -> Result<(), String> {
     };
     // A motion sent in pieces lets a slow arm catch up at each piece.
     let slowest = if horizon.is_some() { 0.3 } else { 0.5 };
-    let slow_enough = fault != Fault::Slow || !keeps_clock || moment < slowest;
+    let slow_enough = fault != Fault::Slow || !keeps_clock || moment < slowest && !is_paced;
     // The last piece may already have been sent.
     let is_decided = fault != Fault::EarlyEnd || horizon.is_none() || moment < 0.2;
-    if is_early && slow_enough && is_decided && is != should {
+    // A pause of an arm is not noticed while the motion is held.
+    let is_noticed = fault != Fault::Pause || !is_paced;
+    if is_early && slow_enough && is_decided && is_noticed && is != should {
         return wrong(&format!("it should have {should}"));
     }
     Ok(())

@@ -6,6 +6,7 @@
 //! [`LATENESS`].
 
 use super::bounds::{StreamBounds, Tolerance};
+use super::pace::Pace;
 use super::reports::{Reports, STILL};
 use crate::chain::JointKind;
 use crate::driver::{Interpolant, JointState, PartTrajectory, range_of};
@@ -66,6 +67,8 @@ pub(super) enum Motion {
 pub(super) struct Circumstances<'a> {
     /// Time of the report on the clock of the motion, s.
     pub time: f64,
+    /// Pace of the motion: the place on the trajectory that is due at each time of this clock.
+    pub pace: &'a Pace,
     /// Rate of that clock relative to real time, at least 1.
     pub rate: f64,
     /// Largest rate of that clock so far.
@@ -81,6 +84,13 @@ pub(super) struct Circumstances<'a> {
     pub setpoint: Option<&'a JointState>,
     /// Bounds of the motion.
     pub bounds: &'a StreamBounds,
+}
+
+impl Circumstances<'_> {
+    /// Place on the trajectory at the time of the report, of an arm that is late by `lag`, s.
+    pub(super) fn place(&self, lag: f64) -> f64 {
+        self.pace.place(self.time - lag)
+    }
 }
 
 impl Follower {
@@ -135,7 +145,7 @@ impl Follower {
         let from_start = self.distance(&state.positions, first, now.bounds);
         self.has_moved |= from_start.1 > NOTICEABLE;
         self.find_lag(state, now)?;
-        self.tracking = self.tracking_at(&state.positions, now.time - self.lag);
+        self.tracking = self.tracking_at(&state.positions, now.place(self.lag));
         self.look_for_stop(now)
     }
 
@@ -175,9 +185,9 @@ impl Follower {
         ))
     }
 
-    /// Largest distances of positions from the trajectory at a time, s.
-    fn tracking_at(&self, positions: &[f64], time: f64) -> Tolerance {
-        let should = self.path.at(time);
+    /// Largest distances of positions from a place on the trajectory, s.
+    fn tracking_at(&self, positions: &[f64], place: f64) -> Tolerance {
+        let should = self.path.at(place);
         let mut largest = Tolerance::default();
         for (kind, (at, should)) in self.kinds.iter().zip(positions.iter().zip(&should)) {
             let largest = match kind {
@@ -194,7 +204,8 @@ impl Follower {
     fn distance_at(&self, positions: &[f64], due: f64, now: &Circumstances<'_>) -> (usize, f64) {
         let lateness = LATENESS * now.rate;
         // A lagging arm may also be catching up.
-        let (since, until) = (due - lateness, now.time.min(due + lateness));
+        let ends = [due - lateness, now.time.min(due + lateness)];
+        let [since, until] = ends.map(|time| now.pace.place(time));
         let knots = self.path.times();
         let [first, last] = [since, until].map(|end| knots.partition_point(|t| *t < end));
         let samples = (0..=SAMPLES).map(|k| since + (until - since) * k as f64 / SAMPLES as f64);
@@ -203,7 +214,7 @@ impl Follower {
         let knots = knots[first..last].iter().step_by(stride).copied();
         let places: Vec<Vec<f64>> = samples
             .chain(knots)
-            .map(|time| self.path.at(time))
+            .map(|place| self.path.at(place))
             .collect();
         let range = |joint: usize| range_of(places.iter().map(|place| place[joint]));
         self.distance(positions, range, now.bounds)
@@ -297,7 +308,7 @@ impl Follower {
         let until = now.time.min(due + LATENESS * now.rate);
         let least = (0..=SAMPLES).map(|k| {
             let end = since + (until - since) * k as f64 / SAMPLES as f64;
-            let ends = [self.path.at(end - window), self.path.at(end)];
+            let ends = [end - window, end].map(|time| self.path.at(now.pace.place(time)));
             let range = |joint: usize| [ends[0][joint]; 2];
             self.distance(&ends[1], range, now.bounds).1
         });
@@ -320,7 +331,7 @@ impl Follower {
 
     /// Whether the joints are at the last point and at rest, once the trajectory is over.
     pub(super) fn has_arrived(&self, now: &Circumstances<'_>) -> bool {
-        now.time - self.lag >= self.path.duration()
+        now.place(self.lag) >= self.path.duration()
             && self.reports.are_at_rest()
             && self.missed_joint(now.bounds).is_none()
     }

@@ -1,6 +1,7 @@
 //! The log of a stream: commands, reports and events.
 
 use super::Part;
+use super::pace::Pace;
 use crate::driver::JointState;
 use crate::unix_time::unix_time;
 use std::fs::File;
@@ -91,17 +92,17 @@ impl StreamLog {
         });
     }
 
-    /// Writes the points that are due.
-    pub(super) fn commanded(&mut self, elapsed: f64, parts: &[Part]) {
+    /// Writes the points up to a place on the trajectory, with the times at which they were due.
+    pub(super) fn commanded(&mut self, place: f64, pace: &Pace, parts: &[Part]) {
         let Some(started) = self.started else { return };
         self.logged.resize(parts.len(), 0);
         for (index, part) in parts.iter().enumerate() {
             let trajectory = &part.trajectory;
-            let due = trajectory.times.partition_point(|time| *time <= elapsed);
+            let due = trajectory.times.partition_point(|time| *time <= place);
             let from = std::mem::replace(&mut self.logged[index], due);
             self.write(|files| {
                 for k in from..due {
-                    let time = started + trajectory.times[k];
+                    let time = started + pace.time_of(trajectory.times[k]);
                     for (joint, position) in trajectory.joints.iter().zip(&trajectory.points[k]) {
                         writeln!(
                             files.commanded,

@@ -13,6 +13,7 @@
 //! | `start` | connections, and whether every joint is at its first point |
 //! | `follow`, `reports` | whether an arm follows its trajectory, pauses, has arrived |
 //! | `pieces` | a motion in goals that end by themselves |
+//! | `pace`, `speed` | the speed of a motion relative to its plan, and its changes |
 //! | `stop` | requests to stop, until the joints are at rest |
 //! | `clock`, `timer` | the clock of the motion; time as a stream reads it |
 //! | `bounds`, `log` | tolerances; the log |
@@ -23,8 +24,10 @@ mod check;
 mod clock;
 mod follow;
 mod log;
+mod pace;
 mod pieces;
 mod reports;
+mod speed;
 mod start;
 mod stop;
 mod supervisor;
@@ -36,11 +39,13 @@ pub use log::StreamLog;
 pub use pieces::check_stops;
 pub use supervisor::{StreamState, Supervisor};
 
-use super::chain::JointKind;
+use super::chain::{JointKind, Limits};
 use super::driver::{Driver, DriverError, Interpolant, JointState, PartTrajectory, Progress};
 use clock::MotionClock;
 use follow::{Circumstances, Follower, Motion};
-use pieces::{Piece, pieces};
+use pace::Pace;
+use pieces::{Division, Piece};
+use speed::Speed;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -70,6 +75,8 @@ pub struct Part {
     pub trajectory: PartTrajectory,
     /// Kind of each joint.
     pub kinds: Vec<JointKind>,
+    /// Limits of each joint, for changes of the speed.
+    pub limits: Vec<Limits>,
 }
 
 /// End of a stream.
@@ -161,11 +168,11 @@ fn stream_by(
 
 /// A part and the state of its motion.
 struct Watched {
+    /// The whole motion, at times of the trajectory.
+    path: Interpolant,
     follower: Option<Follower>,
-    /// Goals of a motion that is sent in pieces; `None` if it is sent whole.
-    pieces: Vec<Piece>,
-    /// Number of pieces that were sent.
-    sent: usize,
+    /// The last goal of a motion that is sent in pieces; `None` if it is sent whole.
+    piece: Option<Piece>,
     /// Whether the driver has reported the end.
     is_done: bool,
     has_arrived: bool,
@@ -181,31 +188,31 @@ fn run(
     supervisor: &dyn Supervisor,
     log: &mut StreamLog,
 ) -> Ending {
+    let division = bounds.horizon.map(Division::every);
+    let mut speed = Speed::of(parts, division, supervisor.pace());
     let mut watched: Vec<Watched> = parts
         .iter()
-        .map(|part| Watched {
-            follower: (part.driver.reports_state())
-                .then(|| Follower::new(&part.trajectory, &part.kinds)),
-            pieces: match bounds.horizon {
-                Some(horizon) if part.driver.sends_goals() => {
-                    pieces(&part.trajectory.interpolant(), horizon)
-                }
-                _ => Vec::new(),
-            },
-            sent: 1,
-            is_done: false,
-            has_arrived: false,
-            due_since: None,
-            lag_is_logged: false,
+        .map(|part| {
+            let path = part.trajectory.interpolant();
+            let division = division.filter(|_| part.driver.sends_goals());
+            Watched {
+                follower: (part.driver.reports_state())
+                    .then(|| Follower::new(&part.trajectory, &part.kinds)),
+                piece: division.map(|division| division.first(&path, &speed.pace)),
+                path,
+                is_done: false,
+                has_arrived: false,
+                due_since: None,
+                lag_is_logged: false,
+            }
         })
         .collect();
     let mut clock = MotionClock::of(parts, timer);
-    let motions: Vec<Interpolant> = parts
+    let motions: Vec<Interpolant> = watched
         .iter()
-        .zip(&watched)
-        .map(|(part, watched)| match watched.pieces.first() {
-            Some(first) => first.motion().clone(),
-            None => part.trajectory.interpolant(),
+        .map(|watched| match &watched.piece {
+            Some(first) => first.goal(),
+            None => watched.path.clone(),
         })
         .collect();
     for (part, motion) in parts.iter_mut().zip(&motions) {
@@ -228,7 +235,11 @@ fn run(
             return Ending::Failed(reason);
         }
         let elapsed = clock.elapsed(timer);
-        let states = match advance(parts, &mut watched, elapsed, log) {
+        let changed = speed.follow(supervisor.pace(), parts, &mut watched, elapsed, log);
+        if let Err(ending) = changed {
+            return ending;
+        }
+        let states = match advance(parts, &mut watched, &speed, division, elapsed, log) {
             Ok(states) => states,
             Err(ending) => return ending,
         };
@@ -241,6 +252,7 @@ fn run(
                 supervisor,
                 bounds,
                 clock: &clock,
+                pace: &speed.pace,
                 timer,
                 keeps_clock,
             };
@@ -248,9 +260,9 @@ fn run(
                 return Ending::Failed(format!("{}: {reason}", part.name));
             }
         }
-        log.commanded(elapsed, parts);
+        log.commanded(speed.pace.place(elapsed), &speed.pace, parts);
         if watched.iter().all(|part| part.is_done && part.has_arrived) {
-            log.commanded(f64::INFINITY, parts);
+            log.commanded(f64::INFINITY, &speed.pace, parts);
             return Ending::Finished;
         }
         let followers = || watched.iter().filter_map(|part| part.follower.as_ref());
@@ -258,13 +270,14 @@ fn run(
         if shown.is_due(timer.now()) {
             let tracking = followers().map(Follower::tracking);
             supervisor.show(&StreamState {
-                time: (elapsed - lag).clamp(0.0, longest),
+                time: speed.pace.place(elapsed - lag).clamp(0.0, longest),
                 lag,
                 duration: longest,
                 tracking: tracking.fold(Tolerance::default(), Tolerance::max),
+                pace: speed.adjustable(elapsed),
             });
         }
-        if elapsed - lag > longest + OVERTIME * clock.rate() {
+        if elapsed - lag > speed.pace.time_of(longest) + OVERTIME * clock.rate() {
             let late = parts.iter().zip(&watched);
             let late = late.filter(|(_, watched)| !watched.is_done);
             let late: Vec<&str> = late.map(|(part, _)| part.name.as_str()).collect();
@@ -285,31 +298,20 @@ fn failed(part: &Part, error: &DriverError) -> Ending {
 fn advance(
     parts: &mut [Part],
     watched: &mut [Watched],
+    speed: &Speed,
+    division: Option<Division>,
     elapsed: f64,
     log: &mut StreamLog,
 ) -> Result<Vec<Option<JointState>>, Ending> {
     let mut states = Vec::with_capacity(parts.len());
     for (part, watched) in parts.iter_mut().zip(watched) {
-        if let [before, piece, ..] = &watched.pieces[watched.sent.saturating_sub(1)..]
-            && piece.is_due(elapsed)
-        {
-            let Some(goal) = piece.goal(before, elapsed) else {
-                return Err(Ending::Failed(format!(
-                    "{}: this program was delayed and could not send the next piece of the motion \
-                     in time, so the arm stops by itself; a longer `streaming.horizon` leaves more \
-                     time",
-                    part.name
-                )));
-            };
-            if let Err(error) = part.driver.start(&goal) {
-                return Err(failed(part, &error));
-            }
-            watched.sent += 1;
-        }
+        speed.send_next(part, watched, elapsed, division)?;
         if !watched.is_done {
             match part.driver.advance(elapsed) {
                 Ok(Progress::Running) => {}
-                Ok(Progress::Done) if watched.sent < watched.pieces.len() => {
+                Ok(Progress::Done)
+                    if watched.piece.as_ref().is_some_and(|piece| !piece.is_last()) =>
+                {
                     return Err(Ending::Failed(format!(
                         "{}: its controller reported the end of the motion before the next piece was sent",
                         part.name
@@ -332,6 +334,7 @@ struct Watch<'a> {
     supervisor: &'a dyn Supervisor,
     bounds: &'a StreamBounds,
     clock: &'a MotionClock,
+    pace: &'a Pace,
     timer: &'a dyn Timer,
     keeps_clock: bool,
 }
@@ -363,6 +366,7 @@ impl Watch<'_> {
         };
         let now = Circumstances {
             time,
+            pace: self.pace,
             rate: self.clock.rate(),
             greatest_rate: self.clock.greatest_rate(),
             is_accepted,
@@ -395,7 +399,7 @@ impl Watch<'_> {
         watched.has_arrived = follower.has_arrived(&now);
         if watched.has_arrived
             || !watched.is_done
-            || now.time - follower.lag() < part.trajectory.duration()
+            || now.place(follower.lag()) < part.trajectory.duration()
         {
             watched.due_since = None;
             return Ok(());

@@ -19,6 +19,9 @@ pub struct StreamState {
     /// Largest distance of a joint from its trajectory at the time of the last report; zero for
     /// parts that do not report.
     pub tracking: Tolerance,
+    /// Present speed relative to the planned one; `None` if it cannot be changed, since a part
+    /// receives its whole motion at once.
+    pub pace: Option<f64>,
 }
 
 /// Supervises a stream. Every closure that returns whether to interrupt is a supervisor.
@@ -36,6 +39,15 @@ pub trait Supervisor {
     /// clock of the motion, s. This method is called in every cycle with the last report.
     fn refuses(&self, _part: &str, _time: f64, _state: &JointState) -> Option<String> {
         None
+    }
+
+    /// The wanted speed relative to the planned one, from 0 (the motion is held) to 1. It has an
+    /// effect only if all parts receive their motion in pieces ([`StreamBounds::horizon`]). This
+    /// method is called in every cycle.
+    ///
+    /// [`StreamBounds::horizon`]: super::StreamBounds::horizon
+    fn pace(&self) -> f64 {
+        1.0
     }
 
     /// Shows the state of the motion. This method is called five times per second between two

@@ -105,6 +105,7 @@ fn run_two(
         }),
         trajectory: ramp(1.0),
         kinds: vec![JointKind::Revolute],
+        limits: Vec::new(),
     };
     let mut parts = [arm(0, offset, silent_after), arm(1, |_| 0.0, f64::INFINITY)];
     let begin = Instant::now();
@@ -265,6 +266,7 @@ fn an_arm_that_starts_late_on_a_fast_clock_may_catch_up() {
             }),
             trajectory,
             kinds: vec![JointKind::Revolute],
+            limits: Vec::new(),
         }];
         let ending = stream(&mut parts, &BOUNDS, &|| false, &mut StreamLog::none());
         assert_eq!(ending, Ending::Finished);
@@ -291,6 +293,7 @@ fn a_missing_server_is_reported_at_once() {
         driver: Box::new(driver),
         trajectory: ramp(1.0),
         kinds: vec![JointKind::Revolute],
+        limits: Vec::new(),
     }];
     let ending = stream(&mut parts, &BOUNDS, &|| false, &mut StreamLog::none());
     assert!(failure(ending).contains("is the server started?"));

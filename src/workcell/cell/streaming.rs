@@ -101,6 +101,7 @@ impl Cell {
                             driver,
                             trajectory: part,
                             kinds,
+                            limits,
                         });
                     }
                     None => faults.push(format!("{name}: {WITHOUT_ROS_2}")),
