@@ -29,8 +29,9 @@
 //!
 //! ```text
 //! python         ──> cli
-//! cli            ──> sweep, identify, sensitivity, design, verify, reproduce, task, recording, virtual_cell, guide, presets, site, cluster
+//! cli            ──> sweep, identify, sensitivity, design, verify, reproduce, task, live, recording, virtual_cell, guide, presets, site, cluster
 //! task           ──> virtual_cell, report, identify
+//! live           ──> task
 //! design         ──> identify
 //! sweep, identify, verify ──> sensitivity
 //! sensitivity    ──> experiment
@@ -57,7 +58,7 @@
 //!
 //! ```text
 //! rodlab            cli, guide, presets, site, verify, reproduce
-//! rodlab-workcell   cell, virtual_cell, task, recording
+//! rodlab-workcell   cell, virtual_cell, task, live, recording
 //! rodlab-lab        scenario, experiment, run, sweep, identify, sensitivity, design, report,
 //!                   cluster
 //! rodlab-planning   knot, learn, plan
@@ -92,6 +93,7 @@
 //! | [`robot`] | kinematic chains, inverse kinematics, joint paths, time, drivers |
 //! | [`cell`] | a robot cell from its file: arms, axes, table, camera, drivers |
 //! | [`task`] | tasks of the cell: a rod laid along a pattern, a knot tied, a sheet folded, seen and scored |
+//! | [`live`] | the live page of a task in the browser |
 //! | [`recording`] | the log of a task as an MCAP file |
 //! | [`virtual_cell`] | the same cell simulated, with a rod or a sheet, behind the protocol of real ones |
 //! | [`results`] | results directories, checkpoints, VTK |
@@ -122,7 +124,7 @@ pub use rodlab_lab::{
 pub use rodlab_planning::{knot, learn, plan};
 pub use rodlab_robot as robot;
 pub use rodlab_vision as vision;
-pub use rodlab_workcell::{cell, recording, task, virtual_cell};
+pub use rodlab_workcell::{cell, live, recording, task, virtual_cell};
 
 pub mod cli;
 pub mod guide;

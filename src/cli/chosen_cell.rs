@@ -1,5 +1,6 @@
 //! The cell of a task: from a file, or a preset that is simulated in this process.
 
+use super::live_page::LiveArguments;
 use super::prelude::*;
 use super::preset_file::preset_file;
 use rodlab_workcell::cell::Cell;
@@ -10,14 +11,16 @@ use std::io::{IsTerminal, Write as _};
 /// Choice of the cell, and whether its arms move without confirmation.
 #[derive(Clone, Debug, Args)]
 pub struct CellChoice {
-    /// Cell file of a served cell, or of real arms [default: a simulated preset cell]
+    /// Cell file of real arms or a served cell [default: simulated]
     ///
-    /// The preset cell is simulated in this process at full speed.
+    /// By default a preset cell is simulated in this process, at full speed.
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     pub cell: Option<PathBuf>,
     /// Slow all motions down to this fraction of their speed
     #[arg(long, hide_short_help = true, value_name = "FRACTION", default_value_t = 1.0, value_parser = within(0.01, 1.0))]
     pub speed_scale: f64,
+    #[command(flatten)]
+    pub live: LiveArguments,
     /// Move the arms of --cell without asking first
     #[arg(long)]
     pub yes: bool,

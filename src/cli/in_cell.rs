@@ -11,9 +11,10 @@ use super::status_line::StatusLine;
 use rodlab_files::results::write_whole;
 use rodlab_robot::JointTrajectory;
 use rodlab_workcell::cell::Cell;
+use rodlab_workcell::live::LivePage;
 use rodlab_workcell::task::{
-    FirstRun, Planning, Task, TaskCommand, TaskError, TaskRecord, TaskRun, Unfinished, WorkError,
-    Workplace,
+    Display, Displays, FirstRun, Planning, SpeedOverride, Task, TaskCommand, TaskError, TaskRecord,
+    TaskRun, Unfinished, WorkError, Workplace,
 };
 
 /// Arguments of a command that carries out a task in a cell.
@@ -28,6 +29,9 @@ pub struct InCell<C: Args> {
 
 /// A task in a cell, with its directory and the marks of its arms.
 struct Work<'a> {
+    /// The planned motion, if there is one.
+    motion: Option<JointTrajectory>,
+    speed_override: SpeedOverride,
     /// The record of the motion; `None` if the cell is simulated.
     first_run: Option<FirstRun>,
     chosen: &'a TaskCell,
@@ -59,6 +63,7 @@ where
     pub fn run_in(&self, directory: PathBuf, prints: bool, common: &Common) -> Result<(), Failure> {
         let way = self.what.way();
         let chosen = self.choice.read(C::CELL, way.dry_run)?;
+        let speed_override = self.choice.live.speed(&chosen.cell)?;
         let planning = Planning::new(&chosen.cell, &chosen.file, chosen.is_virtual, directory);
         let arms = self.what.arms(&planning)?;
         if let (false, Some(is_checked)) = (way.dry_run, way.checked) {
@@ -72,6 +77,8 @@ where
         let work = Work {
             first_run: (!chosen.is_virtual)
                 .then(|| FirstRun::of(&chosen.cell, C::NAME, motion.as_slice())),
+            motion,
+            speed_override,
             marks: if chosen.is_virtual {
                 Vec::new()
             } else {
@@ -124,7 +131,12 @@ impl Work<'_> {
         let report = run.report(self.directory);
         self.chosen
             .confirm(arms, &report, self.directory, self.choice)?;
+        let (live, plan) = (&self.choice.live, self.motion.as_slice());
+        let page = live.page(cell, plan, self.directory, &self.speed_override)?;
         let interrupted = watch_for_interruption()?;
+        let line = StatusLine::new(self.common);
+        let mut displays: Vec<&dyn Display> = vec![&line];
+        displays.extend(page.iter().map(|page| page as &dyn Display));
         // A simulated cell has no signals.
         let is_real = !self.chosen.is_virtual;
         let signals = is_real.then(|| open_signals(cell)).transpose()?;
@@ -133,11 +145,15 @@ impl Work<'_> {
             directory: self.directory,
             is_recorded: true,
             marks: &self.marks,
-            is_interrupted: &|| interrupted.is_raised(),
+            is_interrupted: &|| {
+                interrupted.is_raised() || page.as_ref().is_some_and(LivePage::is_stopped)
+            },
             signals: signals.as_ref(),
-            display: &StatusLine::new(self.common),
+            display: &Displays(displays),
             speed_scale,
+            speed_override: Some(&self.speed_override),
         });
+        drop(line);
         let listed = signals
             .as_ref()
             .and_then(|signals| write_signals(signals, self.directory).err());
@@ -159,7 +175,14 @@ impl Work<'_> {
             .or_else(|| ended.err().map(early))
             .or(listed)
             .or_else(|| unrecorded.map(Failure::system));
-        self.finish(&run, failure)
+        let finished = self.finish(&run, failure);
+        if let Some(page) = page {
+            page.end(&match &finished {
+                Ok(()) => format!("finished; the results are in {}", self.directory.display()),
+                Err(failure) => failure.in_words(false),
+            });
+        }
+        finished
     }
 
     /// Writes and prints the whole record, or returns the reason why the task ended early.

@@ -53,6 +53,7 @@ mod in_cell;
 mod init;
 mod interruption;
 mod laying;
+mod live_page;
 mod log_directory;
 mod logging;
 mod man;

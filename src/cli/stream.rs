@@ -1,13 +1,17 @@
 //! `rodlab stream`.
 
 use super::interruption::{Interruption, watch_for_interruption};
+use super::live_page::LiveArguments;
 use super::log_directory::log_directory;
 use super::prelude::*;
 use super::safety_signals::{open_signals, write_signals};
 use rodlab_files::results::write_whole;
-use rodlab_robot::{Ending, JointState, JointTrajectory, StreamLog, Supervisor, stream as run};
+use rodlab_robot::{
+    Ending, JointState, JointTrajectory, StreamLog, StreamState, Supervisor, stream as run,
+};
 use rodlab_workcell::cell::{ArmGuard, Cell, Driver, Signals, StreamReport};
-use rodlab_workcell::task::{FirstRun, write_manifest};
+use rodlab_workcell::live::LivePage;
+use rodlab_workcell::task::{Display, FirstRun, SpeedOverride, write_manifest};
 
 const HELP: [&str; 2] = help!(
     "\
@@ -41,6 +45,8 @@ pub struct StreamArguments {
     /// Speed relative to that of the trajectory
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = within(0.01, 10.0))]
     speed: f64,
+    #[command(flatten)]
+    live: LiveArguments,
     /// Check everything and print the plan, but move nothing
     #[arg(long)]
     dry_run: bool,
@@ -74,18 +80,33 @@ struct Guarded<'a> {
     guard: ArmGuard<'a>,
     signals: &'a Signals,
     interrupted: &'a Interruption,
+    speed: &'a SpeedOverride,
+    page: Option<&'a LivePage<'a>>,
 }
 
 impl Supervisor for Guarded<'_> {
     fn is_interrupted(&self) -> bool {
-        self.interrupted.is_raised()
+        self.interrupted.is_raised() || self.page.is_some_and(LivePage::is_stopped)
     }
 
     fn forbids(&self) -> Option<String> {
         self.signals.fault()
     }
 
+    fn pace(&self) -> f64 {
+        self.speed.get().min(self.signals.speed())
+    }
+
+    fn show(&self, state: &StreamState) {
+        if let Some(page) = self.page {
+            page.motion(state, None);
+        }
+    }
+
     fn refuses(&self, part: &str, time: f64, state: &JointState) -> Option<String> {
+        if let Some(page) = self.page {
+            page.joints(part, &state.positions);
+        }
         self.guard.fault(part, time, state)
     }
 }
@@ -110,6 +131,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     if arguments.dry_run {
         return print_json(&report);
     }
+    let speed_override = arguments.live.speed(&cell)?;
     let signals = open_signals(&cell)?;
     let directory = log_directory("stream", arguments.out.as_deref())?;
     let mut hashes = Vec::new();
@@ -144,11 +166,16 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         ))
     };
     let mut log = StreamLog::open(&directory).map_err(unwritable)?;
+    let page = arguments
+        .live
+        .page(&cell, &trajectories, &directory, &speed_override)?;
     let interrupted = watch_for_interruption()?;
     let guarded = Guarded {
         guard: ArmGuard::new(&cell),
         signals: &signals,
         interrupted: &interrupted,
+        speed: &speed_override,
+        page: page.as_ref(),
     };
     let ending = run(&mut parts, &cell.streaming, &guarded, &mut log);
     let logged = log.finish().map_err(unwritable);
@@ -161,6 +188,9 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         Ending::Failed(reason) => ("failed", Some(reason.clone())),
     };
     write_manifest(&manifest, &directory)?;
+    if let Some(page) = page {
+        page.end(manifest.error.as_deref().unwrap_or(manifest.status));
+    }
     match ending {
         Ending::Failed(reason) => Err(Failure::System(format!(
             "{reason}\nthe log is in {}",
@@ -168,7 +198,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         ))),
         Ending::Interrupted => Err(Failure::interrupted(format!(
             "interrupted by {}; everything holds; the log is in {}",
-            interrupted.signal().unwrap_or("a signal"),
+            interrupted.signal().unwrap_or("the live page"),
             directory.display()
         ))),
         Ending::Finished => {

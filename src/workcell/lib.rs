@@ -6,11 +6,13 @@
 //! | [`virtual_cell`] | the same cell simulated, with a rod or a sheet, behind the protocol of real ones |
 //! | [`recording`] | the log of a task as an MCAP file |
 //! | [`task`] | tasks of the cell: a rod laid along a pattern, a knot tied, a sheet folded, seen and scored |
+//! | [`live`] | the live page of a task in the browser |
 
 // Tests compare with a tolerance, and may call any mathematical library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 pub mod cell;
+pub mod live;
 pub mod recording;
 pub mod task;
 #[cfg(test)]

@@ -269,6 +269,47 @@ fn safety_signals_and_efforts_forbid_and_end_motions() {
     }
 }
 
+/// The motion takes 5 s; the speed falls to 40 % after about one second.
+#[test]
+fn a_signal_sets_the_speed_of_a_motion() {
+    let Some(robot) = Robot::with_fault("slow") else {
+        return;
+    };
+    let path = robot.folder.path().join("cell.toml");
+    let cell = fs::read_to_string(&path).unwrap();
+    let place = format!("ros1://127.0.0.1:{}", robot.port);
+    let signal = format!(
+        r#"
+[[safety.signals]]
+name = "slider"
+topic = "{place}/speed_scaling"
+message = "std_msgs/Float64"
+full_speed = 100
+"#
+    );
+    fs::write(path, cell + &signal).unwrap();
+    let output = rodlab(robot.folder.path(), &STREAM);
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert!(
+        said(&output).contains("`streaming.horizon` is needed"),
+        "{}",
+        said(&output)
+    );
+    set_horizon(robot.folder.path(), "2 s");
+    let output = rodlab(robot.folder.path(), &STREAM);
+    assert!(output.status.success(), "{}", said(&output));
+    let events = log(robot.folder.path(), "events.csv");
+    assert!(events.contains("speed 40 % of the planned one"), "{events}");
+    let time = |event: &str| -> f64 {
+        let line = events.lines().find(|line| line.contains(event)).unwrap();
+        line.split(',').next().unwrap().parse().unwrap()
+    };
+    let took = time("finished") - time("started");
+    assert!(took > 7.0, "{took}: {events}");
+    let signals = log(robot.folder.path(), "signals.csv");
+    assert!(signals.contains("\"slider\",\"40\""), "{signals}");
+}
+
 /// A signal without messages forbids motions if it must not be silent.
 #[test]
 fn a_heartbeat_that_never_comes_forbids_motions() {

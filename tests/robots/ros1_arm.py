@@ -1,8 +1,9 @@
 """An arm of two joints behind actionlib's own action server: follows its trajectory, and reports its joints at 100 Hz. A camera
 above it sees a dark rod, 200 pixels long, as pixels and as PNG files. Its safety signals are a latched
-emergency stop, a wrench and a heartbeat. With ARM_FAULT=false-end in the environment it reports success at once and stands still; with
+emergency stop, a wrench, a heartbeat and a speed in per cent. With ARM_FAULT=false-end in the environment it reports success at once and stands still; with
 ARM_FAULT=false-cancel it confirms a cancellation, but keeps moving; with "pressed", "emergency-stop", "force", "effort" or "silent" its
-signals violate their limits, the first one from the beginning and the others one second after the start of a motion."""
+signals violate their limits, the first one from the beginning and the others one second after the start of a motion; with "slow" the
+speed falls to 40 % at that time."""
 
 import bisect
 import os
@@ -15,7 +16,7 @@ import rospy
 from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryFeedback, FollowJointTrajectoryResult
 from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import CompressedImage, Image, JointState
-from std_msgs.msg import Bool, Empty
+from std_msgs.msg import Bool, Empty, Float64
 
 JOINTS = ["right_j0", "right_j1"]
 FAULT = os.environ.get("ARM_FAULT")
@@ -39,7 +40,9 @@ def signal():
     stops = rospy.Publisher("/emergency_stop", Bool, queue_size=10, latch=True)
     wrenches = rospy.Publisher("/wrist/wrench", WrenchStamped, queue_size=10)
     beats = rospy.Publisher("/heartbeat", Empty, queue_size=10)
+    speeds = rospy.Publisher("/speed_scaling", Float64, queue_size=10)
     stops.publish(FAULT == "pressed")
+    began = None
     rate = rospy.Rate(100)
     has_stopped = False
     while not rospy.is_shutdown():
@@ -52,6 +55,10 @@ def signal():
         wrench.header.stamp = rospy.Time.now()
         wrench.wrench.force.z = -30.0 if is_due("force") else 2.0
         wrenches.publish(wrench)
+        if arm.motion is not None and began is None:
+            began = rospy.Time.now()
+        is_slow = FAULT == "slow" and began is not None and (rospy.Time.now() - began).to_sec() > 1.0
+        speeds.publish(40.0 if is_slow else 100.0)
         if not is_due("silent"):
             beats.publish()
         rate.sleep()

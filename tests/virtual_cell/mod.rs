@@ -4,6 +4,7 @@
 mod deploy;
 mod ends;
 mod identify;
+mod live;
 mod place;
 mod server;
 

@@ -153,9 +153,13 @@ impl Piece {
 
 /// The motion along `path` at a pace, between two times since the start.
 fn course(path: &Interpolant, pace: &Pace, begin: f64, end: f64) -> Interpolant {
-    let is_inside = |time: &f64| *time > begin + NEAR && *time < end - NEAR;
     let mut ends = vec![begin];
-    ends.extend(pace.bends().filter(is_inside));
+    for bend in pace.bends() {
+        // A stop begins where a change of pace ends.
+        if bend > ends[ends.len() - 1] + NEAR && bend < end - NEAR {
+            ends.push(bend);
+        }
+    }
     ends.push(end);
     let mut times = vec![begin];
     for section in ends.windows(2) {
@@ -276,6 +280,17 @@ mod tests {
                 let [point, velocity] = [before.at(now - sent), before.velocity_at(now - sent)];
                 let goal = last.goal();
                 assert!((goal.times()[0] - LEAD).abs() < 1e-9);
+                let spacings = goal.times().windows(2).map(|pair| pair[1] - pair[0]);
+                assert!(spacings.fold(f64::INFINITY, f64::min) > 0.5 * NEAR);
+                let limits = Limits {
+                    lower: -1.0,
+                    upper: 1.0,
+                    velocity: 1.0,
+                    acceleration: 3.0,
+                    jerk: f64::INFINITY,
+                };
+                let fault = last.fault(&["a".into(), "b".into()], &[limits; 2]);
+                assert_eq!(fault, None);
                 goals.push((now, goal.taken_at(point, velocity)));
             }
         }

@@ -59,3 +59,4 @@ pub use signal_rule::{Bounds, SignalRule};
 pub use signals::Signals;
 pub use streaming::StreamReport;
 pub(crate) use sums::sums;
+pub use view::Line;

@@ -85,7 +85,7 @@ fn bounds(
         SignalShape::Empty => (Bounds::Any, &[]),
         SignalShape::Signed(_) | SignalShape::Unsigned(_) | SignalShape::Float(_) => (
             numbers(resolver, path, typed)?,
-            &["allowed", "lower", "upper"],
+            &["allowed", "lower", "upper", "full_speed"],
         ),
     };
     let given = [
@@ -95,6 +95,7 @@ fn bounds(
         ("upper", typed.upper.is_some()),
         ("force", typed.force.is_some()),
         ("torque", typed.torque.is_some()),
+        ("full_speed", typed.full_speed.is_some()),
     ];
     for (key, _) in given
         .iter()
@@ -130,6 +131,22 @@ fn texts(resolver: &Resolver<'_>, path: &KeyPath, typed: &typed::Signal) -> Opti
 
 fn numbers(resolver: &Resolver<'_>, path: &KeyPath, typed: &typed::Signal) -> Option<Bounds> {
     let is_range = typed.lower.is_some() || typed.upper.is_some();
+    if let Some(full) = typed.full_speed {
+        let path = path.key("full_speed");
+        if is_range || typed.allowed.is_some() {
+            let message = "a signal that sets the speed ends no motion: `allowed`, `lower` and `upper` must be absent";
+            resolver.fault(&path, message);
+        }
+        if !(full > 0.0 && full.is_finite()) {
+            resolver.fault(&path, format!("{full}; allowed: above 0"));
+        }
+        let streaming = resolver.file.typed.streaming.as_ref();
+        if streaming.is_none_or(|streaming| streaming.horizon.is_none()) {
+            let message = "`streaming.horizon` is needed: without it a controller receives the whole motion at once";
+            resolver.fault(&path, message);
+        }
+        return Some(Bounds::Speed(full));
+    }
     let Some(allowed) = &typed.allowed else {
         let [lower, upper] = [
             typed.lower.unwrap_or(f64::NEG_INFINITY),

@@ -1,4 +1,5 @@
-//! Rules of safety signals: which messages of a topic, or which silence, end motions.
+//! Rules of safety signals: which messages of a topic, or which silence, end motions, and which set
+//! their speed.
 
 use rodlab_robot::{Reading, SignalMessage, TopicName};
 use std::time::Duration;
@@ -31,6 +32,9 @@ pub enum Bounds {
     Texts(Vec<String>),
     /// Numbers between two ends.
     Range([f64; 2]),
+    /// Numbers from zero on, which set the speed of motions: zero holds them, and this number or a
+    /// larger one means the planned speed.
+    Speed(f64),
     /// Wrenches whose force, N, and torque, N m, have at most these sizes.
     Wrench {
         /// N.
@@ -51,6 +55,7 @@ impl SignalRule {
             (Bounds::Range([lower, upper]), Reading::Number(number)) => {
                 (lower..=upper).contains(&number)
             }
+            (Bounds::Speed(_), Reading::Number(number)) => *number >= 0.0,
             (
                 Bounds::Wrench { force, torque },
                 Reading::Wrench {
@@ -70,6 +75,7 @@ impl SignalRule {
                 }
                 Bounds::Texts(allowed) => allowed.join(", "),
                 Bounds::Range([lower, upper]) => format!("{lower} to {upper}"),
+                Bounds::Speed(_) => "at least 0".into(),
                 Bounds::Wrench { force, torque } => format!("{force} N, {torque} N m"),
             };
             format!(
@@ -77,6 +83,17 @@ impl SignalRule {
                 self.name
             )
         })
+    }
+}
+
+impl SignalRule {
+    /// The speed of motions relative to the planned one that a message sets; `None` if the signal
+    /// sets no speed.
+    pub fn speed(&self, reading: &Reading) -> Option<f64> {
+        match (&self.bounds, reading) {
+            (Bounds::Speed(full), Reading::Number(number)) => Some((number / full).clamp(0.0, 1.0)),
+            _ => None,
+        }
     }
 }
 
@@ -119,6 +136,17 @@ mod tests {
             (range.clone(), Reading::Number(1e9), None),
             (range.clone(), Reading::Number(-2.0), Some("-1 to inf")),
             (range, Reading::Number(f64::NAN), Some("NaN")),
+            (Bounds::Speed(100.0), Reading::Number(250.0), None),
+            (
+                Bounds::Speed(100.0),
+                Reading::Number(-1.0),
+                Some("is -1; allowed: at least 0"),
+            ),
+            (
+                Bounds::Speed(1.0),
+                Reading::Number(f64::NAN),
+                Some("is NaN"),
+            ),
             (texts.clone(), Reading::Text("auto".into()), None),
             (texts, Reading::Text("manual".into()), Some("\"manual\"")),
             (limit.clone(), wrench(19.9, 1e3), None),
@@ -134,5 +162,15 @@ mod tests {
                 _ => panic!("{reading}: {found:?}"),
             }
         }
+    }
+
+    #[test]
+    fn a_number_sets_the_speed_relative_to_the_full_one() {
+        let percent = rule(Bounds::Speed(100.0));
+        let speeds =
+            [0.0, 30.0, 100.0, 250.0].map(|number| percent.speed(&Reading::Number(number)));
+        assert_eq!(speeds, [0.0, 0.3, 1.0, 1.0].map(Some));
+        let range = rule(Bounds::Range([0.0, 1.0]));
+        assert_eq!(range.speed(&Reading::Number(0.5)), None);
     }
 }

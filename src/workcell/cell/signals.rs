@@ -46,6 +46,8 @@ struct Heard {
     rule: SignalRule,
     last: Option<Instant>,
     logged: Option<(Instant, String)>,
+    /// The last speed that it has set.
+    speed: Option<f64>,
 }
 
 impl Signals {
@@ -91,6 +93,7 @@ impl Signals {
             rule: rule.clone(),
             last: None,
             logged: None,
+            speed: None,
         });
         let state = Arc::new(Mutex::new(State {
             begin,
@@ -126,6 +129,14 @@ impl Signals {
     /// The reason why nothing may move.
     pub fn fault(&self) -> Option<String> {
         self.state().fault.clone()
+    }
+
+    /// The speed of motions relative to the planned one, from 0 to 1: the lowest that a signal has
+    /// set with its last message.
+    pub fn speed(&self) -> f64 {
+        let state = self.state();
+        let speeds = state.signals.iter().filter_map(|heard| heard.speed);
+        speeds.fold(1.0, f64::min)
     }
 
     /// The messages as a table with the columns `time_s`, seconds since 1970, `signal` and
@@ -192,6 +203,8 @@ impl State {
             }
             Ok(readings) => {
                 heard.last = Some(now);
+                let set = readings.last().and_then(|last| heard.rule.speed(last));
+                heard.speed = set.or(heard.speed);
                 readings
                     .iter()
                     .find_map(|reading| heard.rule.refuses(reading))
@@ -239,6 +252,7 @@ mod tests {
                 rule,
                 last: None,
                 logged: None,
+                speed: None,
             }],
             fault: None,
             log: Vec::new(),
@@ -275,6 +289,19 @@ mod tests {
             fault.contains("silent for 191 ms; allowed: 100 ms"),
             "{fault}"
         );
+    }
+
+    #[test]
+    fn the_last_message_sets_the_speed() {
+        let mut state = state(Bounds::Speed(100.0), None);
+        let now = state.begin;
+        assert_eq!(state.signals[0].speed, None);
+        for (sent, speed) in [(vec![0.0, 40.0], 0.4), (vec![], 0.4), (vec![0.0], 0.0)] {
+            let readings = sent.into_iter().map(Reading::Number).collect();
+            state.hear(0, Ok(readings), now);
+            assert_eq!(state.signals[0].speed, Some(speed));
+        }
+        assert_eq!(state.fault, None);
     }
 
     #[test]

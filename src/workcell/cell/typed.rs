@@ -245,6 +245,7 @@ pub struct Signal {
     pub upper: Option<f64>,
     pub force: Option<Quantity<Force>>,
     pub torque: Option<Quantity<Moment>>,
+    pub full_speed: Option<f64>,
     pub silence: Option<Quantity<Time>>,
 }
 

@@ -11,8 +11,20 @@ const LINE: f64 = 2e-3;
 /// Radius of the lines from joint to joint of an arm without shapes, m.
 const BONE: f64 = 1e-2;
 
-/// Rods of the page: name, radius and positions.
-struct Lines(Vec<(String, f64, Vec<Vector3<f64>>)>);
+/// A line of a picture of the cell.
+#[derive(Clone, Debug)]
+pub struct Line {
+    /// Name of the link or the box.
+    pub name: String,
+    /// Radius, m.
+    pub radius: f64,
+    /// Points, m, in the frame of the cell.
+    pub points: Vec<Vector3<f64>>,
+}
+
+/// Lines of the page.
+#[derive(Default)]
+struct Lines(Vec<Line>);
 
 impl Cell {
     /// The page as HTML: the arms at home, or along a trajectory with at most the given number of
@@ -33,11 +45,11 @@ impl Cell {
                     .collect()
             }
         };
-        let rods = frames[0].1.0.iter().map(|(name, radius, points)| MovieRod {
-            name: name.clone(),
-            nodes: points.len(),
+        let rods = frames[0].1.0.iter().map(|line| MovieRod {
+            name: line.name.clone(),
+            nodes: line.points.len(),
             closed: false,
-            radius: *radius,
+            radius: line.radius,
             radii: Vec::new(),
             held: false,
             strip: None,
@@ -54,11 +66,7 @@ impl Cell {
                 .into_iter()
                 .map(|(time, lines)| MovieFrame {
                     time,
-                    positions: lines
-                        .0
-                        .into_iter()
-                        .flat_map(|(.., points)| points)
-                        .collect(),
+                    positions: lines.0.into_iter().flat_map(|line| line.points).collect(),
                     contacts: Vec::new(),
                 })
                 .collect(),
@@ -96,14 +104,43 @@ impl Cell {
     }
 
     fn lines(&self, postures: &[Vec<f64>]) -> Lines {
-        let mut lines = Lines(Vec::new());
-        for (arm, posture) in self.arms.iter().zip(postures) {
-            lines.arm(arm, posture);
-        }
+        let arms = postures.iter().enumerate();
+        let arms = arms.flat_map(|(arm, posture)| self.arm_lines(arm, posture));
+        Lines(arms.chain(self.box_lines()).collect())
+    }
+
+    /// The links of an arm at joint positions, rad or m.
+    pub fn arm_lines(&self, arm: usize, posture: &[f64]) -> Vec<Line> {
+        let mut lines = Lines::default();
+        lines.arm(&self.arms[arm], posture);
+        lines.0
+    }
+
+    /// The edges of the table and the obstacles.
+    pub fn box_lines(&self) -> Vec<Line> {
+        let mut lines = Lines::default();
         for standing in self.boxes() {
             lines.edges(&standing.name, &standing.pose, standing.half);
         }
-        lines
+        lines.0
+    }
+
+    /// Paths of the hands of all arms that move along a trajectory, with at most `most` points
+    /// each, m.
+    pub fn hand_paths(&self, trajectory: &JointTrajectory, most: usize) -> Vec<Vec<[f64; 3]>> {
+        let stride = trajectory.points.len().div_ceil(most.max(1)).max(1);
+        let moving = self.arms.iter().enumerate();
+        let moving = moving.filter(|(_, arm)| !trajectory.columns_of(&arm.name).is_empty());
+        let path = |index: usize, arm: &Arm| {
+            let points = (0..trajectory.points.len()).step_by(stride);
+            points
+                .map(|point| {
+                    let posture = &self.postures(trajectory, point)[index];
+                    arm.hand(posture).translation.vector.into()
+                })
+                .collect()
+        };
+        moving.map(|(index, arm)| path(index, arm)).collect()
     }
 }
 
@@ -118,7 +155,7 @@ impl Lines {
                         .map(|link| (arm.base * link).translation.vector),
                 )
                 .chain([arm.hand(posture).translation.vector]);
-            self.0.push((arm.name.clone(), BONE, joints.collect()));
+            self.add(&arm.name, BONE, joints);
         }
         for body in &arm.bodies {
             let link = body.link.map_or(Pose::identity(), |link| links[link]);
@@ -135,13 +172,13 @@ impl Lines {
                     // A ball needs a short line too, so that its tube has a direction.
                     let end = half_length.max(1e-4);
                     let at = |z: f64| (pose * Point3::new(0.0, 0.0, z)).coords;
-                    self.0.push((name, *radius, vec![at(-end), at(end)]));
+                    self.add(&name, *radius, [at(-end), at(end)]);
                 }
                 Shape::Box { half } => self.edges(&name, &pose, *half),
                 Shape::Hull(hull) => {
                     for outline in hull.outlines() {
                         let points = outline.iter().map(|at| (pose * Point3::from(*at)).coords);
-                        self.0.push((name.clone(), LINE, points.collect()));
+                        self.add(&name, LINE, points);
                     }
                 }
             }
@@ -158,7 +195,15 @@ impl Lines {
             (pose * Point3::new(side(0), side(1), side(2))).coords
         };
         let points = CORNERS.iter().map(|bits| corner(*bits));
-        self.0.push((name.to_owned(), LINE, points.collect()));
+        self.add(name, LINE, points);
+    }
+
+    fn add(&mut self, name: &str, radius: f64, points: impl IntoIterator<Item = Vector3<f64>>) {
+        self.0.push(Line {
+            name: name.to_owned(),
+            radius,
+            points: points.into_iter().collect(),
+        });
     }
 }
 
@@ -169,10 +214,10 @@ mod tests {
 
     #[test]
     fn a_box_shows_all_of_its_edges() {
-        let mut lines = Lines(Vec::new());
+        let mut lines = Lines::default();
         lines.edges("box", &Pose::identity(), [1.0, 2.0, 3.0]);
         let edges: BTreeSet<String> = lines.0[0]
-            .2
+            .points
             .windows(2)
             .map(|pair| {
                 assert_eq!((pair[0] - pair[1]).iter().filter(|d| **d != 0.0).count(), 1);

@@ -12,6 +12,33 @@ pub trait Display {
     /// The state of a motion, five times per second, with the laid part of the rod if the motion
     /// lays one.
     fn motion(&self, state: &StreamState, laid: Option<LaidLength>);
+
+    /// Reported positions of the joints of an arm, rad or m; called for every report.
+    fn joints(&self, _arm: &str, _joints: &[f64]) {}
+
+    /// A file of the results was written.
+    fn wrote(&self, _name: &str) {}
+}
+
+/// Shows everything on several displays.
+pub struct Displays<'a>(pub Vec<&'a dyn Display>);
+
+impl Display for Displays<'_> {
+    fn step(&self, number: usize, of: usize, stage: &Stage) {
+        self.0.iter().for_each(|one| one.step(number, of, stage));
+    }
+
+    fn motion(&self, state: &StreamState, laid: Option<LaidLength>) {
+        self.0.iter().for_each(|one| one.motion(state, laid));
+    }
+
+    fn joints(&self, arm: &str, joints: &[f64]) {
+        self.0.iter().for_each(|one| one.joints(arm, joints));
+    }
+
+    fn wrote(&self, name: &str) {
+        self.0.iter().for_each(|one| one.wrote(name));
+    }
 }
 
 /// Shows nothing.

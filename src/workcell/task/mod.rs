@@ -18,6 +18,7 @@
 //! | `workplace` | the cell, camera and directory of a step |
 //! | `working_arm` | motions and grips of an arm, with the log of each |
 //! | `display` | display of the progress |
+//! | `speed_override` | the speed that the user wants at the moment |
 //! | `stage` | name and description of a step |
 //! | `error` | reasons of an early end |
 //! | `stopped` | state of the cell after an early end |
@@ -42,6 +43,7 @@ mod motion;
 mod record;
 mod room;
 mod runner;
+mod speed_override;
 mod stage;
 mod state_folder;
 mod step;
@@ -57,7 +59,7 @@ pub use correction::Correction;
 pub use deploy::DeployTask;
 pub use deploy_plan::DeployPlan;
 pub use deploy_record::{DeployRecord, DeployScore};
-pub use display::{Display, Hidden};
+pub use display::{Display, Displays, Hidden};
 pub use error::{TaskError, WorkError};
 pub use exploration::{
     Exploration, ExplorationPlan, ExplorationRecord, ExplorationRow, ExplorationSummary,
@@ -74,6 +76,7 @@ pub use identification::{
 pub use motion::{DeployMotion, MotionRequest, middle_of_table};
 pub use record::{Report, Status, TaskHead, TaskRecord, write_manifest};
 pub use runner::TaskRun;
+pub use speed_override::SpeedOverride;
 pub use stage::Stage;
 pub use step::{Step, Task};
 pub use stopped::{HandPlace, LaidAlong, LaidLength, Stopped};

@@ -237,7 +237,12 @@ impl Supervisor for WatchedMotion<'_> {
     }
 
     fn refuses(&self, part: &str, time: f64, state: &JointState) -> Option<String> {
+        self.arm.at.display.joints(part, &state.positions);
         self.guard.fault(part, time, state)
+    }
+
+    fn pace(&self) -> f64 {
+        self.arm.at.pace()
     }
 
     fn show(&self, state: &StreamState) {

@@ -2,6 +2,7 @@
 
 use super::display::{Display, Hidden};
 use super::error::WorkError;
+use super::speed_override::SpeedOverride;
 use super::unfinished::Unfinished;
 use crate::cell::{Cell, Signals};
 use image::RgbImage;
@@ -33,6 +34,8 @@ pub struct Workplace<'a> {
     pub display: &'a dyn Display,
     /// Speed of all motions relative to the planned ones, at most 1.
     pub speed_scale: f64,
+    /// Speed relative to that one, which may change during a motion.
+    pub speed_override: Option<&'a SpeedOverride>,
 }
 
 impl<'a> Workplace<'a> {
@@ -48,6 +51,7 @@ impl<'a> Workplace<'a> {
             signals: None,
             display: &Hidden,
             speed_scale: 1.0,
+            speed_override: None,
         }
     }
 }
@@ -75,6 +79,14 @@ impl Workplace<'_> {
         (self.is_interrupted)() || self.forbidden().is_some()
     }
 
+    /// The wanted speed of motions at the moment, from 0 (motions are held) to 1: the lower one of
+    /// the user's and that of the safety signals.
+    pub(super) fn pace(&self) -> f64 {
+        let chosen = self.speed_override.map_or(1.0, SpeedOverride::get);
+        self.signals
+            .map_or(chosen, |signals| chosen.min(signals.speed()))
+    }
+
     /// Marks an arm before it moves.
     ///
     /// # Errors
@@ -89,7 +101,9 @@ impl Workplace<'_> {
     /// # Errors
     /// The file cannot be written.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), WorkError> {
-        Ok(write_whole(&self.directory.join(name), bytes)?)
+        write_whole(&self.directory.join(name), bytes)?;
+        self.display.wrote(name);
+        Ok(())
     }
 
     /// Takes the next picture of the camera.

@@ -146,7 +146,7 @@ fn turn(fault: Fault, interrupts: bool) -> (Ending, usize) {
         driver: Box::new(StepperDriver::over(Box::new(open), "line", 3200)),
         trajectory: PartTrajectory::smooth(&[("motor", 3.0)], 0.8, 80),
         kinds: vec![JointKind::Revolute],
-            limits: Vec::new(),
+        limits: Vec::new(),
     }];
     let begin = Instant::now();
     let is_interrupted = || interrupts && begin.elapsed() > Duration::from_millis(400);

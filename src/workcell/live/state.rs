@@ -1,0 +1,229 @@
+//! What the live page shows, shared with the thread of its server.
+
+use super::Stroke;
+use crate::cell::Line;
+use crate::task::{LaidLength, SpeedOverride};
+use nalgebra::Point3;
+use rodlab_robot::StreamState;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Time after a request for which a page counts as open.
+const OPEN: Duration = Duration::from_secs(2);
+
+/// Least distance between two points of the path of a hand, m.
+const STEP: f64 = 2e-3;
+
+/// What stays the same during a task.
+pub(super) struct Scene {
+    pub title: String,
+    pub boxes: Vec<Line>,
+    /// Planned paths of the hands, m.
+    pub plans: Vec<Vec<[f64; 3]>>,
+    /// The reason why the speed cannot change.
+    pub fixed: Option<String>,
+}
+
+/// The [`Scene`] as the page reads it.
+#[derive(Serialize)]
+struct SceneText<'a> {
+    title: &'a str,
+    version: &'static str,
+    boxes: Vec<Stroke>,
+    plans: &'a [Vec<[f64; 3]>],
+    trails: &'a [Vec<[f64; 3]>],
+    fixed: Option<&'a str>,
+}
+
+/// What changes during a task.
+#[derive(Clone, Default, Serialize)]
+pub(super) struct State {
+    pub step: Option<StepState>,
+    pub motion: Option<MotionState>,
+    /// Links of each arm.
+    pub arms: Vec<Vec<Stroke>>,
+    /// Positions of the hands, m.
+    pub hands: Vec<[f64; 3]>,
+    /// Paths of the hands so far, m.
+    #[serde(skip)]
+    pub trails: Vec<Vec<[f64; 3]>>,
+    pub picture: Option<Picture>,
+    /// The end of the task in words.
+    pub ended: Option<String>,
+}
+
+/// A step of the task.
+#[derive(Clone, Serialize)]
+pub(super) struct StepState {
+    pub number: usize,
+    pub of: usize,
+    pub words: String,
+}
+
+/// A motion in progress.
+#[derive(Clone, Serialize)]
+pub(super) struct MotionState {
+    time_s: f64,
+    duration_s: f64,
+    lag_s: f64,
+    /// Largest distances from the trajectory.
+    off_deg: f64,
+    off_mm: f64,
+    laid_m: Option<f64>,
+    path_m: Option<f64>,
+    /// Present speed relative to the planned one.
+    speed: Option<f64>,
+}
+
+impl MotionState {
+    pub(super) fn of(state: &StreamState, laid: Option<LaidLength>) -> Self {
+        Self {
+            time_s: state.time,
+            duration_s: state.duration,
+            lag_s: state.lag,
+            off_deg: state.tracking.revolute.to_degrees(),
+            off_mm: 1e3 * state.tracking.prismatic,
+            laid_m: laid.and_then(|laid| laid.laid_m),
+            path_m: laid.map(|laid| laid.path_m),
+            speed: state.pace,
+        }
+    }
+}
+
+/// The last picture: a file of the results directory, with a number that grows.
+#[derive(Clone, Serialize)]
+pub(super) struct Picture {
+    pub name: String,
+    pub number: usize,
+}
+
+impl State {
+    /// The state of arms at rest: their links, and the positions of their hands, m.
+    pub(super) fn at_rest(arms: impl Iterator<Item = (Vec<Line>, [f64; 3])>) -> Self {
+        let (arms, hands): (Vec<_>, Vec<_>) = arms.unzip();
+        let strokes = |lines: Vec<Line>| lines.into_iter().map(Stroke::from).collect();
+        Self {
+            arms: arms.into_iter().map(strokes).collect(),
+            trails: vec![Vec::new(); hands.len()],
+            hands,
+            ..Self::default()
+        }
+    }
+
+    /// Moves a hand to a position, m.
+    pub(super) fn hand(&mut self, arm: usize, hand: [f64; 3]) {
+        self.hands[arm] = hand;
+        let trail = &mut self.trails[arm];
+        let is_far = |last: &[f64; 3]| (Point3::from(*last) - Point3::from(hand)).norm() > STEP;
+        if trail.last().is_none_or(is_far) {
+            trail.push(hand);
+        }
+    }
+}
+
+/// The state as the page reads it.
+#[derive(Serialize)]
+struct StateText<'a> {
+    #[serde(flatten)]
+    state: &'a State,
+    /// The wanted speed relative to the planned one.
+    wanted: f64,
+    is_stopped: bool,
+}
+
+/// Everything that the threads share.
+pub(super) struct Shared {
+    scene: Scene,
+    state: Mutex<State>,
+    /// Time of the last request, and whether it has read the end of the task.
+    read: Mutex<(Option<Instant>, bool)>,
+    end_was_read: Condvar,
+    pub directory: PathBuf,
+    pub speed: SpeedOverride,
+    pub is_stopped: AtomicBool,
+    pub token: String,
+}
+
+impl Shared {
+    pub(super) fn new(
+        scene: Scene,
+        state: State,
+        directory: PathBuf,
+        speed: SpeedOverride,
+        token: String,
+    ) -> Self {
+        Self {
+            scene,
+            state: Mutex::new(state),
+            read: Mutex::default(),
+            end_was_read: Condvar::new(),
+            directory,
+            speed,
+            is_stopped: AtomicBool::new(false),
+            token,
+        }
+    }
+
+    pub(super) fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether the speed can change.
+    pub(super) fn is_adjustable(&self) -> bool {
+        self.scene.fixed.is_none()
+    }
+
+    /// The scene and the paths of the hands so far as JSON.
+    pub(super) fn scene_text(&self) -> String {
+        let state = self.state();
+        let scene = SceneText {
+            title: &self.scene.title,
+            version: rodlab_files::origin::VERSION,
+            boxes: self.scene.boxes.iter().cloned().map(Stroke::from).collect(),
+            plans: &self.scene.plans,
+            trails: &state.trails,
+            fixed: self.scene.fixed.as_deref(),
+        };
+        serde_json::to_string(&scene).unwrap_or_default()
+    }
+
+    /// The state as JSON.
+    pub(super) fn state_text(&self) -> String {
+        let state = self.state();
+        let text = serde_json::to_string(&StateText {
+            state: &state,
+            wanted: self.speed.get(),
+            is_stopped: self.is_stopped.load(Ordering::Relaxed),
+        });
+        let has_ended = state.ended.is_some();
+        drop(state);
+        *self.read() = (Some(Instant::now()), has_ended);
+        if has_ended {
+            self.end_was_read.notify_all();
+        }
+        text.unwrap_or_default()
+    }
+
+    fn read(&self) -> MutexGuard<'_, (Option<Instant>, bool)> {
+        self.read.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether a browser shows the page.
+    pub(super) fn is_read(&self) -> bool {
+        let (last, _) = *self.read();
+        last.is_some_and(|last| last.elapsed() < OPEN)
+    }
+
+    /// Waits until a browser that shows the page has read the end of the task.
+    pub(super) fn wait_for_reader(&self, most: Duration) {
+        if self.is_read() {
+            let read = self.read();
+            let waits = |read: &mut (Option<Instant>, bool)| !read.1;
+            let waited = self.end_was_read.wait_timeout_while(read, most, waits);
+            drop(waited);
+        }
+    }
+}
