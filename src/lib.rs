@@ -44,6 +44,7 @@
 //! learn          ──> results, figure
 //! site           ──> guide, results, figure
 //! mechanics      ──> linalg
+//! recording      ──> cell
 //! virtual_cell   ──> cell, experiment
 //! cell           ──> robot, vision, scenario, figure
 //! vision         ──> figure
@@ -94,7 +95,7 @@
 //! | [`cell`] | a robot cell from its file: arms, axes, table, camera, drivers |
 //! | [`task`] | tasks of the cell: a rod laid along a pattern, a knot tied, a sheet folded, seen and scored |
 //! | [`live`] | the live page of a task in the browser |
-//! | [`recording`] | the log of a task as an MCAP file |
+//! | [`recording`] | the log of a task: its measured motion, and as an MCAP file |
 //! | [`virtual_cell`] | the same cell simulated, with a rod or a sheet, behind the protocol of real ones |
 //! | [`results`] | results directories, checkpoints, VTK |
 //! | [`cluster`] | Slurm job arrays |

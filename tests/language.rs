@@ -15,8 +15,8 @@ const WIDEST_HELP: usize = 100;
 /// Largest number of lines of the short help of a command, which fits on a screen.
 const LONGEST_SHORT_HELP: usize = 40;
 
-/// Largest number of lines of the overview, which has a line for each of 38 commands.
-const LONGEST_OVERVIEW: usize = 49;
+/// Largest number of lines of the overview, which has a line for each of 39 commands.
+const LONGEST_OVERVIEW: usize = 50;
 
 /// Largest width of a line of prose in a document, columns.
 const WIDEST_PROSE: usize = 100;

@@ -5,8 +5,8 @@ use super::prelude::*;
 use super::{
     calibrate, cell, check, completions, dataset, deploy, design, evaluate, expand, explain,
     explore, export, fold_arguments, gather, guide, identify, init, man, measure, movie, place,
-    plan, plot, presets, reproduce, run, score, sensitivity, site, solve, status, stream, submit,
-    tie, trace, train, verify, view,
+    plan, plot, presets, replay, reproduce, run, score, sensitivity, site, solve, status, stream,
+    submit, tie, trace, train, verify, view,
 };
 use clap::Parser;
 use std::sync::OnceLock;
@@ -100,6 +100,8 @@ pub enum Command {
     Movie(movie::MovieArguments),
     /// Write results as glTF, USD or OBJ, or a scenario as a MuJoCo model
     Export(export::ExportArguments),
+    /// Show the measured motion of a task in a cell, and score its picture again
+    Replay(replay::ReplayArguments),
     /// Stream a joint trajectory to the arms and axes of a cell
     Stream(stream::StreamArguments),
     /// Serve a virtual robot cell: arms, grippers, a table and a camera

@@ -90,7 +90,8 @@ where
             prints,
             common,
         };
-        let run = TaskRun::planned(task, std::env::args().collect());
+        let mut run = TaskRun::planned(task, std::env::args().collect());
+        run.head.cell_file = std::path::absolute(&chosen.file).ok();
         if way.dry_run {
             run.task.write_plan(&chosen.cell, &directory)?;
             return work.finish(&run, None);
@@ -110,7 +111,7 @@ fn write_motion<T: Task>(
     if let Some(joints) = &motion {
         write_whole(&directory.join("joints.csv"), joints.to_csv()?.as_bytes())?;
     }
-    let page = cell.page(motion.as_ref(), T::FRAMES);
+    let page = cell.page(motion.as_ref(), T::FRAMES, &[]);
     write_whole(&directory.join("cell.html"), page.as_bytes())?;
     Ok(motion)
 }

@@ -78,6 +78,7 @@ mod plot;
 mod prelude;
 mod preset_file;
 mod presets;
+mod replay;
 mod reproduce;
 mod run;
 mod run_watch;
@@ -267,6 +268,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::View(command) => view::view(command, &arguments.common),
         Command::Movie(command) => movie::movie(command, &arguments.common),
         Command::Export(command) => export::export(command),
+        Command::Replay(command) => replay::replay(command),
         Command::Stream(command) => stream::stream(command),
         Command::Deploy(command) => deploy::deploy(command, &arguments.common),
         Command::Place(command) => command.run(&arguments.common),

@@ -22,7 +22,7 @@ const GROUPS: [(&str, &[&str]); 8] = [
     (
         "Robot cell",
         &[
-            "deploy", "place", "tie", "fold", "explore", "stream", "cell",
+            "deploy", "place", "tie", "fold", "explore", "stream", "replay", "cell",
         ],
     ),
     ("Vision", &["trace", "score", "calibrate"]),

@@ -81,7 +81,7 @@ fn view_cell(arguments: &ViewArguments) -> Result<(), Failure> {
     let cell = Cell::read(&arguments.directory)?;
     let trajectory = arguments.trajectory.as_deref().map(JointTrajectory::read);
     let trajectory = trajectory.transpose().or_input()?;
-    let page = cell.page(trajectory.as_ref(), arguments.outputs as usize);
+    let page = cell.page(trajectory.as_ref(), arguments.outputs as usize, &[]);
     let to = arguments.out.clone();
     let to = to.unwrap_or_else(|| arguments.directory.with_extension("html"));
     write_file(&to, page.as_bytes())?;

@@ -2,10 +2,10 @@
 
 use super::{Point, VisionError, smoothing};
 use nalgebra::{Isometry2, Rotation2, Translation2, UnitComplex};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Distances of corresponding points, metres.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CurveError {
     /// Mean distance, e_mean of Eq. 5.11.
     pub mean_m: f64,

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`cell`] | a robot cell from its file: arms, axes, table, camera, drivers |
 //! | [`virtual_cell`] | the same cell simulated, with a rod or a sheet, behind the protocol of real ones |
-//! | [`recording`] | the log of a task as an MCAP file |
+//! | [`recording`] | the log of a task: its measured motion, and as an MCAP file |
 //! | [`task`] | tasks of the cell: a rod laid along a pattern, a knot tied, a sheet folded, seen and scored |
 //! | [`live`] | the live page of a task in the browser |
 

@@ -62,7 +62,7 @@ const ROOMS: Table = &[
     ("input", &[]),
     ("cluster", &[]),
     ("live", &["task"]),
-    ("recording", &[]),
+    ("recording", &["cell"]),
     ("guide", &[]),
     ("presets", &[]),
     ("site", &["guide", "results", "figure"]),

@@ -1,6 +1,6 @@
 //! `rodlab deploy` in the virtual cell.
 
-use super::{DEPLOY, ROD, again, alone, gantry, said, serve};
+use super::{DEPLOY, ROD, Served, again, alone, gantry, said, serve};
 use serde_json::Value;
 use std::fs;
 use std::process::{Command, Stdio};
@@ -38,10 +38,64 @@ fn a_rod_is_laid_along_a_line_seen_and_scored() {
         );
     }
     assert!(served.read("laid/report.md").contains("finished"));
+    is_replayed(&served, &record);
     // A second task starts from the current joints of the arm, and rejects the directory of the
     // first.
     let refused = served.deploy();
     assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
+}
+
+/// The log shows the motions of the arm, and the picture has the same score again.
+fn is_replayed(served: &Served, record: &Value) {
+    let output = served.run(&["replay", "laid", "--json"]);
+    assert!(output.status.success(), "{}", said(&output));
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let mean = |score: &Value| score["by_arc_length"]["mean_m"].as_f64().unwrap();
+    // The pattern is stored with 0.1 µm.
+    assert!(
+        (mean(&answer["score"]) - mean(&record["score"])).abs() < 2e-7,
+        "{answer}"
+    );
+    assert_eq!(answer["recorded_score"], record["score"]);
+    let motions = answer["motions"].as_array().unwrap();
+    let names: Vec<_> = motions
+        .iter()
+        .map(|motion| motion["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["approach", "laying", "retreat"]);
+    let planned = record["motion"]["duration_s"].as_f64().unwrap();
+    let laying = motions[1]["duration_s"].as_f64().unwrap();
+    assert!(
+        (planned..planned + 2.0).contains(&laying),
+        "{laying} {planned}"
+    );
+    for motion in motions {
+        assert_eq!(motion["ending"], "finished");
+        // The arm is late, but on its path.
+        let off = |name: &str| motion[name].as_f64().unwrap();
+        assert!(
+            off("hand_off_m") < 1e-4 && off("slides_off_m") > 1e-5,
+            "{motion}"
+        );
+    }
+    assert!(
+        served
+            .read("laid/replay.html")
+            .contains("planned path laying")
+    );
+    let other = served.run(&["replay", "laid", "--cell", "six_joints"]);
+    assert_eq!(other.status.code(), Some(2), "{}", said(&other));
+    assert!(
+        said(&other).contains("no report of an arm of the cell"),
+        "{}",
+        said(&other)
+    );
+    let empty = served.run(&["replay", ".", "--cell", "client.toml", "--out", "all.html"]);
+    assert!(
+        empty.status.success(),
+        "folders of motions are found: {}",
+        said(&empty)
+    );
 }
 
 #[test]
@@ -154,7 +208,9 @@ fn the_path_of_a_rod_is_replanned_from_pictures() {
 fn a_dry_run_shows_the_plan_and_moves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("rod.toml"), ROD).unwrap();
-    fs::write(folder.path().join("cell.toml"), gantry()).unwrap();
+    // No server listens on this port.
+    let cell = gantry().replace(":9090", ":1");
+    fs::write(folder.path().join("cell.toml"), cell).unwrap();
     let deploy = |arguments: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rodlab"));
         command.args([

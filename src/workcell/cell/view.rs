@@ -28,12 +28,17 @@ struct Lines(Vec<Line>);
 
 impl Cell {
     /// The page as HTML: the arms at home, or along a trajectory with at most the given number of
-    /// frames.
-    pub fn page(&self, trajectory: Option<&JointTrajectory>, most_frames: usize) -> String {
+    /// frames. `lines` are drawn in all frames.
+    pub fn page(
+        &self,
+        trajectory: Option<&JointTrajectory>,
+        most_frames: usize,
+        lines: &[Line],
+    ) -> String {
         let frames: Vec<(f64, Lines)> = match trajectory {
             None => {
                 let homes: Vec<Vec<f64>> = self.arms.iter().map(|arm| arm.home.clone()).collect();
-                vec![(0.0, self.lines(&homes))]
+                vec![(0.0, self.lines(&homes, lines))]
             }
             Some(trajectory) => {
                 let count = trajectory.points.len().min(most_frames.max(1));
@@ -41,7 +46,7 @@ impl Cell {
                 (0..count)
                     .map(|k| k * last / (count - 1).max(1))
                     .map(|k| (trajectory.times[k], self.postures(trajectory, k)))
-                    .map(|(time, postures)| (time, self.lines(&postures)))
+                    .map(|(time, postures)| (time, self.lines(&postures, lines)))
                     .collect()
             }
         };
@@ -52,6 +57,7 @@ impl Cell {
             radius: line.radius,
             radii: Vec::new(),
             held: false,
+            straight: true,
             strip: None,
         });
         let case = MovieCase {
@@ -103,10 +109,11 @@ impl Cell {
             .collect()
     }
 
-    fn lines(&self, postures: &[Vec<f64>]) -> Lines {
+    fn lines(&self, postures: &[Vec<f64>], more: &[Line]) -> Lines {
         let arms = postures.iter().enumerate();
         let arms = arms.flat_map(|(arm, posture)| self.arm_lines(arm, posture));
-        Lines(arms.chain(self.box_lines()).collect())
+        let all = arms.chain(self.box_lines());
+        Lines(all.chain(more.iter().cloned()).collect())
     }
 
     /// The links of an arm at joint positions, rad or m.
@@ -131,16 +138,24 @@ impl Cell {
         let stride = trajectory.points.len().div_ceil(most.max(1)).max(1);
         let moving = self.arms.iter().enumerate();
         let moving = moving.filter(|(_, arm)| !trajectory.columns_of(&arm.name).is_empty());
-        let path = |index: usize, arm: &Arm| {
+        let path = |arm: usize| {
             let points = (0..trajectory.points.len()).step_by(stride);
             points
-                .map(|point| {
-                    let posture = &self.postures(trajectory, point)[index];
-                    arm.hand(posture).translation.vector.into()
-                })
+                .map(|point| self.hand_at(trajectory, point, arm).into())
                 .collect()
         };
-        moving.map(|(index, arm)| path(index, arm)).collect()
+        moving.map(|(arm, _)| path(arm)).collect()
+    }
+
+    /// Position of the hand of an arm at a point of a trajectory, m.
+    pub(crate) fn hand_at(
+        &self,
+        trajectory: &JointTrajectory,
+        point: usize,
+        arm: usize,
+    ) -> Vector3<f64> {
+        let posture = &self.postures(trajectory, point)[arm];
+        self.arms[arm].hand(posture).translation.vector
     }
 }
 
@@ -216,8 +231,13 @@ mod tests {
     fn a_box_shows_all_of_its_edges() {
         let mut lines = Lines::default();
         lines.edges("box", &Pose::identity(), [1.0, 2.0, 3.0]);
-        let edges: BTreeSet<String> = lines.0[0]
-            .points
+        let points = &lines.0[0].points;
+        let corners: Vec<_> = points.iter().step_by(3).collect();
+        assert_eq!(
+            (corners.len(), corners[15]),
+            (16, &points[points.len() - 1])
+        );
+        let edges: BTreeSet<String> = corners
             .windows(2)
             .map(|pair| {
                 assert_eq!((pair[0] - pair[1]).iter().filter(|d| **d != 0.0).count(), 1);

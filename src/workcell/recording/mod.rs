@@ -1,4 +1,4 @@
-//! Recordings: the log of a motion or of a task as one MCAP file with messages of ROS 2, for
+//! Logs of motions and tasks. [`record`] makes one MCAP file of a log, with messages of ROS 2, for
 //! Foxglove, `ros2 bag` and other programs.
 //!
 //! | topic | message | content |
@@ -8,9 +8,14 @@
 //! | `/events` | `rcl_interfaces/msg/Log` | events of the motions, named by their folders |
 //! | `/signals` | `rcl_interfaces/msg/Log` | messages of safety signals |
 //! | `/picture` | `sensor_msgs/msg/CompressedImage` | photographs of the result |
+//!
+//! [`replay`] reads the measured motion of a log, and compares it with its plan.
 
 mod cdr;
+mod replay;
 mod source;
+
+pub use replay::{Replay, ReplayedMotion, replay};
 
 use cdr::{COMPRESSED_IMAGE, JOINT_STATE, LOG, MessageType};
 use mcap::records::MessageHeader;
@@ -27,6 +32,16 @@ pub enum RecordingError {
         "{0} has no events.csv of a motion; needed: the log of `rodlab stream` or the results of a task in a cell"
     )]
     NoLog(PathBuf),
+    /// The joints of the log belong to another cell.
+    #[error(
+        "{directory} has no report of an arm of the cell \"{cell}\"; --cell selects another cell"
+    )]
+    NoArm {
+        /// The directory.
+        directory: PathBuf,
+        /// Title of the cell.
+        cell: String,
+    },
     /// The log was written by an earlier version.
     #[error(
         "{0} does not begin with the time at which it was opened; earlier versions wrote no time"

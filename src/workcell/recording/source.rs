@@ -1,6 +1,7 @@
 //! Reads the log of a motion or of a task: one folder per motion, with its tables.
 
 use super::RecordingError;
+use rodlab_robot::JointTrajectory;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
@@ -70,6 +71,11 @@ fn collect(
 }
 
 impl MotionLog {
+    /// The planned motion; `None` if it is not in the log.
+    pub fn plan(&self) -> Option<JointTrajectory> {
+        JointTrajectory::read(&self.folder.join("trajectory.csv")).ok()
+    }
+
     /// Events with their times, s.
     pub fn events(&self) -> impl Iterator<Item = (f64, &str)> {
         let events = self.events.iter();

@@ -4,6 +4,7 @@ use super::correction::Correction;
 use super::deploy_plan::DeployPlan;
 use super::deploy_record::{DeployRecord, DeployScore};
 use super::error::WorkError;
+use super::laid_rod::PATTERN;
 use super::stage::Stage;
 use super::step::{Step, Task};
 use super::stopped::LaidAlong;
@@ -102,6 +103,7 @@ impl DeployTask {
     fn score(&mut self, at: &Workplace<'_>) -> Result<(), WorkError> {
         let (plan, record) = (&self.plan, &mut self.record);
         let picture = self.picture.take().expect("a picture was taken");
+        at.write(PATTERN, pattern_csv(&plan.pattern).as_bytes())?;
         let found = plan.seen(&picture, at.cell)?;
         found.write(&picture, at)?;
         let rod = found.longest(plan.start())?;

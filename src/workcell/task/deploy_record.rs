@@ -5,11 +5,11 @@ use crate::cell::PlanReport;
 use rodlab_lab::experiment::PassedPegs;
 use rodlab_planning::plan::deployment::DeployedRod;
 use rodlab_vision::{CurveError, SeenLength};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Distances of a rod from its pattern.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DeployScore {
     /// Distances between points at equal fractions of both lengths.
     pub by_arc_length: CurveError,

@@ -11,6 +11,7 @@
 //! | `room` | the room for a rod on the table and in the picture |
 //! | `correction` | its path, replanned from pictures of the camera while it is laid |
 //! | `look` | the camera's picture as a curve in the frame of the pattern |
+//! | `laid_rod` | a laid rod from its results, to score its picture again |
 //! | `step` | a task as a list of steps, and its interface to the runner |
 //! | `runner` | the runner of any task: step by step, with one record |
 //! | `command` | a command that plans a task: properties of `rodlab NAME` beside its arguments |
@@ -38,6 +39,7 @@ mod exploration;
 mod first_run;
 mod fold;
 mod identification;
+mod laid_rod;
 mod look;
 mod motion;
 mod record;
@@ -73,6 +75,7 @@ pub use fold::{
 pub use identification::{
     HeldPose, HoldRequest, IdentificationPlan, IdentificationRecord, IdentificationTask,
 };
+pub use laid_rod::{LaidRod, Rescored};
 pub use motion::{DeployMotion, MotionRequest, middle_of_table};
 pub use record::{Report, Status, TaskHead, TaskRecord, write_manifest};
 pub use runner::TaskRun;

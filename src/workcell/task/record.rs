@@ -7,7 +7,7 @@ use rodlab_files::figure::{document_page, escape_markdown};
 use rodlab_files::origin::VERSION;
 use rodlab_files::results::{MANIFEST, ResultsError, write_whole};
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Status of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -48,6 +48,9 @@ pub struct TaskHead {
     pub version: &'static str,
     /// Command line of the task.
     pub command_line: Vec<String>,
+    /// File of the cell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cell_file: Option<PathBuf>,
     /// Time of the start.
     pub start: jiff::Timestamp,
     /// Time of the end.
@@ -69,6 +72,7 @@ impl TaskHead {
         Self {
             version: VERSION,
             command_line,
+            cell_file: None,
             start: jiff::Timestamp::now(),
             end: None,
             status: Status::Planned,

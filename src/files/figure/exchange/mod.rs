@@ -118,6 +118,7 @@ pub(super) mod tests {
             radius: 2e-3,
             radii: Vec::new(),
             held: false,
+            straight: false,
             strip: None,
         };
         let straight: Vec<Vector3<f64>> = (0..5)

@@ -194,6 +194,7 @@ mod tests {
             radius: 1e-2,
             radii: Vec::new(),
             held: false,
+            straight: false,
             strip: None,
         };
         let points = [0.0, 0.1, 0.2].map(|x| Vector3::new(x, 3.0 * x, 1.0));

@@ -294,6 +294,7 @@ pub(super) mod tests {
             radius: 0.04,
             radii: Vec::new(),
             held: false,
+            straight: false,
             strip: None,
         };
         let frame = |k: usize| {

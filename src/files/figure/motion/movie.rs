@@ -71,6 +71,9 @@ pub struct MovieRod {
     pub radii: Vec<f64>,
     /// Whether it is an obstacle, which does not move.
     pub held: bool,
+    /// Whether its segments are drawn straight, with corners at its nodes, rather than as a smooth
+    /// curve.
+    pub straight: bool,
     /// Cross-section of the rod if rectangular; `None` for a circle.
     pub strip: Option<Strip>,
 }

@@ -100,6 +100,7 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
                 "radius": rod.radius,
                 "radii": (!rod.radii.is_empty()).then_some(&rod.radii),
                 "held": rod.held,
+                "straight": rod.straight,
                 "strip": rod.strip.as_ref().map(describe_strip),
             })
         })
@@ -181,6 +182,7 @@ mod tests {
             radius: 0.05,
             radii: Vec::new(),
             held: false,
+            straight: false,
             strip: None,
         };
         let frame = |k: usize| {

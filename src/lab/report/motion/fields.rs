@@ -118,6 +118,7 @@ mod tests {
             radius: 1e-3,
             radii: Vec::new(),
             held: false,
+            straight: false,
             strip: None,
         }
     }

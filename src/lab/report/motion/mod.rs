@@ -180,6 +180,7 @@ impl CaseMotion {
                 radius: record.radius,
                 radii: record.radii.clone(),
                 held: described.is_some_and(|rod| rod.held),
+                straight: false,
                 strip: strip_of(record, described, self.scenario.as_ref(), placed),
             }
         });

@@ -91,7 +91,8 @@ class Renderer {
       const last = first + rod.nodes - 1;
       const node = (k) => rod.closed ? first + (k + rod.nodes) % rod.nodes : Math.min(Math.max(first + k, first), last);
       for (let k = 0; k < (rod.closed ? rod.nodes : rod.nodes - 1); k++) {
-        const nodes = [k - 1, k, k + 1, k + 2].map(node);
+        // A repeated node makes the segment straight at this end.
+        const nodes = (rod.straight ? [k, k, k + 1, k + 1] : [k - 1, k, k + 1, k + 2]).map(node);
         const radius = (one) => rod.radii ? rod.radii[one - first] : rod.radius;
         // A tube has its second radius in place of the half thickness.
         const { width, thickness, placed } = rod.strip ?? { width: 0, thickness: 2 * radius(nodes[2]) };
