@@ -73,6 +73,7 @@ pages! {
     figures
     exchange
     robots
+    streaming
     cell
     bench
     virtual_cell

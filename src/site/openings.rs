@@ -219,6 +219,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab check gantry",
     ],
     [
+        "streaming",
+        "tab5.2-cell/tab5.2-cell_laid.svg",
+        "Patterns laid by an arm",
+        "rodlab stream joints.csv --cell gantry --watch",
+    ],
+    [
         "cell",
         "tab5.4/tab5.4_trefoil.svg",
         "A knot tied by two arms",
