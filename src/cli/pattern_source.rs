@@ -9,10 +9,14 @@ use rodlab_lab::scenario::metres;
 use rodlab_planning::plan::pattern::{
     Circle, Drawing, Line, PatternSource, Point, Sine, StrokeChoice,
 };
+use rodlab_planning::plan::remedy::Changes;
 use rodlab_vision::{
     Camera, ColourRule, Metric, PICTURE_ENDINGS, TraceOptions, pattern, read_picture, trace,
 };
 use std::sync::OnceLock;
+
+/// Default distance of the smooth curve from the drawing, m.
+const DEVIATION: f64 = 2.5e-4;
 
 /// Pattern along which a rod is laid.
 #[derive(Debug, Args)]
@@ -23,9 +27,11 @@ pub struct PatternArguments {
     /// --drawing-camera. Formulas are line:LENGTH, circle:RADIUS and sine:AMPLITUDE,WAVELENGTH,WAVES.
     #[arg(long, value_name = "PATTERN", value_parser = pattern_or_preset, add = presets(PresetKind::Pattern))]
     pattern: GivenPattern,
-    /// Length of the longer side of a drawn pattern [default: as drawn]
-    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
-    size: Option<f64>,
+    /// Length of the longer side of a drawn pattern, or `fit` [default: as drawn]
+    ///
+    /// `fit` shrinks a drawing for which the rod is too short.
+    #[arg(long, value_name = "LENGTH", value_parser = drawing_size)]
+    size: Option<DrawingSize>,
     /// Stroke of the drawing: number from 1, id, or `longest` [default: the only one]
     ///
     /// Strokes of an SVG have numbers and ids, strands of a CSV file and lines of a photographed drawing only numbers. Of a
@@ -62,12 +68,53 @@ pub struct PatternArguments {
     /// Smoothing length: waves of a photographed line shorter than about six times this are removed
     #[arg(long, value_name = "LENGTH", hide_short_help = true, default_value = "2 mm", value_parser = positive_length)]
     drawing_smoothing: f64,
-    /// Largest distance of the smooth curve from the drawing
-    #[arg(long, value_name = "LENGTH", hide_short_help = true, default_value = "0.25 mm", value_parser = positive_length)]
-    deviation: f64,
+    /// Largest distance of the smooth curve from the drawing [default: 0.25 mm; more for sharp corners]
+    ///
+    /// By default corners that are too sharp for the rod are rounded as far as needed, by up to 5 %
+    /// of the size of the drawing.
+    #[arg(long, value_name = "LENGTH", hide_short_help = true, value_parser = positive_length)]
+    deviation: Option<f64>,
+}
+
+/// Size of a drawn pattern.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum DrawingSize {
+    /// Length of its longer side, m.
+    Length(f64),
+    /// As drawn, or smaller if the rod is too short.
+    Fit,
+}
+
+fn drawing_size(text: &str) -> Result<DrawingSize, String> {
+    match text.trim() {
+        "fit" => Ok(DrawingSize::Fit),
+        text => positive_length(text)
+            .map(DrawingSize::Length)
+            .map_err(|error| format!("{error}; or `fit`")),
+    }
 }
 
 impl PatternArguments {
+    /// Which properties of a drawn pattern may change so that it can be laid.
+    pub fn changes(&self) -> Changes {
+        Changes {
+            size: self.size == Some(DrawingSize::Fit),
+            deviation: self.deviation.is_none(),
+        }
+    }
+
+    fn deviation(&self) -> f64 {
+        self.deviation.unwrap_or(DEVIATION)
+    }
+
+    /// Length of the longer side, m.
+    fn longer_side(&self) -> Option<f64> {
+        match self.size? {
+            DrawingSize::Length(length) => Some(length),
+            DrawingSize::Fit => None,
+        }
+    }
+
     /// The pattern as given.
     pub fn name(&self) -> &str {
         &self.pattern.name
@@ -101,7 +148,7 @@ impl PatternArguments {
         };
         Ok(PatternSource::Drawn {
             points: whole.of(points).at(&self.pattern.name)?,
-            deviation: self.deviation,
+            deviation: self.deviation(),
         })
     }
 
@@ -118,7 +165,7 @@ impl PatternArguments {
         let Some(formula) = self.analytic()? else {
             return Ok(PatternSource::Drawn {
                 points: self.drawn()?,
-                deviation: self.deviation,
+                deviation: self.deviation(),
             });
         };
         let given = [
@@ -200,7 +247,7 @@ impl PatternArguments {
             Some(middle_line(
                 path,
                 choice,
-                self.size,
+                self.longer_side(),
                 self.drawing_smoothing,
             )?)
         } else {
@@ -217,7 +264,7 @@ impl PatternArguments {
             ))
         })?;
         let drawing = Drawing {
-            size: self.size,
+            size: self.longer_side(),
             reverse: self.reverse,
         };
         drawing.of(points).at(&self.pattern.name)
@@ -241,7 +288,7 @@ impl PatternArguments {
         let strand = strand.at(&place)?;
         let camera = self.drawing_camera.as_deref().map(Camera::read);
         let camera = camera.transpose()?;
-        let metric = match (&camera, self.size) {
+        let metric = match (&camera, self.longer_side()) {
             (Some(camera), _) => {
                 let size = camera.check_size(picture.width(), picture.height());
                 size.at(&place)?;

@@ -53,6 +53,9 @@ pub struct DeploymentArguments {
 pub struct DeploymentPlan {
     #[command(flatten)]
     source: PatternArguments,
+    /// The pattern as it is laid.
+    #[arg(skip)]
+    fitted: OnceLock<PatternSource>,
     /// Rod file: TOML with [deployment.rod] [default: that of the cell, otherwise a preset]
     ///
     /// [deployment.rod] has gravito_bending_length, radius and length. The default preset is the
@@ -183,7 +186,7 @@ impl DeploymentPlan {
     pub fn write(&self, out: &Path, spare: &Spare<'_>) -> Result<WrittenPlan, Failure> {
         let file = RodFile::read(self.rod_file()?)?;
         let rod = file.rod;
-        let source = self.source.source()?;
+        let source = self.fitted()?;
         let network = self.network()?;
         let mut request = self.request();
         request.friction = self.friction(&file)?;
@@ -379,9 +382,44 @@ impl DeploymentPlan {
         Ok(self.chosen.get_or_init(|| chosen))
     }
 
+    /// The pattern. Sharp corners of a drawing are rounded, and with `--size fit` it shrinks, if
+    /// it cannot be laid otherwise.
+    fn fitted(&self) -> Result<PatternSource, Failure> {
+        let source = self.source.source()?;
+        if self.ties_knot() {
+            return Ok(source);
+        }
+        if let Some(fitted) = self.fitted.get() {
+            return Ok(fitted.clone());
+        }
+        let rod = RodFile::read(self.rod_file()?)?.rod;
+        let changes = self.source.changes();
+        let remedy = self.request().allowed_remedy(&source, &rod, changes);
+        let fitted = match remedy {
+            None => source,
+            Some(remedy) => {
+                if let Some(size) = remedy.size {
+                    let size = 1e3 * size;
+                    tracing::warn!(
+                        "--size fit: the longer side is {size} mm, for which the rod is long enough"
+                    );
+                }
+                if let Some(deviation) = remedy.deviation {
+                    let deviation = 1e3 * deviation;
+                    tracing::warn!(
+                        "corners that are too sharp for the rod are rounded: the path is up to {deviation} mm from the drawing \
+                         (--deviation sets another distance)"
+                    );
+                }
+                remedy.applied(source).at(self.source.name())?
+            }
+        };
+        Ok(self.fitted.get_or_init(|| fitted).clone())
+    }
+
     /// The pattern without lead-in and lead-out, m.
     pub fn outline(&self) -> Result<Vec<Point>, Failure> {
-        let pattern = self.source.source()?.pattern().at(self.source.name())?;
+        let pattern = self.fitted()?.pattern().at(self.source.name())?;
         // Limit the number of points, since the pattern may be very long.
         let step = self.step.max(pattern.length() / MOST_POSES);
         let points = pattern.sampled(step).into_iter();

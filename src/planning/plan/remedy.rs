@@ -3,12 +3,15 @@
 
 use super::deployment::{DeployedRod, DeploymentError, Spare, checked_points, long_enough};
 use super::grasp::{GraspError, GraspProblem};
-use super::pattern::{Drawing, PatternSource, Point};
+use super::pattern::{Drawing, PatternError, PatternSource, Point};
 use super::request::{DeploymentRequest, RequestError};
 use std::fmt;
 
 /// Largest proposed deviation, relative to the longer side of the drawing.
 const LARGEST_DEVIATION: f64 = 0.1;
+/// Largest deviation that is chosen without a question, relative to the longer side of the
+/// drawing.
+const LARGEST_ROUNDING: f64 = 0.05;
 /// Fractions of the longest possible pattern that are tried as lengths of a scaled pattern.
 const LENGTHS: [f64; 4] = [0.9, 0.75, 0.5, 0.25];
 /// Number of bisections, on a logarithmic scale, between a deviation that fails and one that
@@ -26,6 +29,34 @@ pub struct Remedy {
     pub deviation: Option<f64>,
 }
 
+impl Changes {
+    /// Nothing may change.
+    pub const NONE: Self = Self {
+        size: false,
+        deviation: false,
+    };
+}
+
+impl Remedy {
+    /// The drawing with these values; a formula stays as it is.
+    ///
+    /// # Errors
+    /// The drawing has no extent that could be scaled.
+    pub fn applied(self, source: PatternSource) -> Result<PatternSource, PatternError> {
+        let PatternSource::Drawn { points, deviation } = source else {
+            return Ok(source);
+        };
+        let whole = Drawing {
+            size: self.size,
+            reverse: false,
+        };
+        Ok(PatternSource::Drawn {
+            points: whole.of(points)?,
+            deviation: self.deviation.unwrap_or(deviation),
+        })
+    }
+}
+
 impl fmt::Display for Remedy {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let options = [("--size", self.size), ("--deviation", self.deviation)];
@@ -40,7 +71,38 @@ impl fmt::Display for Remedy {
     }
 }
 
+/// Which properties of a drawing may change without a question.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Changes {
+    /// Its size.
+    pub size: bool,
+    /// The deviation of the smooth curve from it.
+    pub deviation: bool,
+}
+
 impl DeploymentRequest<'_> {
+    /// The smallest change of a drawing with which it can be planned, if it cannot be planned as it
+    /// is and only the allowed properties change; the deviation by at most 5 % of its longer side.
+    pub fn allowed_remedy(
+        &self,
+        source: &PatternSource,
+        rod: &DeployedRod,
+        allowed: Changes,
+    ) -> Option<Remedy> {
+        let PatternSource::Drawn { points, .. } = source else {
+            return None;
+        };
+        if allowed == Changes::NONE || self.check(source, rod).is_ok() {
+            return None;
+        }
+        let remedy = self.remedy(source, rod, &Spare::HANGS)?;
+        let side = remedy.size.unwrap_or_else(|| longer_side(points));
+        let is_near = |deviation: f64| allowed.deviation && deviation <= LARGEST_ROUNDING * side;
+        let is_allowed =
+            (remedy.size.is_none() || allowed.size) && remedy.deviation.is_none_or(is_near);
+        is_allowed.then_some(remedy)
+    }
+
     /// The smallest change with which a drawing can be planned: only its deviation if that is
     /// enough, otherwise also its size. A complete plan verifies it. `None` if nothing is found,
     /// or if the pattern is a formula.

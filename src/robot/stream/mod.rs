@@ -16,12 +16,14 @@
 //! | `pace`, `speed` | the speed of a motion relative to its plan, and its changes |
 //! | `stop` | requests to stop, until the joints are at rest |
 //! | `clock`, `timer` | the clock of the motion; time as a stream reads it |
+//! | `cycles` | a deadline every millisecond, and real-time scheduling |
 //! | `bounds`, `log` | tolerances; the log |
 //! | `supervisor` | interruption, and the state of the motion for a display |
 
 mod bounds;
 mod check;
 mod clock;
+mod cycles;
 mod follow;
 mod log;
 mod pace;
@@ -42,6 +44,7 @@ pub use supervisor::{StreamState, Supervisor};
 use super::chain::{JointKind, Limits};
 use super::driver::{Driver, DriverError, Interpolant, JointState, PartTrajectory, Progress};
 use clock::MotionClock;
+use cycles::{Cycles, RealTime};
 use follow::{Circumstances, Follower, Motion};
 use pace::Pace;
 use pieces::{Division, Piece};
@@ -52,8 +55,6 @@ use std::time::{Duration, Instant};
 use supervisor::Shown;
 use timer::{SystemTimer, Timer};
 
-/// Polling interval of the drivers.
-const CYCLE: Duration = Duration::from_millis(2);
 /// Longest wait for the end of the motion after the time of the last point, s.
 const OVERTIME: f64 = 5.0;
 /// Longest time from the end that a controller reports until the joints are at rest at the last
@@ -124,6 +125,8 @@ pub fn stream(
     supervisor: &dyn Supervisor,
     log: &mut StreamLog,
 ) -> Ending {
+    let real_time = RealTime::requested();
+    log.event(real_time.in_words());
     stream_by(&SystemTimer, parts, bounds, supervisor, log)
 }
 
@@ -142,10 +145,12 @@ fn stream_by(
         return ending;
     }
     let _moving = Moving::begin();
+    let mut cycles = Cycles::from(timer.now());
     // A panic must not leave an arm moving.
     let run = catch_unwind(AssertUnwindSafe(|| {
-        run(timer, parts, bounds, supervisor, log)
+        run(timer, &mut cycles, parts, bounds, supervisor, log)
     }));
+    log.event(&cycles.summary());
     let ending = run.unwrap_or_else(|_| {
         Ending::Failed("an internal error of this program ended the motion".into())
     });
@@ -183,6 +188,7 @@ struct Watched {
 
 fn run(
     timer: &dyn Timer,
+    cycles: &mut Cycles,
     parts: &mut [Part],
     bounds: &StreamBounds,
     supervisor: &dyn Supervisor,
@@ -286,7 +292,7 @@ fn run(
                 late.join(", ")
             ));
         }
-        timer.sleep(CYCLE);
+        cycles.wait(timer);
     }
 }
 

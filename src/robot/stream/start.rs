@@ -1,9 +1,10 @@
 //! Before the first goal: connections, first reports, and the checks that motion is allowed and
 //! that every joint is at the first point of its trajectory.
 
+use super::cycles::CYCLE;
 use super::follow::apart;
 use super::timer::Timer;
-use super::{CYCLE, Ending, Part, StreamBounds, StreamLog, Supervisor, failed};
+use super::{Ending, Part, StreamBounds, StreamLog, Supervisor, failed};
 use std::time::Duration;
 
 /// Longest wait for the first reports of all joints.

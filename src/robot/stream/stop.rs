@@ -1,8 +1,9 @@
 //! The end of a motion that is not finished: every part is commanded to stop, and watched until its joints are at rest.
 
+use super::cycles::CYCLE;
 use super::reports::Reports;
 use super::timer::Timer;
-use super::{CYCLE, Part, StreamLog};
+use super::{Part, StreamLog};
 use crate::driver::DriverError;
 use std::time::{Duration, Instant};
 
