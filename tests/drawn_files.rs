@@ -68,7 +68,11 @@ fn proposed_options_work() {
         folder,
         "<path fill='none' stroke='red' d='M20 20L150 20L150 150'/>",
     );
-    for more in [vec![], vec!["--size", "3 m"], vec!["--size", "4 mm"]] {
+    for more in [
+        vec!["--deviation", "0.25 mm"],
+        vec!["--size", "3 m"],
+        vec!["--size", "4 mm"],
+    ] {
         let arguments = [&["--pattern", "d.svg"], &more[..]].concat();
         let (code, _, stderr) = plan(folder, &arguments);
         assert_eq!(code, 2, "{stderr}");
@@ -79,6 +83,41 @@ fn proposed_options_work() {
         let (code, _, stderr) = plan(folder, &arguments);
         assert_eq!(code, 0, "{arguments:?}: {stderr}");
     }
+}
+
+#[test]
+fn corners_are_rounded_and_long_drawings_shrunk_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    drawing(
+        folder,
+        "<path fill='none' stroke='red' d='M20 20L150 20L150 150'/>",
+    );
+    let (code, stdout, stderr) = plan(folder, &["--pattern", "d.svg"]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(
+        stderr.contains("too sharp for the rod are rounded"),
+        "{stderr}"
+    );
+    assert!(stderr.contains("the rod will slide there"), "{stderr}");
+    let record: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let deviation = record["deviation_m"].as_f64().unwrap();
+    assert!(deviation > 2.5e-4 && deviation < 0.05 * 0.13, "{deviation}");
+    drawing(
+        folder,
+        "<path fill='none' stroke='red' d='M0 0C1500 0 500 1500 2000 1500'/>",
+    );
+    let fit = ["--pattern", "d.svg", "--size", "fit"];
+    let (code, _, stderr) = plan(folder, &fit[..2]);
+    assert_eq!(code, 2, "{stderr}");
+    let (code, stdout, stderr) = plan(folder, &fit);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(
+        stderr.contains("--size fit: the longer side is"),
+        "{stderr}"
+    );
+    let record: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert!(record["length_m"].as_f64().unwrap() < record["rod_length_m"].as_f64().unwrap());
 }
 
 #[test]

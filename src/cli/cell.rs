@@ -86,6 +86,9 @@ struct ServeArguments {
     /// Supply rods that hang in the air with this free length, for `rodlab identify --rod`
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, requires = "rod", conflicts_with_all = ["free_end", "second_rod"])]
     hanging: Option<f64>,
+    /// Keep laid rods on the table when the next one is supplied
+    #[arg(long, hide_short_help = true, requires = "rod")]
+    keep_rods: bool,
     /// Rod file for all arms except the first [default: that of --rod]
     #[arg(long, value_name = "FILE", requires = "rod", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     second_rod: Option<PathBuf>,
@@ -175,6 +178,8 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
             lag: arguments.lag,
         },
         supply,
+        further: Vec::new(),
+        rods_stay: arguments.keep_rods,
         second_supply: second_supply.transpose()?,
         sheet: sheet.transpose()?,
         chucked,

@@ -12,7 +12,7 @@ use rodlab_lab::experiment::case_set;
 use rodlab_lab::identify::ROD;
 use rodlab_lab::run::RunOptions;
 use rodlab_planning::plan::deployment::Spare;
-use rodlab_workcell::task::{DeployTask, Planning, TaskCommand, Way};
+use rodlab_workcell::task::{DrawingTask, Planning, TaskCommand, Way, stroke_folder};
 use rodlab_workcell::virtual_cell::RodSupply;
 
 const HELP: [&str; 2] = help!(
@@ -125,31 +125,56 @@ impl InCell<DeployArguments> {
 
 impl TaskCommand for DeployArguments {
     const NAME: &'static str = "deploy";
-    type Task = DeployTask;
+    type Task = DrawingTask;
     type Error = Failure;
 
     fn way(&self) -> Way<'_> {
         self.laying.way()
     }
 
-    fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<DeployTask, Failure> {
-        let plan = &self.plan;
-        plan.use_rod_of(planning.cell);
-        let laying = Laying {
-            name: plan.pattern_name(),
-            outline: plan.outline()?,
-            fixtures: None,
-            is_corrected: self.correct,
-            supply: &|_| {
-                let simulated = self.simulated_rod.as_deref();
-                let rod = simulated.map_or_else(|| plan.expected_rod(), Ok)?;
-                Ok(RodSupply::new(rod, FRICTION)?)
-            },
-        };
-        self.laying
-            .plan(planning, arms[0], laying, |spare, directory| {
+    fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<DrawingTask, Failure> {
+        self.plan.use_rod_of(planning.cell);
+        let plans = self.plan.strokes()?;
+        let outlines = plans.iter().map(DeploymentPlan::outline);
+        let outlines = outlines.collect::<Result<Vec<_>, _>>()?;
+        // All strokes of a drawing have one frame.
+        let place = self.laying.task.place(planning.cell, &outlines.concat())?;
+        let is_alone = plans.len() == 1;
+        if !is_alone && place.pose().is_none() {
+            return Err(Failure::Input(
+                "--place auto is for a single stroke: several strokes keep their places to each other".into(),
+            ));
+        }
+        let mut strokes = Vec::new();
+        for (index, (plan, outline)) in plans.iter().zip(outlines).enumerate() {
+            let folder = stroke_folder(index);
+            let laying = Laying {
+                name: plan.pattern_name(),
+                outline,
+                place: Some(place),
+                folder: if is_alone { "" } else { &folder },
+                fixtures: None,
+                is_corrected: self.correct,
+                supply: &|_| self.supply(plan),
+            };
+            let plan = |spare: &Spare<'_>, directory: &Path| {
                 let written = plan.write(directory, spare)?;
                 Ok((written.rod, written.path))
-            })
+            };
+            strokes.push(self.laying.plan(planning, arms[0], laying, plan)?);
+        }
+        Ok(DrawingTask::new(self.plan.pattern_name(), strokes))
+    }
+}
+
+impl DeployArguments {
+    /// Rods of a simulated cell for a plan.
+    fn supply(&self, plan: &DeploymentPlan) -> Result<RodSupply, Failure> {
+        let simulated = self.simulated_rod.as_deref();
+        let rod = simulated.map_or_else(|| plan.expected_rod(), Ok)?;
+        Ok(match plan.cut_length()? {
+            Some(length) => RodSupply::cut(rod, FRICTION, length)?,
+            None => RodSupply::new(rod, FRICTION)?,
+        })
     }
 }

@@ -34,6 +34,18 @@ pub fn drawn_points(path: &Path, part: Part<'_>) -> Result<Option<Vec<Point>>, F
     }
 }
 
+/// The strokes of an SVG drawing except the background of the page, m, joined across gaps up to
+/// `join`, m.
+pub fn drawn_strokes(path: &Path, join: Option<f64>) -> Result<Vec<Vec<Point>>, Failure> {
+    let mut drawing = svg_drawing(path).map_err(Failure::Input)?;
+    if let Some(gap) = join {
+        drawing = drawing.joined(gap).at(path.display())?;
+    }
+    let strokes = drawing.strokes.into_iter();
+    let strokes = strokes.filter(|stroke| !stroke.is_background);
+    Ok(strokes.map(|stroke| stroke.points).collect())
+}
+
 /// Number of a strand or a line, if given; `None` for `longest`, which is the default for
 /// photographs.
 pub fn counted(stroke: Option<&StrokeChoice>) -> Result<Option<usize>, Failure> {

@@ -7,6 +7,7 @@ use super::interruption::watch_for_interruption;
 use super::log_directory::{empty_directory, results_directory};
 use super::prelude::*;
 use super::safety_signals::{open_signals, write_signals};
+use super::standard_error;
 use super::status_line::StatusLine;
 use rodlab_files::results::write_whole;
 use rodlab_robot::JointTrajectory;
@@ -116,6 +117,14 @@ fn write_motion<T: Task>(
     Ok(motion)
 }
 
+/// Asks the user to do something on the terminal; whether the task continues.
+fn is_confirmed(words: &str) -> bool {
+    standard_error::report(&format!("{words}, then press Enter (n ends the task): "));
+    let mut answer = String::new();
+    let read = std::io::stdin().read_line(&mut answer);
+    read.is_ok_and(|length| length > 0) && !answer.trim().to_ascii_lowercase().starts_with('n')
+}
+
 impl Work<'_> {
     /// Carries out a task after the arms may move, and clears the marks of arms that finished
     /// their work.
@@ -133,7 +142,7 @@ impl Work<'_> {
         self.chosen
             .confirm(arms, &report, self.directory, self.choice)?;
         let (live, plan) = (&self.choice.live, self.motion.as_slice());
-        let page = live.page(cell, plan, self.directory, &self.speed_override)?;
+        let page = live.page(cell, plan, &self.speed_override)?;
         let interrupted = watch_for_interruption()?;
         let line = StatusLine::new(self.common);
         let mut displays: Vec<&dyn Display> = vec![&line];
@@ -149,6 +158,7 @@ impl Work<'_> {
             is_interrupted: &|| {
                 interrupted.is_raised() || page.as_ref().is_some_and(LivePage::is_stopped)
             },
+            ask: &|words| !is_real || self.choice.yes || is_confirmed(words),
             signals: signals.as_ref(),
             display: &Displays(displays),
             speed_scale,
@@ -217,7 +227,7 @@ impl Work<'_> {
             WorkError::NotSeenWhole(_) => Failure::Other {
                 exit_code: NOT_SEEN_WHOLE,
                 message: format!(
-                    "{in_words}; nothing is scored; see overlay.png and rod.csv in {directory}"
+                    "{in_words}; it is not scored; see overlay.png and rod.csv in {directory}"
                 ),
             },
             WorkError::Failed(_) | WorkError::Results(_) => Failure::System(message),

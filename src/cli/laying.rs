@@ -5,6 +5,7 @@ use rodlab_lab::experiment::Fixtures;
 use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, Spare};
 use rodlab_robot::Pose;
 use rodlab_vision::{ColourRule, Point};
+use rodlab_workcell::cell::Place;
 use rodlab_workcell::task::{
     Correction, DeployPlan, DeployTask, MotionRequest, Planning, TaskArguments, Way,
 };
@@ -26,6 +27,10 @@ pub struct Laying<'a> {
     pub name: &'a str,
     /// The pattern without lead-in and lead-out, m.
     pub outline: Vec<Point>,
+    /// Place of its frame; `None` for that of the arguments.
+    pub place: Option<Place>,
+    /// Folder of the results for the plan.
+    pub folder: &'a str,
     /// Pegs between which the rod is laid.
     pub fixtures: Option<Fixtures>,
     /// Whether the path is replanned from pictures of the rod.
@@ -56,15 +61,23 @@ impl LayingArguments {
         let request = MotionRequest {
             cell: planning.cell,
             arm,
-            place: self.task.place(planning.cell, &laying.outline)?,
+            place: match laying.place {
+                Some(place) => place,
+                None => self.task.place(planning.cell, &laying.outline)?,
+            },
             speed: self.task.hand_speed,
             margin: self.task.margin,
         };
-        let directory = planning.directory()?.join("plan");
+        let directory = planning.directory()?.join(laying.folder).join("plan");
         let (rod, path, motion) = request.plan(|spare| plan(spare, &directory))?;
         planning.furnish(|settings| -> Result<(), Failure> {
             let supply = (laying.supply)(motion.frame)?;
-            settings.supply = Some(supply.beginning_at(&motion.frame, path.points[0].position));
+            let supply = supply.beginning_at(&motion.frame, path.points[0].position);
+            match settings.supply {
+                Some(_) => settings.further.push(supply),
+                None => settings.supply = Some(supply),
+            }
+            settings.rods_stay = !settings.further.is_empty();
             Ok(())
         })?;
         let speed = self.task.hand_speed;

@@ -52,14 +52,13 @@ impl LiveArguments {
         &self,
         cell: &'a Cell,
         plan: &[JointTrajectory],
-        directory: &Path,
         speed: &SpeedOverride,
     ) -> Result<Option<LivePage<'a>>, Failure> {
         let Some(port) = self.watch else {
             return Ok(None);
         };
         let fixed = cell.streaming.horizon.is_none().then_some(FIXED);
-        let page = LivePage::serve(cell, plan, directory, port, speed, fixed);
+        let page = LivePage::serve(cell, plan, port, speed, fixed);
         let page = page.map_err(|error| {
             Failure::System(format!("--watch: port {port} cannot be used: {error}"))
         })?;

@@ -1,6 +1,6 @@
 //! Patterns as arguments: formulas and drawings.
 
-use super::drawn_pattern::{Part, counted, drawn_points};
+use super::drawn_pattern::{Part, counted, drawn_points, drawn_strokes};
 use super::middle_line::{POINT_STEP, middle_line};
 use super::picture_source::has_ending;
 use super::prelude::*;
@@ -15,11 +15,15 @@ use rodlab_vision::{
 };
 use std::sync::OnceLock;
 
+/// Choice of all strokes.
+const ALL: &str = "all";
+/// Largest number of strokes that are laid without a choice.
+const MOST_STROKES: usize = 12;
 /// Default distance of the smooth curve from the drawing, m.
 const DEVIATION: f64 = 2.5e-4;
 
 /// Pattern along which a rod is laid.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct PatternArguments {
     /// Pattern: an SVG or CSV file, a photographed drawing, or line:…, circle:… or sine:…
     ///
@@ -34,6 +38,7 @@ pub struct PatternArguments {
     size: Option<DrawingSize>,
     /// Stroke of the drawing: number from 1, id, or `longest` [default: the only one]
     ///
+    /// `deploy` lays a rod along each stroke if there are several, up to twelve.
     /// Strokes of an SVG have numbers and ids, strands of a CSV file and lines of a photographed drawing only numbers. Of a
     /// photograph the longest line is the default.
     #[arg(long, hide_short_help = true, value_name = "STROKE")]
@@ -118,6 +123,55 @@ impl PatternArguments {
     /// The pattern as given.
     pub fn name(&self) -> &str {
         &self.pattern.name
+    }
+
+    /// This pattern, once for each stroke of its drawing, at one scale, if the drawing has several
+    /// and none is selected, or if `all` are.
+    pub fn strokes(&self) -> Result<Vec<Self>, Failure> {
+        let path = Path::new(&self.pattern.source);
+        let all = StrokeChoice::Id(ALL.into());
+        let is_open = self.stroke.as_ref().is_none_or(|choice| *choice == all);
+        if !(is_open && has_ending(path, &["svg"])) || self.centreline {
+            return Ok(vec![self.clone()]);
+        }
+        let strokes = drawn_strokes(path, self.join)?;
+        match strokes.len() {
+            0 | 1 => return Ok(vec![self.clone()]),
+            // The message lists them.
+            count if count > MOST_STROKES => return Ok(vec![self.clone()]),
+            _ => {}
+        }
+        let whole: Vec<Point> = strokes.concat();
+        let scale = self
+            .longer_side()
+            .map_or(1.0, |side| side / longer_side(&whole));
+        let as_drawn = Drawing {
+            size: None,
+            reverse: self.reverse,
+        };
+        let stroke = |(number, points): (usize, Vec<Point>)| {
+            let points = points.into_iter().map(|point| scale * point).collect();
+            let source = PatternSource::Drawn {
+                points: as_drawn.of(points).at(&self.pattern.name)?,
+                deviation: self.deviation(),
+            };
+            let mut own = self.clone();
+            own.stroke = Some(StrokeChoice::Number(number));
+            own.pattern.name = format!("{}, stroke {number}", self.pattern.name);
+            own.read = OnceLock::from(source);
+            Ok(own)
+        };
+        (1..).zip(strokes).map(stroke).collect()
+    }
+
+    /// Turns a drawn pattern round.
+    pub fn turn_round(&mut self) -> Result<(), Failure> {
+        let mut source = self.source()?;
+        if let PatternSource::Drawn { points, .. } = &mut source {
+            points.reverse();
+        }
+        self.read = OnceLock::from(source);
+        Ok(())
     }
 
     /// A second pattern from a file, drawn at the scale of this one; without a file, from the file

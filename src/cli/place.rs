@@ -57,6 +57,8 @@ impl TaskCommand for PlaceArguments {
         let laying = Laying {
             name: &self.scenario.display().to_string(),
             outline: placement.fixtures.outline(),
+            place: None,
+            folder: "",
             fixtures: Some(placement.fixtures.clone()),
             is_corrected: false,
             supply: &|frame| {

@@ -7,7 +7,7 @@ use rodlab_files::finite::NotFinite;
 use rodlab_lab::experiment::{Landing, RodFile};
 use rodlab_planning::plan::deployment::{
     DeployedRod, DeploymentError, Feasibility, GripperPose, LaidPath, MOST_POSES, OptimalGrasps,
-    Scheme, Spare, timed, when_laid,
+    SUSPENDED, Scheme, Spare, timed, when_laid,
 };
 use rodlab_planning::plan::files::{drawing_csv, path_files, trajectory_csv, trajectory_json};
 use rodlab_planning::plan::grasp::NeuralGrasps;
@@ -19,6 +19,10 @@ use rodlab_workcell::task::{KnotPlan, PlannedRod};
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
+/// Coefficient of friction that few tables exceed.
+const LARGEST_FRICTION: f64 = 1.0;
+/// Distance, in radii, within which a stroke begins at another one.
+const NEAR: f64 = 4.0;
 /// Schemes of leading the rod.
 const SCHEMES: [Named<Scheme>; 2] = [
     (
@@ -49,7 +53,7 @@ pub struct DeploymentArguments {
 }
 
 /// Rod, pattern and scheme of a deployment.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct DeploymentPlan {
     #[command(flatten)]
     source: PatternArguments,
@@ -67,6 +71,9 @@ pub struct DeploymentPlan {
     chosen: OnceLock<PathBuf>,
     #[arg(skip)]
     identified: OnceLock<PathBuf>,
+    /// Whether the rod is cut to the length of the pattern.
+    #[arg(skip)]
+    is_cut: bool,
     /// Scheme by which the gripper leads the rod
     #[arg(long, hide_short_help = true, default_value = "optimal", value_parser = named(&SCHEMES))]
     scheme: Scheme,
@@ -184,9 +191,10 @@ impl DeploymentPlan {
     /// Plans, and writes trajectory, pattern and figure into a directory. `spare` determines how
     /// the spare length of a rod is laid, unless the arguments do.
     pub fn write(&self, out: &Path, spare: &Spare<'_>) -> Result<WrittenPlan, Failure> {
-        let file = RodFile::read(self.rod_file()?)?;
-        let rod = file.rod;
+        let mut file = RodFile::read(self.rod_file()?)?;
         let source = self.fitted()?;
+        file.rod.length = self.cut_length()?.unwrap_or(file.rod.length);
+        let rod = file.rod;
         let network = self.network()?;
         let mut request = self.request();
         request.friction = self.friction(&file)?;
@@ -262,6 +270,7 @@ impl DeploymentPlan {
             write_file(&path, text.as_bytes())?;
             files.push(path);
         }
+        warn_of_sliding(&planned.feasibility, name);
         let exact = path.poses.iter().filter(|pose| pose.grasp.is_some());
         let report = Report {
             pattern: name.to_owned(),
@@ -417,6 +426,59 @@ impl DeploymentPlan {
         Ok(self.fitted.get_or_init(|| fitted).clone())
     }
 
+    /// Plans of all strokes of a drawing, with one kind of rod that is cut to the length of each;
+    /// a single plan with the whole rod if there is only one.
+    pub fn strokes(&self) -> Result<Vec<Self>, Failure> {
+        let sources = self.source.strokes()?;
+        if sources.len() == 1 {
+            return Ok(vec![self.clone()]);
+        }
+        let mut plans: Vec<Self> = Vec::new();
+        for source in sources {
+            plans.push(Self {
+                source,
+                fitted: OnceLock::new(),
+                is_cut: true,
+                ..self.clone()
+            });
+        }
+        let length = |plan: &Self| plan.source.source().map_or(0.0, |one| one.drawn_length());
+        let longest = plans.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
+        let rod = longest
+            .map(Self::expected_rod)
+            .transpose()?
+            .map(Path::to_owned);
+        let mut lying: Vec<Vec<Point>> = Vec::new();
+        for plan in &mut plans {
+            plan.chosen.get_or_init(|| rod.clone().unwrap_or_default());
+            let near = NEAR * RodFile::read(plan.rod_file()?)?.rod.radius;
+            let drawn = plan.source.source()?.drawn_points().to_vec();
+            let is_near = |end: Option<&Point>| {
+                let mut lines = lying.iter();
+                end.is_some_and(|end| lines.any(|line| distance(end, line) < near))
+            };
+            // The free end of a rod is put on the table; its other end may fall onto another rod.
+            if is_near(drawn.first()) && !is_near(drawn.last()) {
+                plan.source.turn_round()?;
+            }
+            lying.push(drawn);
+        }
+        Ok(plans)
+    }
+
+    /// Length to which the rod is cut, m: that of the pattern with its lead-in, and the rest that
+    /// hangs from the gripper at the end.
+    pub fn cut_length(&self) -> Result<Option<f64>, Failure> {
+        if !self.is_cut {
+            return Ok(None);
+        }
+        let rod = RodFile::read(self.rod_file()?)?.rod;
+        let pattern = self.request().pattern(&self.fitted()?, &rod);
+        let pattern = pattern.at(self.source.name())?;
+        let length = pattern.length() + SUSPENDED * rod.gravito_bending_length;
+        Ok(Some(length.min(rod.length)))
+    }
+
     /// The pattern without lead-in and lead-out, m.
     pub fn outline(&self) -> Result<Vec<Point>, Failure> {
         let pattern = self.fitted()?.pattern().at(self.source.name())?;
@@ -554,6 +616,31 @@ impl CrossingReport {
             y_m: crossing.position.y,
         }
     }
+}
+
+/// Warns if a pattern needs more friction than the table has.
+fn warn_of_sliding(feasibility: &Feasibility, name: &str) {
+    let demand = feasibility.largest_demand;
+    let table = match feasibility.friction {
+        Some(friction) if demand > friction => format!("the table has {friction}"),
+        None if demand > LARGEST_FRICTION => "few tables have more than 1".to_owned(),
+        _ => return,
+    };
+    tracing::warn!(
+        "{name} needs friction of up to {demand:.2}, and {table}: the rod will slide there; draw it larger, or with rounder bends"
+    );
+}
+
+/// Distance of a point from a line, m.
+fn distance(point: &Point, line: &[Point]) -> f64 {
+    let to_segment = |pair: &[Point]| {
+        let along = pair[1] - pair[0];
+        let part = (point - pair[0]).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+        (point - pair[0] - part.clamp(0.0, 1.0) * along).norm()
+    };
+    line.windows(2)
+        .map(to_segment)
+        .fold(f64::INFINITY, f64::min)
 }
 
 fn is_unstable(pose: &GripperPose) -> bool {

@@ -57,6 +57,14 @@ pub struct ReplayArguments {
 struct Answer<'a> {
     page: &'a Path,
     motions: &'a [ReplayedMotion],
+    rods: Vec<ScoredRod>,
+}
+
+/// A laid rod.
+#[derive(Serialize)]
+struct ScoredRod {
+    /// Folder of its stroke; empty if it is the only one.
+    stroke: String,
     /// Score of the picture with this version and these options.
     score: Option<DeployScore>,
     /// Score in the results.
@@ -72,17 +80,22 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     let cell = Cell::read(&file)?;
     let log = read_log(directory, &cell).or_input()?;
     let mut lines = paths(&log, &cell);
-    let laid = LaidRod::read(directory).or_input()?;
-    let recorded_score = laid.as_ref().and_then(|laid| laid.recorded);
     let picture = directory.join("picture.png");
-    let mut score = None;
-    if let Some(laid) = laid.filter(|_| picture.is_file()) {
-        match laid.score(&read_picture(&picture)?, &cell, &colour) {
-            Ok(again) => {
-                lines.push(rod_line(&laid, &again.rod));
-                score = Some(again.score);
-            }
-            Err(error) => tracing::warn!("{}: {error}", picture.display()),
+    let mut rods = Vec::new();
+    if picture.is_file() {
+        let seen = read_picture(&picture)?;
+        for laid in LaidRod::read(directory).or_input()? {
+            let again = laid.score(&seen, &cell, &colour);
+            let again = again.inspect_err(|error| {
+                tracing::warn!("{} {}: {error}", picture.display(), laid.name);
+            });
+            let again = again.ok();
+            lines.extend(again.iter().map(|again| rod_line(&laid, &again.rod)));
+            rods.push(ScoredRod {
+                stroke: laid.name,
+                score: again.map(|again| again.score),
+                recorded_score: laid.recorded,
+            });
         }
     }
     let page = cell.page(Some(&log.measured), arguments.outputs as usize, &lines);
@@ -92,8 +105,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     let answer = Answer {
         page: &to,
         motions: &log.motions,
-        score,
-        recorded_score,
+        rods,
     };
     match arguments.json {
         true => print_json(&answer)?,
@@ -150,7 +162,9 @@ fn rod_line(laid: &LaidRod, rod: &[Point]) -> Line {
     let stride = rod.len().div_ceil(PATH_POINTS).max(1);
     let place = |point: &Point| (laid.frame * Point3::new(point.x, point.y, laid.radius)).coords;
     Line {
-        name: "rod in the picture".into(),
+        name: format!("rod in the picture {}", laid.name)
+            .trim_end()
+            .into(),
         radius: laid.radius,
         points: rod.iter().step_by(stride).map(place).collect(),
     }
@@ -182,10 +196,17 @@ impl Answer<'_> {
                 motion.ending
             );
         }
-        for (name, score) in [
-            ("picture scored again", &self.score),
-            ("score in the results", &self.recorded_score),
-        ] {
+        let scores = self.rods.iter().flat_map(|rod| {
+            let named = |words: &str| match rod.stroke.as_str() {
+                "" => String::from(words),
+                stroke => format!("{stroke}, {words}"),
+            };
+            [
+                (named("picture scored again"), &rod.score),
+                (named("score in the results"), &rod.recorded_score),
+            ]
+        });
+        for (name, score) in scores {
             if let Some(score) = score {
                 let errors = [&score.by_arc_length, &score.by_nearest_point];
                 let [along, near] = errors

@@ -168,9 +168,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         ))
     };
     let mut log = StreamLog::open(&directory).map_err(unwritable)?;
-    let page = arguments
-        .live
-        .page(&cell, &trajectories, &directory, &speed_override)?;
+    let page = arguments.live.page(&cell, &trajectories, &speed_override)?;
     let interrupted = watch_for_interruption()?;
     let guarded = Guarded {
         guard: ArmGuard::new(&cell),

@@ -265,6 +265,36 @@ mod tests {
     }
 
     #[test]
+    fn only_allowed_properties_change_and_corners_only_a_little() {
+        let request = DeploymentRequest::default();
+        let changed =
+            |size: f64, changes: Changes| request.allowed_remedy(&corner(size), &ROD, changes);
+        let [deviation, both] = [false, true].map(|size| Changes {
+            size,
+            deviation: true,
+        });
+        assert_eq!(changed(0.1, Changes::NONE), None);
+        let round = changed(0.1, deviation).unwrap();
+        assert_eq!(round.size, None);
+        assert!(
+            round.deviation.unwrap() <= LARGEST_ROUNDING * 0.1,
+            "{round}"
+        );
+        let round = round.applied(corner(0.1)).unwrap();
+        assert!(request.plan(&round, &ROD, &Spare::HANGS).is_ok());
+        // It can be laid now.
+        assert_eq!(request.allowed_remedy(&round, &ROD, both), None);
+        // Too long for the rod, and, when it is small enough, with a corner.
+        assert_eq!(changed(10.0, deviation), None);
+        let small = changed(10.0, both).unwrap();
+        assert!(small.size.is_some_and(|size| size < 1.0), "{small}");
+        let small = small.applied(corner(10.0)).unwrap();
+        assert!(request.plan(&small, &ROD, &Spare::HANGS).is_ok());
+        // The corner of a drawing of the size of the rod's radius would be rounded away.
+        assert_eq!(changed(0.004, deviation), None);
+    }
+
+    #[test]
     fn proposed_values_work_and_smaller_ones_do_not() {
         let request = DeploymentRequest::default();
         let spare = Spare::HANGS;

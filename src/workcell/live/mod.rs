@@ -7,11 +7,11 @@
 mod server;
 mod state;
 
-use crate::cell::{Cell, Line};
+use crate::cell::Cell;
 use crate::task::{Display, LaidLength, SpeedOverride, Stage};
 use rodlab_robot::{JointTrajectory, StreamState};
 use server::Server;
-use state::{MotionState, Picture, Scene, Shared, State, StepState};
+use state::{MotionState, Picture, Scene, Shared, State, StepState, Stroke};
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
 use std::io;
@@ -34,15 +34,14 @@ pub struct LivePage<'a> {
 
 impl<'a> LivePage<'a> {
     /// Serves the page of a task in a cell on a port of this computer; zero selects a free one.
-    /// `plan` has the planned motions, `directory` has the pictures. The page changes `speed` unless
-    /// `fixed`, the reason why it cannot, is given.
+    /// `plan` has the planned motions. The page changes `speed` unless `fixed`, the reason why it
+    /// cannot, is given.
     ///
     /// # Errors
     /// The port is in use.
     pub fn serve(
         cell: &'a Cell,
         plan: &[JointTrajectory],
-        directory: &Path,
         port: u16,
         speed: &SpeedOverride,
         fixed: Option<&str>,
@@ -64,7 +63,6 @@ impl<'a> LivePage<'a> {
         let shared = Arc::new(Shared::new(
             scene,
             State::at_rest(homes),
-            directory.to_owned(),
             speed.clone(),
             token,
         ));
@@ -129,32 +127,17 @@ impl Display for LivePage<'_> {
         });
     }
 
-    fn wrote(&self, name: &str) {
-        if Path::new(name)
-            .extension()
-            .is_some_and(|kind| kind == "png")
-        {
+    fn wrote(&self, file: &Path) {
+        if file.extension().is_some_and(|kind| kind == "png") {
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
             self.change(|state| {
                 let number = state.picture.as_ref().map_or(1, |last| last.number + 1);
-                let name = name.to_owned();
-                state.picture = Some(Picture { name, number });
+                state.picture = Some(Picture {
+                    name: name.into_owned(),
+                    number,
+                    file: file.to_owned(),
+                });
             });
-        }
-    }
-}
-
-/// A line of the page: its radius, m, and its points, m.
-#[derive(Clone, Debug, serde::Serialize)]
-struct Stroke {
-    radius: f64,
-    points: Vec<[f64; 3]>,
-}
-
-impl From<Line> for Stroke {
-    fn from(line: Line) -> Self {
-        Self {
-            radius: line.radius,
-            points: line.points.into_iter().map(Into::into).collect(),
         }
     }
 }

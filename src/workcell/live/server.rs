@@ -3,7 +3,6 @@
 use super::state::Shared;
 use std::fs;
 use std::io::{self, Read};
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
@@ -117,6 +116,6 @@ fn speed(request: &mut Request) -> Option<f64> {
 }
 
 fn picture(shared: &Shared) -> Option<Vec<u8>> {
-    let name = shared.state().picture.as_ref()?.name.clone();
-    fs::read(shared.directory.join(Path::new(&name))).ok()
+    let file = shared.state().picture.as_ref()?.file.clone();
+    fs::read(file).ok()
 }

@@ -1,6 +1,5 @@
 //! What the live page shows, shared with the thread of its server.
 
-use super::Stroke;
 use crate::cell::Line;
 use crate::task::{LaidLength, SpeedOverride};
 use nalgebra::Point3;
@@ -93,11 +92,13 @@ impl MotionState {
     }
 }
 
-/// The last picture: a file of the results directory, with a number that grows.
+/// The last picture: a file of the results, with a number that grows.
 #[derive(Clone, Serialize)]
 pub(super) struct Picture {
     pub name: String,
     pub number: usize,
+    #[serde(skip)]
+    pub file: PathBuf,
 }
 
 impl State {
@@ -141,26 +142,18 @@ pub(super) struct Shared {
     /// Time of the last request, and whether it has read the end of the task.
     read: Mutex<(Option<Instant>, bool)>,
     end_was_read: Condvar,
-    pub directory: PathBuf,
     pub speed: SpeedOverride,
     pub is_stopped: AtomicBool,
     pub token: String,
 }
 
 impl Shared {
-    pub(super) fn new(
-        scene: Scene,
-        state: State,
-        directory: PathBuf,
-        speed: SpeedOverride,
-        token: String,
-    ) -> Self {
+    pub(super) fn new(scene: Scene, state: State, speed: SpeedOverride, token: String) -> Self {
         Self {
             scene,
             state: Mutex::new(state),
             read: Mutex::default(),
             end_was_read: Condvar::new(),
-            directory,
             speed,
             is_stopped: AtomicBool::new(false),
             token,
@@ -224,6 +217,22 @@ impl Shared {
             let waits = |read: &mut (Option<Instant>, bool)| !read.1;
             let waited = self.end_was_read.wait_timeout_while(read, most, waits);
             drop(waited);
+        }
+    }
+}
+
+/// A line of the page: its radius, m, and its points, m.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Stroke {
+    radius: f64,
+    points: Vec<[f64; 3]>,
+}
+
+impl From<Line> for Stroke {
+    fn from(line: Line) -> Self {
+        Self {
+            radius: line.radius,
+            points: line.points.into_iter().map(Into::into).collect(),
         }
     }
 }

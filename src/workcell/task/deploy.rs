@@ -2,9 +2,8 @@
 
 use super::correction::Correction;
 use super::deploy_plan::DeployPlan;
-use super::deploy_record::{DeployRecord, DeployScore};
+use super::deploy_record::{DeployRecord, DeployScore, PATTERN};
 use super::error::WorkError;
-use super::laid_rod::PATTERN;
 use super::stage::Stage;
 use super::step::{Step, Task};
 use super::stopped::LaidAlong;
@@ -22,7 +21,7 @@ const APPROACH: Stage = Stage::new(
     "going to the first point",
     "no rod is laid yet: inspect the arm and its surroundings, then run the command again with --checked",
 );
-const TAKE: Stage = Stage::new(
+pub(super) const TAKE: Stage = Stage::new(
     "take",
     "taking the rod",
     "no rod is laid yet: check whether the gripper holds the rod, open it, then run the command again with --checked",
@@ -38,14 +37,14 @@ const LET_GO: Stage = Stage::new(
     "letting it go",
     "the rod is laid up to the gripper, which may still hold it: inspect the arm and open the gripper; pass --checked to the next task",
 );
-const RETREAT: Stage = Stage::new(
+pub(super) const RETREAT: Stage = Stage::new(
     "retreat",
     "going out of the picture",
     "the rod is laid and released: inspect the arm and move it out of the picture; `rodlab trace` with the camera and `rodlab score` \
      show the rod; pass --checked to the next task",
 );
-const LOOK: Stage = Stage::new("look", "looking", LIES);
-const SCORE: Stage = Stage::new("score", "scoring", LIES);
+pub(super) const LOOK: Stage = Stage::new("look", "looking", LIES);
+pub(super) const SCORE: Stage = Stage::new("score", "scoring", LIES);
 /// Advice after a task in which only the last picture, or its score, failed.
 const LIES: &str = "the rod is laid, and the arm is out of the way: inspect the camera and its picture; `rodlab trace` with the \
                     camera and `rodlab score` show the rod; pass --checked to the next task";
@@ -60,6 +59,8 @@ pub struct DeployTask {
     picture: Option<RgbImage>,
     /// Distance of the rod from the pattern, after the measurement.
     score: Option<Score>,
+    /// Whether the picture shows other rods, too.
+    lies_among_others: bool,
 }
 
 impl DeployTask {
@@ -71,6 +72,7 @@ impl DeployTask {
                 arm: cell.arms[plan.arm].name.clone(),
                 pattern: plan.name.clone(),
                 rod: plan.rod,
+                cut_length_m: None,
                 largest_friction_demand: plan.largest_friction_demand(),
                 motion: plan.motion.report.clone(),
                 seen_length: None,
@@ -81,7 +83,24 @@ impl DeployTask {
             correction,
             picture: None,
             score: None,
+            lies_among_others: false,
         }
+    }
+
+    /// The rod lies among others, and is the one that begins nearest to the start of its path.
+    pub(super) fn lies_among_others(&mut self) {
+        self.lies_among_others = true;
+        self.record.cut_length_m = Some(self.plan.rod.length);
+    }
+
+    /// The arm, and the greatest speed of its hand on the way to the rod, m/s.
+    pub(super) fn mover(&self) -> (usize, f64) {
+        (self.plan.arm, self.plan.approach_speed)
+    }
+
+    /// Uses a picture of the laid rod.
+    pub(super) fn saw(&mut self, picture: RgbImage) {
+        self.picture = Some(picture);
     }
 
     /// Distance of the rod from its pattern, after the measurement.
@@ -100,13 +119,16 @@ impl DeployTask {
         }
     }
 
-    fn score(&mut self, at: &Workplace<'_>) -> Result<(), WorkError> {
+    pub(super) fn score(&mut self, at: &Workplace<'_>) -> Result<(), WorkError> {
         let (plan, record) = (&self.plan, &mut self.record);
         let picture = self.picture.take().expect("a picture was taken");
         at.write(PATTERN, pattern_csv(&plan.pattern).as_bytes())?;
         let found = plan.seen(&picture, at.cell)?;
         found.write(&picture, at)?;
-        let rod = found.longest(plan.start())?;
+        let rod = match self.lies_among_others {
+            true => found.from(plan.start())?,
+            false => found.longest(plan.start())?,
+        };
         at.write("rod.csv", pattern_csv(&rod).as_bytes())?;
         let length = record.seen_length.insert(plan.seen_length(&found, &rod)?);
         if !length.is_whole() {
@@ -163,7 +185,7 @@ impl Task for DeployTask {
                 WorkingArm { at, arm }.go_home("retreat", speed)
             }),
             Step::new(&LOOK, |task: &mut Self, at| {
-                task.picture = Some(at.picture("picture.png")?);
+                task.saw(at.picture("picture.png")?);
                 Ok(())
             }),
             Step::new(&SCORE, Self::score),

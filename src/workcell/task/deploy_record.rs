@@ -8,6 +8,14 @@ use rodlab_vision::{CurveError, SeenLength};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
+/// The pattern in its own frame, with which the rod is compared: `x_m`, `y_m`.
+pub const PATTERN: &str = "pattern.csv";
+
+/// Folder of a stroke in the results, if there are several; strokes count from zero.
+pub fn stroke_folder(stroke: usize) -> String {
+    format!("stroke-{}", stroke + 1)
+}
+
 /// Distances of a rod from its pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DeployScore {
@@ -29,6 +37,9 @@ pub struct DeployRecord {
     /// The rod for which the path is planned.
     #[serde(skip)]
     pub rod: DeployedRod,
+    /// Length to which the rod is cut, m, if it is one of several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cut_length_m: Option<f64>,
     /// Largest coefficient of friction that the path needs.
     pub largest_friction_demand: f64,
     /// Numbers of the motion.
@@ -40,6 +51,28 @@ pub struct DeployRecord {
     /// The pegs that the rod passes on the same side as its pattern; `None` if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pegs: Option<PassedPegs>,
+}
+
+impl DeployRecord {
+    /// Adds the rows of one of several strokes to a report.
+    pub(super) fn rows_of_stroke(&self, number: usize, report: &mut Report) {
+        report.row(
+            &format!("stroke {number}"),
+            format!(
+                "a rod of {:.1} cm; friction needed: {:.2}; motion: {:.1} s",
+                1e2 * self.rod.length,
+                self.largest_friction_demand,
+                self.motion.duration_s
+            ),
+        );
+        let Some(score) = &self.score else { return };
+        let near = &score.by_nearest_point;
+        let [mean, deviation] = [near.mean_m, near.deviation_m].map(|metres| 1e3 * metres);
+        report.row(
+            &format!("distance of stroke {number} by nearest point"),
+            format!("{mean:.2} ± {deviation:.2} mm"),
+        );
+    }
 }
 
 impl TaskRecord for DeployRecord {

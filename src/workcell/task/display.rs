@@ -3,6 +3,7 @@
 use super::stage::Stage;
 use super::stopped::LaidLength;
 use rodlab_robot::StreamState;
+use std::path::Path;
 
 /// Shows the progress of a task.
 pub trait Display {
@@ -17,7 +18,7 @@ pub trait Display {
     fn joints(&self, _arm: &str, _joints: &[f64]) {}
 
     /// A file of the results was written.
-    fn wrote(&self, _name: &str) {}
+    fn wrote(&self, _file: &Path) {}
 }
 
 /// Shows everything on several displays.
@@ -36,8 +37,8 @@ impl Display for Displays<'_> {
         self.0.iter().for_each(|one| one.joints(arm, joints));
     }
 
-    fn wrote(&self, name: &str) {
-        self.0.iter().for_each(|one| one.wrote(name));
+    fn wrote(&self, file: &Path) {
+        self.0.iter().for_each(|one| one.wrote(file));
     }
 }
 

@@ -1,6 +1,6 @@
 //! A rod that a task has laid, from its results directory, to score its picture again.
 
-use super::deploy_record::DeployScore;
+use super::deploy_record::{DeployScore, PATTERN, stroke_folder};
 use super::error::WorkError;
 use super::look::Seen;
 use crate::cell::Cell;
@@ -11,14 +11,14 @@ use rodlab_vision::{
     ColourRule, Point, SCORE_POINTS, SeenLength, part_of_curve, read_curve, score,
 };
 use serde::Deserialize;
+use std::fmt::Display;
 use std::fs;
 use std::path::Path;
 
-/// The pattern in its own frame, with which the rod is compared: `x_m`, `y_m`.
-pub const PATTERN: &str = "pattern.csv";
-
 /// What the picture of a laid rod is compared with.
 pub struct LaidRod {
+    /// Folder of its stroke in the results; empty if it is the only one.
+    pub name: String,
     /// The frame of the pattern in the cell.
     pub frame: Pose,
     /// Radius of the rod, m.
@@ -47,7 +47,14 @@ pub struct Rescored {
 
 /// The part of `manifest.json` that is read.
 #[derive(Deserialize)]
-struct Manifest {
+#[serde(untagged)]
+enum Manifest {
+    Several { strokes: Vec<Laid> },
+    One(Laid),
+}
+
+#[derive(Deserialize)]
+struct Laid {
     motion: Place,
     seen_length: Option<Seeable>,
     score: Option<DeployScore>,
@@ -84,46 +91,56 @@ struct Rod {
 }
 
 impl LaidRod {
-    /// Reads the results of `rodlab deploy` or `rodlab place`; `None` for those of another task.
+    /// Reads the rods in the results of `rodlab deploy` or `rodlab place`, which have a picture;
+    /// none for those of another task.
     ///
     /// # Errors
     /// A file is missing or damaged.
-    pub fn read(directory: &Path) -> Result<Option<Self>, WorkError> {
+    pub fn read(directory: &Path) -> Result<Vec<Self>, WorkError> {
+        let path = directory.join(MANIFEST);
+        let manifest = match serde_json::from_str(&text(&path)?) {
+            Ok(manifest) => manifest,
+            // The manifest of another task.
+            Err(_) => return Ok(Vec::new()),
+        };
+        let rods = match manifest {
+            Manifest::One(laid) => vec![(String::new(), laid)],
+            Manifest::Several { strokes } => {
+                let strokes = strokes.into_iter().enumerate();
+                strokes
+                    .map(|(index, laid)| (stroke_folder(index), laid))
+                    .collect()
+            }
+        };
+        let has_pattern = |(name, _): &(String, Laid)| directory.join(name).join(PATTERN).is_file();
+        let rods = rods.into_iter().filter(has_pattern);
+        rods.map(|(name, laid)| Self::of(&directory.join(&name), name, laid))
+            .collect()
+    }
+
+    fn of(directory: &Path, name: String, laid: Laid) -> Result<Self, WorkError> {
         let landing = directory.join("plan/landing.toml");
-        let pattern = directory.join(PATTERN);
-        if !(landing.is_file() && pattern.is_file()) {
-            return Ok(None);
-        }
-        let text = |path: &Path| {
-            let unreadable = |error| WorkError::Failed(format!("{}: {error}", path.display()));
-            fs::read_to_string(path).map_err(unreadable)
-        };
-        let damaged = |path: &Path, error: &dyn std::fmt::Display| {
-            WorkError::Failed(format!("{}: {error}", path.display()))
-        };
         let Landing { deployment } =
             toml::from_str(&text(&landing)?).map_err(|error| damaged(&landing, &error))?;
-        let path = directory.join(MANIFEST);
-        let manifest: Manifest =
-            serde_json::from_str(&text(&path)?).map_err(|error| damaged(&path, &error))?;
         let Place {
             place_position,
             place_quaternion,
-        } = manifest.motion;
+        } = laid.motion;
         let frame = pose(place_position, place_quaternion)
-            .ok_or_else(|| damaged(&path, &"`place_quaternion` is no rotation"))?;
+            .ok_or_else(|| damaged(directory, &"`place_quaternion` is no rotation"))?;
         let path = read_curve(&directory.join("plan/pattern.csv"), None)?;
         let rod = deployment.rod;
-        Ok(Some(Self {
+        Ok(Self {
+            name,
             frame,
             radius: rod.radius,
             length: rod.length,
-            least: manifest.seen_length.map_or(rod.length, |seen| seen.least_m),
+            least: laid.seen_length.map_or(rod.length, |seen| seen.least_m),
             lead_in: deployment.lead_in,
             start: path[0],
-            pattern: read_curve(&pattern, None)?,
-            recorded: manifest.score,
-        }))
+            pattern: read_curve(&directory.join(PATTERN), None)?,
+            recorded: laid.score,
+        })
     }
 
     /// Finds the rod in a picture, and scores it.
@@ -137,7 +154,10 @@ impl LaidRod {
         colour: &ColourRule,
     ) -> Result<Rescored, WorkError> {
         let seen = Seen::of(picture, cell, &self.frame, self.radius, colour)?;
-        let rod = seen.longest(self.start)?;
+        let rod = match self.name.is_empty() {
+            true => seen.longest(self.start)?,
+            false => seen.from(self.start)?,
+        };
         let length = SeenLength::of(&rod, self.length).with_least(self.least);
         if !length.is_whole() {
             return Err(WorkError::NotSeenWhole(length.to_string()));
@@ -153,4 +173,12 @@ impl LaidRod {
             },
         })
     }
+}
+
+fn text(path: &Path) -> Result<String, WorkError> {
+    fs::read_to_string(path).map_err(|error| damaged(path, &error))
+}
+
+fn damaged(path: &Path, error: &dyn Display) -> WorkError {
+    WorkError::Failed(format!("{}: {error}", path.display()))
 }

@@ -3,6 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | `deploy` | a rod laid along a pattern by an arm: approach, take, lay, release, see, score |
+//! | `drawing` | rods laid along the strokes of a drawing |
 //! | `tie` | a knot tied by two arms |
 //! | `fold` | a sheet folded by an arm, with the camera |
 //! | `exploration` | the stability of helical rods, explored along a list of directions |
@@ -34,6 +35,7 @@ mod deploy;
 mod deploy_plan;
 mod deploy_record;
 mod display;
+mod drawing;
 mod error;
 mod exploration;
 mod first_run;
@@ -60,8 +62,9 @@ pub use command::{Planning, TaskCommand, Way};
 pub use correction::Correction;
 pub use deploy::DeployTask;
 pub use deploy_plan::DeployPlan;
-pub use deploy_record::{DeployRecord, DeployScore};
+pub use deploy_record::{DeployRecord, DeployScore, stroke_folder};
 pub use display::{Display, Displays, Hidden};
+pub use drawing::{DrawingRecord, DrawingTask};
 pub use error::{TaskError, WorkError};
 pub use exploration::{
     Exploration, ExplorationPlan, ExplorationRecord, ExplorationRow, ExplorationSummary,

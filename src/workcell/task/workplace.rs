@@ -28,6 +28,8 @@ pub struct Workplace<'a> {
     pub marks: &'a [Unfinished],
     /// Whether an interruption was requested.
     pub is_interrupted: &'a dyn Fn() -> bool,
+    /// Asks the user to do something and waits; whether the task may continue.
+    pub ask: &'a dyn Fn(&str) -> bool,
     /// Safety signals, if the cell has some.
     pub signals: Option<&'a Signals>,
     /// Display of the progress.
@@ -48,6 +50,7 @@ impl<'a> Workplace<'a> {
             is_recorded: false,
             marks: &[],
             is_interrupted: &|| false,
+            ask: &|_| true,
             signals: None,
             display: &Hidden,
             speed_scale: 1.0,
@@ -101,8 +104,9 @@ impl Workplace<'_> {
     /// # Errors
     /// The file cannot be written.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), WorkError> {
-        write_whole(&self.directory.join(name), bytes)?;
-        self.display.wrote(name);
+        let file = self.directory.join(name);
+        write_whole(&file, bytes)?;
+        self.display.wrote(&file);
         Ok(())
     }
 

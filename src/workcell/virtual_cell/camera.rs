@@ -31,8 +31,8 @@ const NEAREST: f64 = 0.2;
 /// Visible objects.
 #[derive(Default)]
 pub struct Scenery {
-    /// Nodes of each rod (two at most), m, and its radius, m.
-    pub rods: Vec<(Vec<Vector3>, f64)>,
+    /// Nodes of each rod, m, its radius, m, and its kind, 0 or 1, which sets the colour.
+    pub rods: Vec<(Vec<Vector3>, f64, usize)>,
     /// Positions of markers along the first rod, as fractions of its length.
     pub markers: Vec<f64>,
     /// A sheet.
@@ -107,12 +107,12 @@ pub fn picture(camera: &Camera, scenery: Scenery, number: u64) -> RgbImage {
         });
     };
     let mut markers = scenery.markers;
-    for ((nodes, radius), colour) in scenery.rods.iter().zip(RODS) {
+    for (nodes, radius, kind) in &scenery.rods {
         let points = fine(nodes, SPACING * radius);
         for place in markers.drain(..) {
             draw(marker(&points, place), MARKER[1], MARKER_COLOUR);
         }
-        draw(points, *radius, colour);
+        draw(points, *radius, RODS[*kind % RODS.len()]);
     }
     let tops = peg_tops(camera, &scenery.pegs);
     let sheet = scenery
@@ -239,7 +239,7 @@ mod tests {
         };
         let nodes: Vec<Vector3> = (0..=40).map(node).collect();
         let scenery = Scenery {
-            rods: vec![(nodes.clone(), 0.0016)],
+            rods: vec![(nodes.clone(), 0.0016, 0)],
             ..Scenery::default()
         };
         let picture = picture(&camera, scenery, 1);

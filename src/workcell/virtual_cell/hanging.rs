@@ -54,6 +54,7 @@ impl RodSupply {
 
 #[cfg(test)]
 mod tests {
+    use super::super::rod::HandOver;
     use super::*;
     use rodlab_lab::identify::HeldRod;
 
@@ -70,7 +71,13 @@ mod tests {
             Pose::from_parts(Translation3::new(0.1, 0.2, 1.0 + 0.1 * angle), turn * up)
         };
         let mut rod = supply
-            .handed(0, &tilted(0.0), &Pose::translation(0.3, -0.1, 0.05), 0.0)
+            .handed(&HandOver {
+                arm: 0,
+                supply: 0,
+                hand: tilted(0.0),
+                table: Pose::translation(0.3, -0.1, 0.05),
+                now: 0.0,
+            })
             .unwrap();
         let first = rod.nodes();
         assert!((first[0] - Vector3::new(0.1, 0.2, 0.88)).norm() < 1e-6);

@@ -22,6 +22,20 @@ const LEVEL: f64 = 0.5;
 /// Length of the initial line of a rod, relative to the length of the rod.
 const FIRST_LINE: f64 = 0.05;
 
+/// The hand-over of a rod to the gripper of an arm.
+pub struct HandOver {
+    /// The arm.
+    pub arm: usize,
+    /// Number of the supply of the rod.
+    pub supply: usize,
+    /// Pose of the hand in the cell.
+    pub hand: Pose,
+    /// Pose of the top of the table in the cell.
+    pub table: Pose,
+    /// Time, s.
+    pub now: f64,
+}
+
 /// Supplies rods of one kind, one after another, to grippers.
 pub struct RodSupply {
     pub(super) prepared: PreparedRun,
@@ -84,6 +98,15 @@ impl RodSupply {
     /// The file cannot be read, or is invalid.
     pub fn new(file: &Path, friction: f64) -> Result<Self, RodError> {
         Self::described(&extending(file)?, &Table::new(), friction)
+    }
+
+    /// As [`RodSupply::new`], but cut to a length, m.
+    ///
+    /// # Errors
+    /// Errors of [`RodSupply::new`].
+    pub fn cut(file: &Path, friction: f64, length: f64) -> Result<Self, RodError> {
+        let rod = toml! { rod = { length = length } };
+        Self::described(&extending(file)?, &rod, friction)
     }
 
     /// Rods of a deployment, on its table with its pegs; `frame` is the pose of its pattern in the
@@ -185,38 +208,29 @@ impl RodSupply {
         &self.rod
     }
 
-    /// Hands the end of a rod to the gripper of an arm at the time `now`, s. `hand` and `table`,
-    /// the pose of the top of the table, are in the cell. The free end lies on the table in the
-    /// direction of the gripper, so that the rod hangs freely, or at the place of
-    /// [`RodSupply::with_free_end`].
+    /// Hands the end of a rod to a gripper. The free end lies on the table in the direction of the
+    /// gripper, so that the rod hangs freely, or at the place of [`RodSupply::with_free_end`].
     ///
     /// # Errors
     /// A message: a rod of this length cannot hang there, or the rod cannot be simulated.
-    pub fn handed(
-        &self,
-        arm: usize,
-        hand: &Pose,
-        table: &Pose,
-        now: f64,
-    ) -> Result<SimulatedRod, String> {
-        let frame = self.frame(hand, table)?;
+    pub fn handed(&self, to: &HandOver) -> Result<SimulatedRod, String> {
+        let frame = self.frame(&to.hand, &to.table)?;
         let placed = Placed {
-            frame: table * frame,
+            frame: to.table * frame,
             end: self.end,
             radius: self.rod.radius,
         };
-        self.simulated(&self.prepared.scene, placed, &[], arm, now)
+        self.simulated(&self.prepared.scene, placed, &[], to)
     }
 
-    /// Starts the simulation of a scene whose last rod, of this kind, is handed to an arm;
-    /// `others` are on the table.
+    /// Starts the simulation of a scene whose last rod, of this kind, is handed over; `others` are
+    /// on the table.
     fn simulated(
         &self,
         scene: &Scene,
         placed: Placed,
         others: &[HandedRod],
-        arm: usize,
-        now: f64,
+        to: &HandOver,
     ) -> Result<SimulatedRod, String> {
         let mut scene = scene.clone();
         if let Some((fixtures, pegs)) = &self.fixtures {
@@ -229,14 +243,15 @@ impl RodSupply {
         let simulation = Simulation::new(&scene, &self.prepared.integration);
         let simulation = simulation.map_err(|error| error.to_string())?;
         let handed = HandedRod {
-            arm,
+            arm: to.arm,
+            supply: to.supply,
             nodes: self.prepared.scene.rods[0].centreline.len(),
             radius: self.rod.radius,
         };
         let rods = [others, &[handed]].concat();
         Ok(match self.is_free {
-            true => SimulatedRod::held_by(simulation, &placed, &rods, now),
-            false => SimulatedRod::handed(simulation, placed, &rods, now),
+            true => SimulatedRod::held_by(simulation, &placed, &rods, to.now),
+            false => SimulatedRod::handed(simulation, placed, &rods, to.now),
         })
     }
 
@@ -287,21 +302,19 @@ impl RodSupply {
         Ok(frame)
     }
 
-    /// Hands over a rod beside another rod of a different `kind`, which lies on the table and
-    /// which no gripper holds.
+    /// Hands over a rod beside others, of the given kinds, which lie on the table and which no
+    /// gripper holds.
     ///
     /// # Errors
     /// Errors of [`Self::handed`].
     pub fn handed_beside(
         &self,
-        (lying, kind): (&SimulatedRod, &Self),
-        arm: usize,
-        hand: &Pose,
-        table: &Pose,
-        now: f64,
+        lying: &SimulatedRod,
+        kinds: &[&Self],
+        to: &HandOver,
     ) -> Result<SimulatedRod, String> {
         let frame = lying.frame();
-        let moved = frame.inverse() * table * self.frame(hand, table)?;
+        let moved = frame.inverse() * to.table * self.frame(&to.hand, &to.table)?;
         let mut scene = self.prepared.scene.clone();
         let handed = &mut scene.rods[0];
         for node in &mut handed.centreline {
@@ -310,14 +323,19 @@ impl RodSupply {
         for tangent in handed.end_tangents.iter_mut().flatten() {
             *tangent = moved.rotation * *tangent;
         }
-        // The lying rod starts again from rest, without its twist.
-        let mut first = kind.prepared.scene.rods[0].clone();
-        first.name = "lying".into();
-        first.centreline = lying.positions().to_vec();
-        first.end_tangents = [None; 2];
-        scene.rods.insert(0, first);
+        // Lying rods start again from rest, without their twist.
+        let mut nodes = lying.positions();
+        for (index, (rod, kind)) in lying.rods().iter().zip(kinds).enumerate() {
+            let mut other = kind.prepared.scene.rods[0].clone();
+            let (own, rest) = nodes.split_at(rod.nodes);
+            nodes = rest;
+            other.name = format!("lying {}", index + 1);
+            other.centreline = own.to_vec();
+            other.end_tangents = [None; 2];
+            scene.rods.insert(index, other);
+        }
         for clamp in &mut scene.clamps {
-            clamp.rod += 1;
+            clamp.rod += kinds.len();
             clamp.motion = Motion::default();
         }
         let placed = Placed {
@@ -325,7 +343,7 @@ impl RodSupply {
             end: moved * self.end,
             radius: self.rod.radius,
         };
-        self.simulated(&scene, placed, lying.rods(), arm, now)
+        self.simulated(&scene, placed, lying.rods(), to)
     }
 }
 
@@ -333,6 +351,16 @@ impl RodSupply {
 mod tests {
     use super::*;
     use crate::test_cells::short_rods;
+
+    fn given(arm: usize, hand: &Pose, now: f64) -> HandOver {
+        HandOver {
+            arm,
+            supply: 0,
+            hand: *hand,
+            table: table(),
+            now,
+        }
+    }
 
     fn table() -> Pose {
         Pose::translation(0.3, -0.1, 0.05)
@@ -349,7 +377,7 @@ mod tests {
     fn hanging(heading: f64, now: f64) -> (RodSupply, Pose, SimulatedRod) {
         let supply = short_rods();
         let hand = hand(&supply, heading);
-        let rod = supply.handed(0, &hand, &table(), now).unwrap();
+        let rod = supply.handed(&given(0, &hand, now)).unwrap();
         (supply, hand, rod)
     }
 
@@ -382,13 +410,13 @@ mod tests {
         let supply = short_rods();
         let hand = hand(&supply, 0.0);
         let supply = supply.with_free_end([0.395, 0.104]);
-        let rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
+        let rod = supply.handed(&given(0, &hand, 0.0)).unwrap();
         let expected = Vector3::new(0.395, 0.104, 0.05 + supply.rod().radius);
         assert!((rod.nodes()[0] - expected).norm() < 1e-9);
         // The free end is too far from the hand.
         let far = supply
             .with_free_end([0.1, 0.1])
-            .handed(0, &hand, &table(), 0.0);
+            .handed(&given(0, &hand, 0.0));
         assert!(far.is_err());
     }
 
@@ -449,9 +477,7 @@ mod tests {
         let free_end = nalgebra::Vector2::from(supply.free_end.unwrap());
         assert!((begins - free_end).norm() < 1e-9);
         let supply = supply.with_free_end([0.4, 0.1]);
-        let rod = supply
-            .handed(0, &hand(&supply, 0.0), &table(), 0.0)
-            .unwrap();
+        let rod = supply.handed(&given(0, &hand(&supply, 0.0), 0.0)).unwrap();
         assert_eq!(rod.nodes().len(), 31);
     }
 
@@ -539,7 +565,7 @@ mod tests {
         }
         let lay = rod.nodes();
         let second = Pose::translation(0.0, 0.2, 0.0) * hand(&supply, -0.4);
-        let both = supply.handed_beside((&rod, &supply), 1, &second, &table(), 3.5);
+        let both = supply.handed_beside(&rod, &[&supply], &given(1, &second, 3.5));
         let mut both = both.unwrap();
         let seen = both.seen();
         assert_eq!(seen.len(), 2);
@@ -571,7 +597,7 @@ mod tests {
         let tipped =
             hand(&supply, 0.0) * Pose::rotation(Vector3::z() * std::f64::consts::FRAC_PI_2);
         for (hand, expected) in [(far, "above the table"), (tipped, "not level")] {
-            let refused = supply.handed(0, &hand, &table(), 0.0);
+            let refused = supply.handed(&given(0, &hand, 0.0));
             let words = refused.err().expect("it cannot hold a rod");
             assert!(words.contains(expected), "{words}");
         }

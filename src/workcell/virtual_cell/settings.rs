@@ -20,6 +20,11 @@ pub struct Settings {
     pub response: Response,
     /// Rods for the grippers.
     pub supply: Option<RodSupply>,
+    /// Rods that are handed over after the first one, one of each; the last kind again and again.
+    pub further: Vec<RodSupply>,
+    /// Whether laid rods stay on the table when the next one is handed over; otherwise the user
+    /// takes them away.
+    pub rods_stay: bool,
     /// Rods of another kind, for the grippers of all arms except the first.
     pub second_supply: Option<RodSupply>,
     /// A sheet on the table.
@@ -44,6 +49,8 @@ impl Settings {
             rate,
             response: Response::default(),
             supply: None,
+            further: Vec::new(),
+            rods_stay: false,
             second_supply: None,
             sheet: None,
             chucked: None,

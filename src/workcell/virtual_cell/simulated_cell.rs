@@ -5,7 +5,7 @@ use super::axis::moving_parts;
 use super::camera::Scenery;
 use super::chuck::Chuck;
 use super::fault::{Fault, FaultKind};
-use super::rod::RodSupply;
+use super::rod::{HandOver, RodSupply};
 use super::settings::Settings;
 use super::sheet::SimulatedSheet;
 use super::simulated_rod::{HANDING_OVER, SimulatedRod};
@@ -52,7 +52,12 @@ pub struct SimulatedCell {
     arms: Vec<SimulatedArm>,
     grippers: Vec<Option<Gripper>>,
     table: Pose,
-    supply: Option<RodSupply>,
+    /// Rods for the grippers, in the order in which they are handed over.
+    supplies: Vec<RodSupply>,
+    /// Whether laid rods stay when the next one is handed over.
+    rods_stay: bool,
+    /// Number of rods handed over.
+    handed: usize,
     /// Rods of another kind, for the arms after the first.
     second_supply: Option<RodSupply>,
     /// Noise of the gripper poses, which the joints do not report.
@@ -90,7 +95,13 @@ impl SimulatedCell {
                 .collect(),
             grippers: grippers.collect(),
             table: cell.table.map_or_else(Pose::identity, |table| table.top),
-            supply: settings.supply,
+            supplies: settings
+                .supply
+                .into_iter()
+                .chain(settings.further)
+                .collect(),
+            rods_stay: settings.rods_stay,
+            handed: 0,
             second_supply: settings.second_supply,
             jitter: settings.jitter,
             rod: None,
@@ -115,7 +126,7 @@ impl SimulatedCell {
     pub fn scenery(&self) -> Scenery {
         let sheet = self.sheet.as_ref().map(|(sheet, _)| sheet.seen());
         if let Some(chuck) = &self.chuck {
-            let rod = chuck.nodes().map(|nodes| (nodes, chuck.rod().radius));
+            let rod = chuck.nodes().map(|nodes| (nodes, chuck.rod().radius, 0));
             return Scenery {
                 rods: rod.into_iter().collect(),
                 markers: chuck.rod().marker_places(),
@@ -123,12 +134,17 @@ impl SimulatedCell {
                 pegs: Vec::new(),
             };
         }
-        let rods = self.rod.as_ref().map(SimulatedRod::seen);
+        let rods = self.rod.iter().flat_map(|rod| {
+            let kinds = rod.rods().iter();
+            let kinds = kinds.map(|rod| usize::from(rod.supply >= self.supplies.len()));
+            let seen = rod.seen().into_iter().zip(kinds);
+            seen.map(|((nodes, radius), kind)| (nodes, radius, kind))
+        });
         Scenery {
-            rods: rods.unwrap_or_default(),
+            rods: rods.collect(),
             markers: Vec::new(),
             sheet,
-            pegs: self.supply.as_ref().map_or(Vec::new(), RodSupply::pegs),
+            pegs: self.supplies.first().map_or(Vec::new(), RodSupply::pegs),
         }
     }
 
@@ -195,7 +211,7 @@ impl SimulatedCell {
     /// Opens a gripper, which releases its object.
     fn open(&mut self, arm: usize) -> Result<(), String> {
         // The user takes away a rod that would fall.
-        if self.supply_of(arm).is_some_and(RodSupply::is_free) {
+        if (self.supply(self.supply_number(arm))).is_some_and(RodSupply::is_free) {
             self.rod = None;
         }
         let opened = match (&mut self.chuck, &mut self.rod) {
@@ -209,9 +225,10 @@ impl SimulatedCell {
     /// Closes a gripper on a rod, or hands one over; returns the duration, s.
     fn close(&mut self, arm: usize) -> Result<f64, String> {
         let hand = self.hand(arm);
-        let Some(supply) = self.supply_of(arm) else {
+        let number = self.supply_number(arm);
+        if self.supply(number).is_none() {
             return Ok(OPENING);
-        };
+        }
         if let Some(rod) = &self.rod {
             if rod.is_held_by(arm) {
                 return Ok(OPENING);
@@ -228,20 +245,34 @@ impl SimulatedCell {
             }
         }
         self.arms[arm].must_stand()?;
-        // A rod of another kind stays on the table.
-        let other = self.rod.as_ref().zip(self.second_supply.as_ref());
-        let other = other.and_then(|(rod, _)| {
-            let [only] = rod.rods() else {
-                return None;
+        let Some(supply) = self.supply(number) else {
+            return Ok(OPENING);
+        };
+        let to = HandOver {
+            arm,
+            supply: number,
+            hand,
+            table: self.table,
+            now: self.time,
+        };
+        let stays = |rod: &&SimulatedRod| {
+            // A single rod of another kind stays on the table.
+            let is_other = match rod.rods() {
+                [only] => only.supply != number && self.second_supply.is_some(),
+                _ => false,
             };
-            let kind = self.supply_of(only.arm)?;
-            (!std::ptr::eq(kind, supply)).then_some((rod, kind))
-        });
-        let handed = match other {
-            Some(lying) => supply.handed_beside(lying, arm, &hand, &self.table, self.time),
-            None => supply.handed(arm, &hand, &self.table, self.time),
+            self.rods_stay || is_other
+        };
+        let handed = match self.rod.as_ref().filter(stays) {
+            Some(lying) => {
+                let kinds = lying.rods().iter();
+                let kinds = kinds.filter_map(|rod| self.supply(rod.supply));
+                supply.handed_beside(lying, &kinds.collect::<Vec<_>>(), &to)
+            }
+            None => supply.handed(&to),
         };
         self.rod = Some(handed?);
+        self.handed += 1;
         Ok(HANDING_OVER)
     }
 
@@ -254,10 +285,21 @@ impl SimulatedCell {
         Ok(OPENING)
     }
 
-    /// The rods for an arm.
-    fn supply_of(&self, arm: usize) -> Option<&RodSupply> {
-        let second = self.second_supply.as_ref().filter(|_| arm > 0);
-        second.or(self.supply.as_ref())
+    /// Number of the supply from which an arm gets its next rod. That of the second arm follows
+    /// those of the first one.
+    fn supply_number(&self, arm: usize) -> usize {
+        let count = self.supplies.len();
+        match self.second_supply.is_some() && arm > 0 {
+            true => count,
+            false => self.handed.min(count.saturating_sub(1)),
+        }
+    }
+
+    /// The supply with a number.
+    fn supply(&self, number: usize) -> Option<&RodSupply> {
+        let second = self.second_supply.as_ref();
+        let second = second.filter(|_| number == self.supplies.len());
+        self.supplies.get(number).or(second)
     }
 
     /// Takes the edge of the sheet, or releases it.

@@ -35,6 +35,8 @@ pub struct Placed {
 pub struct HandedRod {
     /// The arm.
     pub arm: usize,
+    /// Number of its supply.
+    pub supply: usize,
     /// Number of nodes of the rod.
     pub nodes: usize,
     /// Radius of the rod, m.
@@ -66,6 +68,7 @@ impl SimulatedRod {
     pub fn held(simulation: Simulation, placed: Placed, now: f64) -> Self {
         let rod = HandedRod {
             arm: 0,
+            supply: 0,
             nodes: simulation.positions().len(),
             radius: placed.radius,
         };

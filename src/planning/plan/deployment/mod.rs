@@ -38,7 +38,7 @@ pub use figure::deployment_figure;
 pub use laid_path::LaidPath;
 pub use landing::hanging_rod;
 pub use rod::DeployedRod;
-pub use spare::{Spare, falls_straight, with_spare_laid};
+pub use spare::{SUSPENDED, Spare, falls_straight, with_spare_laid};
 pub use timing::{TimedPose, laid_after, timed, times, when_laid};
 pub use trajectory::{
     GripperPose, OptimalGrasps, Scheme, Trajectory, checked_trajectory, network_trajectory,

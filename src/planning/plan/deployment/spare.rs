@@ -7,7 +7,7 @@ use crate::plan::pattern::{Pattern, PatternPoint, Point};
 /// Suspended length, in gravito-bending lengths, at which the gripper releases the rod; the
 /// gripper is then 0.73 L_gb above the table. A longer rest pulls at the lying part when it falls.
 /// With a shorter rest the fingers would reach the table.
-const SUSPENDED: f64 = 2.5;
+pub const SUSPENDED: f64 = 2.5;
 /// Largest rest, in gravito-bending lengths, that falls straight when the gripper releases it; a
 /// longer one may fall onto itself.
 const FALLS_STRAIGHT: f64 = SUSPENDED + LEAST;

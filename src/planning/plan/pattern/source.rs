@@ -21,15 +21,18 @@ pub enum PatternSource {
 }
 
 impl PatternSource {
+    /// The drawn points, m; none for a formula.
+    pub fn drawn_points(&self) -> &[Point] {
+        match self {
+            Self::Drawn { points, .. } => points,
+            _ => &[],
+        }
+    }
+
     /// Length of the drawing, m; zero for a formula.
     pub fn drawn_length(&self) -> f64 {
-        match self {
-            Self::Drawn { points, .. } => {
-                let pairs = points.windows(2);
-                pairs.map(|pair| (pair[1] - pair[0]).norm()).sum()
-            }
-            _ => 0.0,
-        }
+        let pairs = self.drawn_points().windows(2);
+        pairs.map(|pair| (pair[1] - pair[0]).norm()).sum()
     }
 
     /// The pattern, without a lead-in.
