@@ -4,7 +4,7 @@ use super::{DEPLOY, Served, said, serve};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::process::Stdio;
+use std::process::{Child, ChildStderr, Stdio};
 use std::time::{Duration, Instant};
 
 /// Longest wait for a change on the page.
@@ -72,25 +72,47 @@ impl Page {
     }
 }
 
-/// Starts a task with a page. Returns its process, what it prints, and the page.
-fn start(served: &Served, more: &[&str]) -> (std::process::Child, impl BufRead, Page) {
-    let mut child = served
-        .command(&[&DEPLOY[..], &["--watch"], more].concat())
+/// A task with a page; it ends with the test.
+struct Task {
+    child: Child,
+    said: BufReader<ChildStderr>,
+    page: Page,
+}
+
+impl Drop for Task {
+    fn drop(&mut self) {
+        // The task may already have ended.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Task {
+    /// Starts a task, and reads the address of its page.
+    fn start(served: &Served, more: &[&str]) -> Self {
+        let mut command = served.command(&[&DEPLOY[..], &["--watch"], more].concat());
         // No browser.
-        .env("PATH", "")
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut lines = BufReader::new(child.stderr.take().unwrap());
-    let mut all = String::new();
-    loop {
+        let command = command.env("PATH", "").stdout(Stdio::null());
+        let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
+        let stderr = child.stderr.take().unwrap();
+        let mut task = Self {
+            child,
+            said: BufReader::new(stderr),
+            page: Page {
+                host: String::new(),
+                path: String::new(),
+            },
+        };
         let mut line = String::new();
-        assert!(lines.read_line(&mut line).unwrap() > 0, "{all}");
-        if let Some(page) = Page::named(&line) {
-            return (child, lines, page);
-        }
-        all += &line;
+        let page = loop {
+            line.clear();
+            assert!(task.said.read_line(&mut line).unwrap() > 0);
+            if let Some(page) = Page::named(&line) {
+                break page;
+            }
+        };
+        task.page = page;
+        task
     }
 }
 
@@ -98,7 +120,8 @@ fn start(served: &Served, more: &[&str]) -> (std::process::Child, impl BufRead, 
 fn a_task_is_held_resumed_slowed_down_and_stopped_from_its_page() {
     let served = serve(&[], "");
     served.change("[streaming]", "[streaming]\nhorizon = \"2 s\"");
-    let (child, mut lines, page) = start(&served, &["--speed-override", "0.5"]);
+    let mut task = Task::start(&served, &["--speed-override", "0.5"]);
+    let page = &task.page;
     assert!(page.get("").1.contains("Stop the task"));
     let scene: Value = serde_json::from_str(&page.get("scene").1).unwrap();
     assert_eq!(scene["title"], "Gantry with a camera");
@@ -136,9 +159,9 @@ fn a_task_is_held_resumed_slowed_down_and_stopped_from_its_page() {
     let words = ended["ended"].as_str().unwrap();
     assert!(words.contains("interrupted; the arm holds"), "{words}");
     let mut rest = String::new();
-    lines.read_to_string(&mut rest).unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130), "{rest}");
+    task.said.read_to_string(&mut rest).unwrap();
+    let status = task.child.wait().unwrap();
+    assert_eq!(status.code(), Some(130), "{rest}");
     assert!(served.stands_soon());
     let events = served.read("laid/approach/events.csv");
     for words in ["held until", "speed 25 % of the planned one", "interrupted"] {

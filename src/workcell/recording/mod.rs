@@ -15,7 +15,7 @@ mod cdr;
 mod replay;
 mod source;
 
-pub use replay::{Replay, ReplayedMotion, replay};
+pub use replay::{HandPath, Replay, ReplayedMotion, replay};
 
 use cdr::{COMPRESSED_IMAGE, JOINT_STATE, LOG, MessageType};
 use mcap::records::MessageHeader;

@@ -11,13 +11,16 @@ use std::path::Path;
 /// Largest number of points of a path of a hand.
 const MOST_POINTS: usize = 2000;
 
+/// Positions of a hand along its path, m.
+pub type HandPath = Vec<[f64; 3]>;
+
 /// The motions of a log, as the joints reported them.
 pub struct Replay {
     /// Reported positions of all joints, from the first report on; joints without reports are at
     /// home.
     pub measured: JointTrajectory,
     /// Planned paths of the hands, m: the motion and its path, one for each arm.
-    pub planned: Vec<(String, Vec<[f64; 3]>)>,
+    pub planned: Vec<(String, HandPath)>,
     /// The motions in the order of their begin.
     pub motions: Vec<ReplayedMotion>,
 }
@@ -123,7 +126,7 @@ fn compared(
     cell: &Cell,
     measured: &JointTrajectory,
     moved: std::ops::Range<usize>,
-) -> Result<(ReplayedMotion, Vec<Vec<[f64; 3]>>), RecordingError> {
+) -> Result<(ReplayedMotion, Vec<HandPath>), RecordingError> {
     let commanded = log.joints("commanded.csv")?;
     let mut off = [0.0_f64; 2];
     for arm in &cell.arms {

@@ -54,7 +54,7 @@ fn found(truth: [f64; 3], curvatures: [f64; 2]) -> (IdentifiedKey, f64) {
             let hand = hand(pose.position_m.into(), heading, angle);
             let nodes = rod.nodes(&hand, [unit, curvatures[0], curvatures[1]]);
             let scenery = Scenery {
-                rods: vec![(nodes.unwrap(), radius)],
+                rods: vec![(nodes.unwrap(), radius, 0)],
                 ..Scenery::default()
             };
             let shown = picture(&camera, scenery, number);
