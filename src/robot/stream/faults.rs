@@ -137,6 +137,20 @@ struct Arm {
 }
 
 impl Arm {
+    /// An arm without a fault.
+    fn sound() -> Self {
+        Self {
+            fault: Fault::None,
+            moment: f64::INFINITY,
+            joint: 0,
+            begun: None,
+            goals: Vec::new(),
+            stopped: None,
+            requests: 0,
+            lost: false,
+        }
+    }
+
     fn elapsed(&self, now: Instant) -> f64 {
         self.begun
             .map_or(0.0, |start| now.duration_since(start).as_secs_f64())
@@ -234,6 +248,20 @@ struct Connection {
 }
 
 impl Connection {
+    /// A connection to an arm without a clock.
+    fn to(arm: &Arc<Mutex<Arm>>, timer: &Simulated, opened: Instant) -> Self {
+        Self {
+            arm: Arc::clone(arm),
+            timer: timer.clone(),
+            report: None,
+            setpoint: None,
+            clock: None,
+            has_clock: false,
+            clock_period: Duration::ZERO,
+            opened,
+        }
+    }
+
     fn arm(&self) -> MutexGuard<'_, Arm> {
         self.arm
             .lock()
@@ -445,11 +473,7 @@ fn run_case(seed: u64) -> Result<(), String> {
             fault,
             moment,
             joint,
-            begun: None,
-            goals: Vec::new(),
-            stopped: None,
-            requests: 0,
-            lost: false,
+            ..Arm::sound()
         }))
     };
     let faulty = arm(fault, random.below(2) as usize);
@@ -459,14 +483,9 @@ fn run_case(seed: u64) -> Result<(), String> {
     let part = |name: &str, arm: &Arc<Mutex<Arm>>| Part {
         name: name.into(),
         driver: Box::new(Connection {
-            arm: Arc::clone(arm),
-            timer: timer.clone(),
-            report: None,
-            setpoint: None,
-            clock: None,
             has_clock,
             clock_period,
-            opened: begin,
+            ..Connection::to(arm, &timer, begin)
         }),
         trajectory: rise(duration),
         kinds: vec![JointKind::Revolute; 2],
@@ -571,6 +590,46 @@ fn run_case(seed: u64) -> Result<(), String> {
         return wrong(&format!("it should have {should}"));
     }
     Ok(())
+}
+
+/// One arm arrives before the user holds the motion; the other one waits and then goes on.
+#[test]
+fn a_motion_is_held_after_one_of_its_arms_has_arrived() {
+    struct Holds(Simulated, Instant);
+    impl Supervisor for Holds {
+        fn is_interrupted(&self) -> bool {
+            false
+        }
+        fn pace(&self) -> f64 {
+            let elapsed = self.0.now().duration_since(self.1).as_secs_f64();
+            if (1.5..4.0).contains(&elapsed) {
+                0.0
+            } else {
+                1.0
+            }
+        }
+    }
+    let timer = Simulated(Arc::new(Mutex::new(Instant::now())));
+    let begin = timer.now();
+    let arms = [1.0, 3.0].map(|duration| {
+        let arm = Arc::new(Mutex::new(Arm::sound()));
+        (arm, rise(duration))
+    });
+    let mut parts = arms.clone().map(|(arm, trajectory)| Part {
+        name: "arm".into(),
+        driver: Box::new(Connection::to(&arm, &timer, begin)),
+        trajectory,
+        kinds: vec![JointKind::Revolute; 2],
+        limits: Vec::new(),
+    });
+    let horizon = Some(Duration::from_secs(1));
+    let bounds = StreamBounds { horizon, ..BOUNDS };
+    let user = Holds(timer.clone(), begin);
+    let ending = stream_by(&timer, &mut parts, &bounds, &user, &mut StreamLog::none());
+    assert_eq!(ending, Ending::Finished);
+    let took = timer.now().duration_since(begin).as_secs_f64();
+    // It is held for 2.5 s; stopping and starting take half a second each, at half the speed.
+    assert!((5.4..6.2).contains(&took), "{took}");
 }
 
 /// Whether the clock of the arm returns from its jump.

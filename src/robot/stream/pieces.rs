@@ -77,6 +77,11 @@ impl Division {
             .then(|| self.piece(path, pace, [elapsed, begin]))
     }
 
+    /// Whether a motion goes on after the lead of a piece sent at a time after the start.
+    pub(super) fn goes_on(self, path: &Interpolant, pace: &Pace, elapsed: f64) -> bool {
+        elapsed + LEAD < pace.time_of(path.duration()) - NEAR
+    }
+
     fn piece(self, path: &Interpolant, pace: &Pace, [sent, begin]: [f64; 2]) -> Piece {
         let end = sent + self.horizon;
         let arrival = pace.time_of(path.duration());

@@ -59,20 +59,33 @@ impl Speed {
             return Ok(());
         }
         self.next = elapsed + RETRY;
-        let changed = |watched: &Watched| -> Option<(Pace, Piece)> {
-            let before = watched.piece.as_ref()?;
-            let pace = division.changed(&self.pace, wanted, elapsed, before)?;
-            let piece = division.next(before, &watched.path, &pace, elapsed)?;
-            Some((pace, piece))
-        };
-        let Some(changed) = watched.iter().map(changed).collect::<Option<Vec<_>>>() else {
+        // Parts that have arrived stay there.
+        let is_moving = |watched: &&Watched| division.goes_on(&watched.path, &self.pace, elapsed);
+        let mut moving = watched.iter().filter(is_moving);
+        let Some(before) = moving.clone().find_map(|watched| watched.piece.as_ref()) else {
             return Ok(());
         };
+        let Some(pace) = division.changed(&self.pace, wanted, elapsed, before) else {
+            return Ok(());
+        };
+        let next = |watched: &Watched| {
+            let before = watched.piece.as_ref()?;
+            division.next(before, &watched.path, &pace, elapsed)
+        };
+        if moving.any(|watched| next(watched).is_none()) {
+            return Ok(());
+        }
+        let pieces: Vec<Option<Piece>> = watched
+            .iter()
+            .map(|watched| next(watched).filter(|_| is_moving(&watched)))
+            .collect();
         // Stops were checked before the start.
         if wanted > 0.0 {
-            let mut pieces = parts.iter().zip(&changed);
-            let fault = pieces.find_map(|(part, (_, piece))| {
-                let fault = piece.fault(&part.trajectory.joints, &part.limits)?;
+            let mut pieces = parts.iter().zip(&pieces);
+            let fault = pieces.find_map(|(part, piece)| {
+                let fault = piece
+                    .as_ref()?
+                    .fault(&part.trajectory.joints, &part.limits)?;
                 Some(format!("{}.{fault}", part.name))
             });
             if let Some(fault) = fault {
@@ -82,11 +95,11 @@ impl Speed {
                 return Ok(());
             }
         }
-        for ((part, watched), (pace, piece)) in parts.iter_mut().zip(watched).zip(changed) {
-            let sent = watched.send(part, piece);
+        for ((part, watched), piece) in parts.iter_mut().zip(watched).zip(pieces) {
+            let sent = piece.map_or(Ok(()), |piece| watched.send(part, piece));
             sent.map_err(|error| failed(part, &error))?;
-            self.pace = pace;
         }
+        self.pace = pace;
         self.delayed = None;
         log.event(&match wanted > 0.0 {
             true => format!("speed {:.0} % of the planned one", 100.0 * wanted),

@@ -14,7 +14,8 @@ pub trait Display {
     /// lays one.
     fn motion(&self, state: &StreamState, laid: Option<LaidLength>);
 
-    /// Reported positions of the joints of an arm, rad or m; called for every report.
+    /// The last reported positions of the joints of an arm, rad or m; called in every cycle of a
+    /// motion.
     fn joints(&self, _arm: &str, _joints: &[f64]) {}
 
     /// A file of the results was written.
