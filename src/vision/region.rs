@@ -56,6 +56,11 @@ impl Region {
         Ok(Self { corners })
     }
 
+    /// The region inside a polygon with at least three corners, pixels.
+    pub fn polygon(corners: Vec<Point>) -> Option<Self> {
+        (corners.len() >= 3).then_some(Self { corners })
+    }
+
     /// Whether a pixel lies in the region or on its edge.
     pub fn contains(&self, pixel: Point) -> bool {
         let count = self.corners.len();

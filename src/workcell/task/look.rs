@@ -6,8 +6,8 @@ use crate::cell::Cell;
 use image::RgbImage;
 use rodlab_robot::Pose;
 use rodlab_vision::{
-    Camera, ColourRule, Point, Trace, TraceOptions, VisionError, centrelines_csv, encode_picture,
-    overlay, trace, whole_rod,
+    Camera, ColourRule, Point, Region, Trace, TraceOptions, VisionError, centrelines_csv,
+    encode_picture, overlay, trace, whole_rod,
 };
 
 /// Least distance from the border of a picture at which an end counts as visible, pixels.
@@ -24,8 +24,25 @@ pub struct Seen {
     height: f64,
 }
 
+/// The top of the table in a picture, if the picture shows something beside it.
+fn table_in(cell: &Cell, camera: &Camera) -> Option<Region> {
+    let table = cell.table?;
+    let [x, y] = [0.5 * table.size[0], 0.5 * table.size[1]];
+    let corners = [[-x, -y], [x, -y], [x, y], [-x, y]];
+    let pixels = corners.map(|[x, y]| {
+        let corner = table.top * nalgebra::Point3::new(x, y, 0.0);
+        camera.project(corner.coords)
+    });
+    let region = Region::polygon(pixels.into_iter().collect::<Option<Vec<_>>>()?)?;
+    let [right, below] = [camera.width, camera.height].map(|pixels| f64::from(pixels) - 1.0);
+    let ends = [[0.0, 0.0], [right, 0.0], [right, below], [0.0, below]];
+    let is_whole = ends.iter().all(|end| region.contains(Point::from(*end)));
+    (!is_whole).then_some(region)
+}
+
 impl Seen {
-    /// Finds rods with a given radius, m, and colour on the table in a picture.
+    /// Finds rods with a given radius, m, and colour on the table in a picture. What the picture
+    /// shows beside the table is left out.
     ///
     /// # Errors
     /// No strand is found, or the picture has another size than the camera.
@@ -47,6 +64,7 @@ impl Seen {
         camera.check_size(picture.width(), picture.height())?;
         let options = TraceOptions {
             colour: colour.clone(),
+            region: table_in(cell, &camera),
             ..TraceOptions::default()
         };
         Ok(Self {
@@ -192,5 +210,49 @@ impl Seen {
         let place = self.camera.on_table(pixel)?;
         let place = self.to_frame * nalgebra::Point3::new(place.x, place.y, self.height);
         Ok(Point::new(place.x, place.y))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_cells::gantry;
+    use image::Rgb;
+
+    /// A dark picture with a short bar in its middle and a long one at its upper edge.
+    fn picture(camera: &Camera) -> RgbImage {
+        let mut picture = RgbImage::from_pixel(camera.width, camera.height, Rgb([40, 44, 48]));
+        let mut bar = |row: u32, columns: std::ops::Range<u32>| {
+            for (x, y) in columns.flat_map(|x| (row..row + 8).map(move |y| (x, y))) {
+                picture.put_pixel(x, y, Rgb([205, 60, 70]));
+            }
+        };
+        bar(camera.height / 2, 500..800);
+        bar(20, 100..1100);
+        picture
+    }
+
+    #[test]
+    fn what_lies_beside_the_table_is_left_out() {
+        let mut cell = gantry();
+        let camera = cell.camera.as_ref().unwrap().seeing(0.0);
+        let picture = picture(&camera);
+        let seen = |cell: &Cell| {
+            let seen = Seen::of(
+                &picture,
+                cell,
+                &Pose::identity(),
+                0.0,
+                &ColourRule::Background,
+            );
+            seen.unwrap().trace.strands.len()
+        };
+        // The table is larger than the picture.
+        assert_eq!((table_in(&cell, &camera), seen(&cell)), (None, 2));
+        let table = cell.table.as_mut().unwrap();
+        table.size = [0.6, 0.5, 0.04];
+        assert_eq!(seen(&cell), 1);
+        cell.table = None;
+        assert_eq!(seen(&cell), 2);
     }
 }
