@@ -125,8 +125,6 @@ pub fn stream(
     supervisor: &dyn Supervisor,
     log: &mut StreamLog,
 ) -> Ending {
-    let real_time = RealTime::requested();
-    log.event(real_time.in_words());
     stream_by(&SystemTimer, parts, bounds, supervisor, log)
 }
 
@@ -145,6 +143,11 @@ fn stream_by(
         return ending;
     }
     let _moving = Moving::begin();
+    // The threads of connections, which have started by now, keep their scheduling.
+    let real_time = timer.is_real().then(RealTime::requested);
+    if let Some(real_time) = &real_time {
+        log.event(real_time.in_words());
+    }
     let mut cycles = Cycles::from(timer.now());
     // A panic must not leave an arm moving.
     let run = catch_unwind(AssertUnwindSafe(|| {

@@ -9,6 +9,11 @@ pub(super) trait Timer {
 
     /// Waits.
     fn sleep(&self, time: Duration);
+
+    /// Whether it is the time of the machine.
+    fn is_real(&self) -> bool {
+        false
+    }
 }
 
 /// The time of the machine.
@@ -21,5 +26,9 @@ impl Timer for SystemTimer {
 
     fn sleep(&self, time: Duration) {
         std::thread::sleep(time);
+    }
+
+    fn is_real(&self) -> bool {
+        true
     }
 }
