@@ -120,6 +120,29 @@ fn corners_are_rounded_and_long_drawings_shrunk_on_request() {
     assert!(record["length_m"].as_f64().unwrap() < record["rod_length_m"].as_f64().unwrap());
 }
 
+/// The edges of a ring are not two strokes.
+#[test]
+fn edges_of_filled_areas_are_not_laid_one_by_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    drawing(
+        folder,
+        "<path fill-rule='evenodd' d='M10 10H90V90H10ZM30 30H70V70H30Z'/>",
+    );
+    let arguments = ["deploy", "--pattern", "d.svg", "--dry-run", "--out", "out"];
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    assert!(
+        stderr.contains("it has 2 strokes that do not join"),
+        "{stderr}"
+    );
+}
+
 #[test]
 fn outlines_are_reported_and_have_a_middle_line() {
     let folder = tempfile::tempdir().unwrap();

@@ -34,16 +34,19 @@ pub fn drawn_points(path: &Path, part: Part<'_>) -> Result<Option<Vec<Point>>, F
     }
 }
 
-/// The strokes of an SVG drawing except the background of the page, m, joined across gaps up to
-/// `join`, m.
+/// The lines of an SVG drawing, m, joined across gaps up to `join`, m; none if it has filled areas
+/// without lines of their own, whose edges come in pairs.
 pub fn drawn_strokes(path: &Path, join: Option<f64>) -> Result<Vec<Vec<Point>>, Failure> {
     let mut drawing = svg_drawing(path).map_err(Failure::Input)?;
     if let Some(gap) = join {
         drawing = drawing.joined(gap).at(path.display())?;
     }
     let strokes = drawing.strokes.into_iter();
-    let strokes = strokes.filter(|stroke| !stroke.is_background);
-    Ok(strokes.map(|stroke| stroke.points).collect())
+    let strokes: Vec<_> = strokes.filter(|stroke| !stroke.is_background).collect();
+    Ok(match strokes.iter().any(|stroke| stroke.is_outline) {
+        true => Vec::new(),
+        false => strokes.into_iter().map(|stroke| stroke.points).collect(),
+    })
 }
 
 /// Number of a strand or a line, if given; `None` for `longest`, which is the default for

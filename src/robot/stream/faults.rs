@@ -592,7 +592,7 @@ fn run_case(seed: u64) -> Result<(), String> {
     Ok(())
 }
 
-/// One arm arrives before the user holds the motion; the other one waits and then goes on.
+/// One arm arrives before the user holds the motion; the other one waits and then continues.
 #[test]
 fn a_motion_is_held_after_one_of_its_arms_has_arrived() {
     struct Holds(Simulated, Instant);

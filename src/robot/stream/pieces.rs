@@ -77,8 +77,8 @@ impl Division {
             .then(|| self.piece(path, pace, [elapsed, begin]))
     }
 
-    /// Whether a motion goes on after the lead of a piece sent at a time after the start.
-    pub(super) fn goes_on(self, path: &Interpolant, pace: &Pace, elapsed: f64) -> bool {
+    /// Whether a motion continues after the lead of a piece sent at a time after the start.
+    pub(super) fn continues(self, path: &Interpolant, pace: &Pace, elapsed: f64) -> bool {
         elapsed + LEAD < pace.time_of(path.duration()) - NEAR
     }
 

@@ -60,7 +60,7 @@ impl Speed {
         }
         self.next = elapsed + RETRY;
         // Parts that have arrived stay there.
-        let is_moving = |watched: &&Watched| division.goes_on(&watched.path, &self.pace, elapsed);
+        let is_moving = |watched: &&Watched| division.continues(&watched.path, &self.pace, elapsed);
         let mut moving = watched.iter().filter(is_moving);
         let Some(before) = moving.clone().find_map(|watched| watched.piece.as_ref()) else {
             return Ok(());
