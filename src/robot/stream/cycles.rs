@@ -17,39 +17,52 @@ const BINS: usize = 400;
 /// 50.
 const PRIORITY: u8 = 40;
 
+/// Shortest pause of a cycle. A thread with real-time scheduling would otherwise keep a processor
+/// for itself when its work takes longer than a cycle.
+const PAUSE: Duration = Duration::from_micros(250);
+/// Excess of cycles that were late by a whole cycle, over the others, at which real-time scheduling
+/// is given up.
+const OVERLOAD: u32 = 250;
+
 /// Deadlines, and how often they were missed by how much.
 pub(super) struct Cycles {
     next: Instant,
+    real_time: Option<RealTime>,
+    overload: u32,
     /// Number of cycles by their delay, in steps of [`BIN`].
     bins: [u64; BINS],
     longest: Duration,
 }
 
 impl Cycles {
-    /// Cycles from a time on.
-    pub(super) fn from(now: Instant) -> Self {
+    /// Cycles from a time on, with the scheduling of their thread.
+    pub(super) fn from(now: Instant, real_time: Option<RealTime>) -> Self {
         Self {
             next: now + CYCLE,
+            real_time,
+            overload: 0,
             bins: [0; BINS],
             longest: Duration::ZERO,
         }
     }
 
-    /// Waits until the next deadline. A missed deadline does not shorten the following cycle.
+    /// Waits until the next deadline. A missed deadline does not shorten the following cycle. If most
+    /// cycles are late, other programs need the processor: real-time scheduling is given up.
     pub(super) fn wait(&mut self, timer: &dyn Timer) {
         let left = self.next.saturating_duration_since(timer.now());
-        if !left.is_zero() {
-            timer.sleep(left);
-        }
+        timer.sleep(left.max(PAUSE));
         let now = timer.now();
         let delay = now.saturating_duration_since(self.next);
         let bin = (delay.as_nanos() / BIN.as_nanos()) as usize;
         self.bins[bin.min(BINS - 1)] += 1;
         self.longest = self.longest.max(delay);
-        self.next = match delay < CYCLE {
-            true => self.next + CYCLE,
-            false => now + CYCLE,
+        (self.next, self.overload) = match delay < CYCLE {
+            true => (self.next + CYCLE, self.overload.saturating_sub(1)),
+            false => (now + CYCLE, self.overload + 1),
         };
+        if self.overload > OVERLOAD {
+            self.real_time = None;
+        }
     }
 
     /// The delay that a part of all cycles does not exceed.
@@ -76,6 +89,12 @@ impl Cycles {
             milliseconds(self.quantile(0.999)),
             milliseconds(self.longest)
         )
+    }
+
+    /// Whether the thread has real-time scheduling.
+    #[cfg(test)]
+    fn has_real_time(&self) -> bool {
+        self.real_time.is_some()
     }
 }
 
@@ -145,17 +164,16 @@ mod tests {
             now: Cell::new(begin),
             by: Cell::new(Duration::from_micros(120)),
         };
-        let mut cycles = Cycles::from(begin);
+        let mut cycles = Cycles::from(begin, Some(RealTime(None)));
         for _ in 0..1998 {
             cycles.wait(&timer);
         }
         let elapsed = timer.now() - begin;
         assert_eq!(elapsed, 1998 * CYCLE + Duration::from_micros(120));
-        for _ in 0..2 {
-            timer.by.set(Duration::from_micros(3300));
-            cycles.wait(&timer);
-            timer.by.set(Duration::ZERO);
-        }
+        timer.by.set(Duration::from_micros(3300));
+        cycles.wait(&timer);
+        timer.by.set(Duration::ZERO);
+        cycles.wait(&timer);
         assert_eq!(cycles.quantile(0.9), Duration::from_micros(150));
         let summary = cycles.summary();
         assert_eq!(
@@ -166,6 +184,15 @@ mod tests {
         let late = timer.now();
         cycles.wait(&timer);
         assert_eq!(timer.now() - late, CYCLE);
+        // Work that takes longer than a cycle.
+        assert!(cycles.has_real_time());
+        for _ in 0..=OVERLOAD {
+            timer.now.set(timer.now() + 3 * CYCLE);
+            let worked = timer.now();
+            cycles.wait(&timer);
+            assert_eq!(timer.now() - worked, PAUSE);
+        }
+        assert!(!cycles.has_real_time());
     }
 
     #[test]

@@ -148,7 +148,7 @@ fn stream_by(
     if let Some(real_time) = &real_time {
         log.event(real_time.in_words());
     }
-    let mut cycles = Cycles::from(timer.now());
+    let mut cycles = Cycles::from(timer.now(), real_time);
     // A panic must not leave an arm moving.
     let run = catch_unwind(AssertUnwindSafe(|| {
         run(timer, &mut cycles, parts, bounds, supervisor, log)
