@@ -60,6 +60,7 @@ pub struct Link {
     line: Box<dyn SerialLine>,
     sequence: u8,
     received: Vec<u8>,
+    patience: Duration,
 }
 
 impl Request {
@@ -87,14 +88,22 @@ impl Link {
             line,
             sequence: 0,
             received: Vec::new(),
+            patience: PATIENCE,
         }
+    }
+
+    /// This link with another wait for each answer. A simulated board on a busy machine is slower
+    /// than a real one.
+    #[must_use]
+    pub fn waiting(self, patience: Duration) -> Self {
+        Self { patience, ..self }
     }
 
     /// Repeats a request until an answer arrives. A repeated request keeps its number, so that it
     /// is executed once.
     ///
     /// # Errors
-    /// No answer arrives within 0.25 s, or the request is rejected.
+    /// No answer arrives to ten requests, each within 25 ms, or the request is rejected.
     pub fn ask(&mut self, request: Request) -> io::Result<Acknowledgement> {
         self.sequence = self.sequence.wrapping_add(1);
         // A leading zero ends any noise on the line.
@@ -127,7 +136,7 @@ impl Link {
     fn answer(&mut self) -> io::Result<Option<(u8, Acknowledgement)>> {
         let begin = Instant::now();
         let mut buffer = [0; 64];
-        while begin.elapsed() < PATIENCE {
+        while begin.elapsed() < self.patience {
             match self.line.read(&mut buffer) {
                 Ok(0) => {
                     return Err(io::Error::new(
