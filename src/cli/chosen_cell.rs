@@ -131,15 +131,9 @@ impl TaskCell {
             self.cell.title,
             page.display()
         );
-        let mut stderr = std::io::stderr();
         let table = report.table();
-        let asked =
-            write!(stderr, "{table}\n{question}. Move? [y/N] ").and_then(|()| stderr.flush());
-        let mut answer = String::new();
-        asked
-            .and_then(|()| std::io::stdin().read_line(&mut answer))
-            .map_err(Failure::system)?;
-        match answer.trim().to_ascii_lowercase().as_str() {
+        let answer = asked(&format!("{table}\n{question}. Move? [y/N] "));
+        match answer.map_err(Failure::system)?.trim() {
             "y" | "yes" => Ok(()),
             _ => Err(Failure::interrupted(format!(
                 "nothing moved; the plan is in {}",
@@ -160,6 +154,17 @@ impl TaskCell {
         let (done, _) = with_cell(&self.cell, settings, work)?;
         done
     }
+}
+
+/// The answer of the user to a question on the terminal, in lower case; empty at the end of the
+/// input.
+pub fn asked(question: &str) -> std::io::Result<String> {
+    let mut stderr = std::io::stderr();
+    stderr.write_all(question.as_bytes())?;
+    stderr.flush()?;
+    let mut answer = String::new();
+    std::io::stdin().read_line(&mut answer)?;
+    Ok(answer.to_ascii_lowercase())
 }
 
 /// Message about a part that a task with an arm needs and that the cell file lacks. `camera` is

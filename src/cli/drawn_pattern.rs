@@ -37,11 +37,7 @@ pub fn drawn_points(path: &Path, part: Part<'_>) -> Result<Option<Vec<Point>>, F
 /// The lines of an SVG drawing, m, joined across gaps up to `join`, m; none if it has filled areas
 /// without lines of their own, whose edges come in pairs.
 pub fn drawn_strokes(path: &Path, join: Option<f64>) -> Result<Vec<Vec<Point>>, Failure> {
-    let mut drawing = svg_drawing(path).map_err(Failure::Input)?;
-    if let Some(gap) = join {
-        drawing = drawing.joined(gap).at(path.display())?;
-    }
-    let strokes = drawing.strokes.into_iter();
+    let strokes = joined_drawing(path, join)?.strokes.into_iter();
     let strokes: Vec<_> = strokes.filter(|stroke| !stroke.is_background).collect();
     Ok(match strokes.iter().any(|stroke| stroke.is_outline) {
         true => Vec::new(),
@@ -61,14 +57,20 @@ pub fn counted(stroke: Option<&StrokeChoice>) -> Result<Option<usize>, Failure> 
     }
 }
 
+/// An SVG drawing whose strokes are joined across gaps up to `join`, m, if given.
+fn joined_drawing(path: &Path, join: Option<f64>) -> Result<SvgDrawing, Failure> {
+    let drawing = svg_drawing(path).map_err(Failure::Input)?;
+    match join {
+        Some(gap) => drawing.joined(gap).at(path.display()),
+        None => Ok(drawing),
+    }
+}
+
 /// A stroke of an SVG drawing. If there are several strokes and none is selected, a picture of
 /// them is written.
 fn svg_points(path: &Path, part: Part<'_>) -> Result<Vec<Point>, Failure> {
     let place = path.display();
-    let mut drawing = svg_drawing(path).map_err(Failure::Input)?;
-    if let Some(gap) = part.join {
-        drawing = drawing.joined(gap).at(&place)?;
-    }
+    let mut drawing = joined_drawing(path, part.join)?;
     let choice = part.stroke.cloned().unwrap_or_default();
     let number = match drawing.choose(&choice) {
         Ok(number) => number,

@@ -1,13 +1,12 @@
 //! Runs any task in a cell: creates the directory of the results, asks before arms move, and
 //! handles the end of the task.
 
-use super::chosen_cell::{CellChoice, TaskCell};
+use super::chosen_cell::{CellChoice, TaskCell, asked};
 use super::exit_code::NOT_SEEN_WHOLE;
 use super::interruption::watch_for_interruption;
 use super::log_directory::{empty_directory, results_directory};
 use super::prelude::*;
 use super::safety_signals::{open_signals, write_signals};
-use super::standard_error;
 use super::status_line::StatusLine;
 use rodlab_files::results::write_whole;
 use rodlab_robot::JointTrajectory;
@@ -119,10 +118,8 @@ fn write_motion<T: Task>(
 
 /// Asks the user to do something on the terminal; whether the task continues.
 fn is_confirmed(words: &str) -> bool {
-    standard_error::report(&format!("{words}, then press Enter (n ends the task): "));
-    let mut answer = String::new();
-    let read = std::io::stdin().read_line(&mut answer);
-    read.is_ok_and(|length| length > 0) && !answer.trim().to_ascii_lowercase().starts_with('n')
+    let answer = asked(&format!("{words}, then press Enter (n ends the task): "));
+    answer.is_ok_and(|answer| !answer.is_empty() && !answer.trim().starts_with('n'))
 }
 
 impl Work<'_> {

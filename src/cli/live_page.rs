@@ -48,12 +48,12 @@ impl LiveArguments {
     ///
     /// # Errors
     /// The port is in use.
-    pub fn page<'a>(
+    pub fn page(
         &self,
-        cell: &'a Cell,
+        cell: &Cell,
         plan: &[JointTrajectory],
         speed: &SpeedOverride,
-    ) -> Result<Option<LivePage<'a>>, Failure> {
+    ) -> Result<Option<LivePage>, Failure> {
         let Some(port) = self.watch else {
             return Ok(None);
         };

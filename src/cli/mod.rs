@@ -52,6 +52,7 @@ mod identify_held;
 mod in_cell;
 mod init;
 mod interruption;
+mod laid_strokes;
 mod laying;
 mod live_page;
 mod log_directory;

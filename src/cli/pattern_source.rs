@@ -15,8 +15,6 @@ use rodlab_vision::{
 };
 use std::sync::OnceLock;
 
-/// Choice of all strokes.
-const ALL: &str = "all";
 /// Largest number of strokes that are laid without a choice.
 const MOST_STROKES: usize = 12;
 /// Default distance of the smooth curve from the drawing, m.
@@ -126,20 +124,16 @@ impl PatternArguments {
     }
 
     /// This pattern, once for each stroke of its drawing, at one scale, if the drawing has several
-    /// and none is selected, or if `all` are.
+    /// and none is selected.
     pub fn strokes(&self) -> Result<Vec<Self>, Failure> {
         let path = Path::new(&self.pattern.source);
-        let all = StrokeChoice::Id(ALL.into());
-        let is_open = self.stroke.as_ref().is_none_or(|choice| *choice == all);
-        if !(is_open && has_ending(path, &["svg"])) || self.centreline {
+        if self.stroke.is_some() || self.centreline || !has_ending(path, &["svg"]) {
             return Ok(vec![self.clone()]);
         }
         let strokes = drawn_strokes(path, self.join)?;
-        match strokes.len() {
-            0 | 1 => return Ok(vec![self.clone()]),
-            // The message lists them.
-            count if count > MOST_STROKES => return Ok(vec![self.clone()]),
-            _ => {}
+        // A message lists too many strokes.
+        if !(2..=MOST_STROKES).contains(&strokes.len()) {
+            return Ok(vec![self.clone()]);
         }
         let whole: Vec<Point> = strokes.concat();
         let scale = self

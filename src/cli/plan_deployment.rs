@@ -7,11 +7,11 @@ use rodlab_files::finite::NotFinite;
 use rodlab_lab::experiment::{Landing, RodFile};
 use rodlab_planning::plan::deployment::{
     DeployedRod, DeploymentError, Feasibility, GripperPose, LaidPath, MOST_POSES, OptimalGrasps,
-    SUSPENDED, Scheme, Spare, timed, when_laid,
+    Scheme, Spare, timed, when_laid,
 };
 use rodlab_planning::plan::files::{drawing_csv, path_files, trajectory_csv, trajectory_json};
 use rodlab_planning::plan::grasp::NeuralGrasps;
-use rodlab_planning::plan::pattern::{Crossing, PatternError, PatternSource, Point, StrokeChoice};
+use rodlab_planning::plan::pattern::{Crossing, PatternError, PatternSource, StrokeChoice};
 use rodlab_planning::plan::request::{DeploymentRequest, LeadLength, RequestError};
 use rodlab_planning::plan::tying::Pass;
 use rodlab_workcell::cell::Cell;
@@ -21,8 +21,6 @@ use std::sync::OnceLock;
 
 /// Coefficient of friction that few tables exceed.
 const LARGEST_FRICTION: f64 = 1.0;
-/// Distance, in radii, within which a stroke begins at another one.
-const NEAR: f64 = 4.0;
 /// Schemes of leading the rod.
 const SCHEMES: [Named<Scheme>; 2] = [
     (
@@ -56,10 +54,10 @@ pub struct DeploymentArguments {
 #[derive(Clone, Debug, Args)]
 pub struct DeploymentPlan {
     #[command(flatten)]
-    source: PatternArguments,
+    pub(super) source: PatternArguments,
     /// The pattern as it is laid.
     #[arg(skip)]
-    fitted: OnceLock<PatternSource>,
+    pub(super) fitted: OnceLock<PatternSource>,
     /// Rod file: TOML with [deployment.rod] [default: that of the cell, otherwise a preset]
     ///
     /// [deployment.rod] has gravito_bending_length, radius and length. The default preset is the
@@ -68,12 +66,12 @@ pub struct DeploymentPlan {
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     rod: Option<PathBuf>,
     #[arg(skip)]
-    chosen: OnceLock<PathBuf>,
+    pub(super) chosen: OnceLock<PathBuf>,
     #[arg(skip)]
     identified: OnceLock<PathBuf>,
     /// Whether the rod is cut to the length of the pattern.
     #[arg(skip)]
-    is_cut: bool,
+    pub(super) is_cut: bool,
     /// Scheme by which the gripper leads the rod
     #[arg(long, hide_short_help = true, default_value = "optimal", value_parser = named(&SCHEMES))]
     scheme: Scheme,
@@ -100,7 +98,7 @@ pub struct DeploymentPlan {
     lead_out: Option<LeadLength>,
     /// Largest distance of neighbouring poses along the pattern
     #[arg(long, value_name = "LENGTH", hide_short_help = true, default_value = "3 mm", value_parser = positive_length)]
-    step: f64,
+    pub(super) step: f64,
     /// Speed of laying along the pattern, m/s
     ///
     /// It is reduced where the gripper would otherwise move more than 1.5 times as fast.
@@ -300,7 +298,7 @@ impl DeploymentPlan {
     }
 
     /// The request, as far as the arguments define it.
-    fn request(&self) -> DeploymentRequest<'_> {
+    pub(super) fn request(&self) -> DeploymentRequest<'_> {
         DeploymentRequest {
             lead_in: self.lead_in,
             lead_out: self.lead_out.unwrap_or_default(),
@@ -389,103 +387,6 @@ impl DeploymentPlan {
             false => rod_for(length)?,
         };
         Ok(self.chosen.get_or_init(|| chosen))
-    }
-
-    /// The pattern. Sharp corners of a drawing are rounded, and with `--size fit` it shrinks, if
-    /// it cannot be laid otherwise.
-    fn fitted(&self) -> Result<PatternSource, Failure> {
-        let source = self.source.source()?;
-        if self.ties_knot() {
-            return Ok(source);
-        }
-        if let Some(fitted) = self.fitted.get() {
-            return Ok(fitted.clone());
-        }
-        let rod = RodFile::read(self.rod_file()?)?.rod;
-        let changes = self.source.changes();
-        let remedy = self.request().allowed_remedy(&source, &rod, changes);
-        let fitted = match remedy {
-            None => source,
-            Some(remedy) => {
-                if let Some(size) = remedy.size {
-                    let size = 1e3 * size;
-                    tracing::warn!(
-                        "--size fit: the longer side is {size} mm, for which the rod is long enough"
-                    );
-                }
-                if let Some(deviation) = remedy.deviation {
-                    let deviation = 1e3 * deviation;
-                    tracing::warn!(
-                        "corners that are too sharp for the rod are rounded: the path is up to {deviation} mm from the drawing \
-                         (--deviation sets another distance)"
-                    );
-                }
-                remedy.applied(source).at(self.source.name())?
-            }
-        };
-        Ok(self.fitted.get_or_init(|| fitted).clone())
-    }
-
-    /// Plans of all strokes of a drawing, with one kind of rod that is cut to the length of each;
-    /// a single plan with the whole rod if there is only one.
-    pub fn strokes(&self) -> Result<Vec<Self>, Failure> {
-        let sources = self.source.strokes()?;
-        if sources.len() == 1 {
-            return Ok(vec![self.clone()]);
-        }
-        let mut plans: Vec<Self> = Vec::new();
-        for source in sources {
-            plans.push(Self {
-                source,
-                fitted: OnceLock::new(),
-                is_cut: true,
-                ..self.clone()
-            });
-        }
-        let length = |plan: &Self| plan.source.source().map_or(0.0, |one| one.drawn_length());
-        let longest = plans.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
-        let rod = longest
-            .map(Self::expected_rod)
-            .transpose()?
-            .map(Path::to_owned);
-        let mut lying: Vec<Vec<Point>> = Vec::new();
-        for plan in &mut plans {
-            plan.chosen.get_or_init(|| rod.clone().unwrap_or_default());
-            let near = NEAR * RodFile::read(plan.rod_file()?)?.rod.radius;
-            let drawn = plan.source.source()?.drawn_points().to_vec();
-            let is_near = |end: Option<&Point>| {
-                let mut lines = lying.iter();
-                end.is_some_and(|end| lines.any(|line| distance(end, line) < near))
-            };
-            // The free end of a rod is put on the table; its other end may fall onto another rod.
-            if is_near(drawn.first()) && !is_near(drawn.last()) {
-                plan.source.turn_round()?;
-            }
-            lying.push(drawn);
-        }
-        Ok(plans)
-    }
-
-    /// Length to which the rod is cut, m: that of the pattern with its lead-in, and the rest that
-    /// hangs from the gripper at the end.
-    pub fn cut_length(&self) -> Result<Option<f64>, Failure> {
-        if !self.is_cut {
-            return Ok(None);
-        }
-        let rod = RodFile::read(self.rod_file()?)?.rod;
-        let pattern = self.request().pattern(&self.fitted()?, &rod);
-        let pattern = pattern.at(self.source.name())?;
-        let length = pattern.length() + SUSPENDED * rod.gravito_bending_length;
-        Ok(Some(length.min(rod.length)))
-    }
-
-    /// The pattern without lead-in and lead-out, m.
-    pub fn outline(&self) -> Result<Vec<Point>, Failure> {
-        let pattern = self.fitted()?.pattern().at(self.source.name())?;
-        // Limit the number of points, since the pattern may be very long.
-        let step = self.step.max(pattern.length() / MOST_POSES);
-        let points = pattern.sampled(step).into_iter();
-        Ok(points.map(|point| point.position).collect())
     }
 
     /// The pattern of a second rod, see [`PatternArguments::second`].
@@ -629,18 +530,6 @@ fn warn_of_sliding(feasibility: &Feasibility, name: &str) {
     tracing::warn!(
         "{name} needs friction of up to {demand:.2}, and {table}: the rod will slide there; draw it larger, or with rounder bends"
     );
-}
-
-/// Distance of a point from a line, m.
-fn distance(point: &Point, line: &[Point]) -> f64 {
-    let to_segment = |pair: &[Point]| {
-        let along = pair[1] - pair[0];
-        let part = (point - pair[0]).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
-        (point - pair[0] - part.clamp(0.0, 1.0) * along).norm()
-    };
-    line.windows(2)
-        .map(to_segment)
-        .fold(f64::INFINITY, f64::min)
 }
 
 fn is_unstable(pose: &GripperPose) -> bool {

@@ -82,7 +82,7 @@ struct Guarded<'a> {
     signals: &'a Signals,
     interrupted: &'a Interruption,
     speed: &'a SpeedOverride,
-    page: Option<&'a LivePage<'a>>,
+    page: Option<&'a LivePage>,
 }
 
 impl Supervisor for Guarded<'_> {

@@ -156,7 +156,9 @@ pub use picture::{
 pub use pose_file::read_poses;
 pub use region::Region;
 pub use render::{RenderOptions, RenderedRod, render};
-pub use score::{CurveError, SCORE_POINTS, Score, part_of_curve, rigid_alignment, score};
+pub use score::{
+    CurveError, SCORE_POINTS, Score, distance_to, part_of_curve, rigid_alignment, score,
+};
 pub use score_figure::score_figure;
 pub use seen_length::SeenLength;
 pub use sheet::{EdgePose, Sheet, find_sheet, sliding};

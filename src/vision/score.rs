@@ -247,7 +247,7 @@ pub fn rigid_alignment(from: &[Point], to: &[Point]) -> Isometry2<f64> {
 }
 
 /// Distance of a point from a polyline.
-fn distance_to(line: &[Point], point: Point) -> f64 {
+pub fn distance_to(line: &[Point], point: Point) -> f64 {
     let distance = |from: Point, to: Point| {
         let along = to - from;
         let t = (point - from).dot(&along) / along.norm_squared().max(1e-300);

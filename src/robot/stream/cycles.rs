@@ -16,7 +16,6 @@ const BINS: usize = 400;
 /// Real-time priority of the thread, from 1 to 99: below those of the kernel's interrupt threads,
 /// 50.
 const PRIORITY: u8 = 40;
-
 /// Shortest pause of a cycle. A thread with real-time scheduling would otherwise keep a processor
 /// for itself when its work takes longer than a cycle.
 const PAUSE: Duration = Duration::from_micros(250);
@@ -89,12 +88,6 @@ impl Cycles {
             milliseconds(self.quantile(0.999)),
             milliseconds(self.longest)
         )
-    }
-
-    /// Whether the thread has real-time scheduling.
-    #[cfg(test)]
-    fn has_real_time(&self) -> bool {
-        self.real_time.is_some()
     }
 }
 
@@ -185,14 +178,14 @@ mod tests {
         cycles.wait(&timer);
         assert_eq!(timer.now() - late, CYCLE);
         // Work that takes longer than a cycle.
-        assert!(cycles.has_real_time());
+        assert!(cycles.real_time.is_some());
         for _ in 0..=OVERLOAD {
             timer.now.set(timer.now() + 3 * CYCLE);
             let worked = timer.now();
             cycles.wait(&timer);
             assert_eq!(timer.now() - worked, PAUSE);
         }
-        assert!(!cycles.has_real_time());
+        assert!(cycles.real_time.is_none());
     }
 
     #[test]

@@ -447,4 +447,6 @@ impl Watch<'_> {
 #[cfg(test)]
 mod faults;
 #[cfg(test)]
+mod faulty_arm;
+#[cfg(test)]
 mod tests;

@@ -62,23 +62,23 @@ impl Speed {
         // Parts that have arrived stay there.
         let is_moving = |watched: &&Watched| division.continues(&watched.path, &self.pace, elapsed);
         let mut moving = watched.iter().filter(is_moving);
-        let Some(before) = moving.clone().find_map(|watched| watched.piece.as_ref()) else {
+        let Some(before) = moving.find_map(|watched| watched.piece.as_ref()) else {
             return Ok(());
         };
         let Some(pace) = division.changed(&self.pace, wanted, elapsed, before) else {
             return Ok(());
         };
-        let next = |watched: &Watched| {
+        let next = |watched: &Watched| -> Option<Option<Piece>> {
+            if !is_moving(&watched) {
+                return Some(None);
+            }
             let before = watched.piece.as_ref()?;
-            division.next(before, &watched.path, &pace, elapsed)
+            let piece = division.next(before, &watched.path, &pace, elapsed)?;
+            Some(Some(piece))
         };
-        if moving.any(|watched| next(watched).is_none()) {
+        let Some(pieces) = watched.iter().map(next).collect::<Option<Vec<_>>>() else {
             return Ok(());
-        }
-        let pieces: Vec<Option<Piece>> = watched
-            .iter()
-            .map(|watched| next(watched).filter(|_| is_moving(&watched)))
-            .collect();
+        };
         // Stops were checked before the start.
         if wanted > 0.0 {
             let mut pieces = parts.iter().zip(&pieces);

@@ -11,7 +11,7 @@ use crate::cell::Cell;
 use crate::task::{Display, LaidLength, SpeedOverride, Stage};
 use rodlab_robot::{JointTrajectory, StreamState};
 use server::Server;
-use state::{MotionState, Picture, Scene, Shared, State, StepState, Stroke};
+use state::{MotionState, Picture, Scene, Shared, State, StepState};
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
 use std::io;
@@ -26,13 +26,12 @@ const LAST_LOOK: Duration = Duration::from_secs(2);
 const MOST_POINTS: usize = 500;
 
 /// The live page of a task, served until this value is dropped.
-pub struct LivePage<'a> {
-    cell: &'a Cell,
+pub struct LivePage {
     shared: Arc<Shared>,
     server: Server,
 }
 
-impl<'a> LivePage<'a> {
+impl LivePage {
     /// Serves the page of a task in a cell on a port of this computer; zero selects a free one.
     /// `plan` has the planned motions. The page changes `speed` unless `fixed`, the reason why it
     /// cannot, is given.
@@ -40,15 +39,14 @@ impl<'a> LivePage<'a> {
     /// # Errors
     /// The port is in use.
     pub fn serve(
-        cell: &'a Cell,
+        cell: &Cell,
         plan: &[JointTrajectory],
         port: u16,
         speed: &SpeedOverride,
         fixed: Option<&str>,
     ) -> io::Result<Self> {
         let scene = Scene {
-            title: cell.title.clone(),
-            boxes: cell.box_lines(),
+            cell: cell.clone(),
             plans: plan
                 .iter()
                 .flat_map(|motion| cell.hand_paths(motion, MOST_POINTS))
@@ -56,22 +54,9 @@ impl<'a> LivePage<'a> {
             fixed: fixed.map(str::to_owned),
         };
         let token = format!("{:016x}", RandomState::new().hash_one(std::process::id()));
-        let homes = cell.arms.iter().enumerate().map(|(arm, known)| {
-            let hand = known.hand(&known.home).translation.vector;
-            (cell.arm_lines(arm, &known.home), hand.into())
-        });
-        let shared = Arc::new(Shared::new(
-            scene,
-            State::at_rest(homes),
-            speed.clone(),
-            token,
-        ));
+        let shared = Arc::new(Shared::new(scene, speed.clone(), token));
         let server = Server::start(port, Arc::clone(&shared))?;
-        Ok(Self {
-            cell,
-            shared,
-            server,
-        })
+        Ok(Self { shared, server })
     }
 
     /// The address of the page.
@@ -97,7 +82,7 @@ impl<'a> LivePage<'a> {
     }
 }
 
-impl Display for LivePage<'_> {
+impl Display for LivePage {
     fn step(&self, number: usize, of: usize, stage: &Stage) {
         let words = stage.words.clone().into_owned();
         self.change(|state| {
@@ -112,19 +97,10 @@ impl Display for LivePage<'_> {
     }
 
     fn joints(&self, arm: &str, joints: &[f64]) {
-        let arms = &self.cell.arms;
-        let Some(arm) = arms.iter().position(|known| known.name == arm) else {
-            return;
-        };
-        let hand = arms[arm].hand(joints).translation.vector.into();
-        let is_read = self.shared.is_read();
-        let lines = is_read.then(|| self.cell.arm_lines(arm, joints));
-        self.change(|state| {
-            state.hand(arm, hand);
-            if let Some(lines) = lines {
-                state.arms[arm] = lines.into_iter().map(Stroke::from).collect();
-            }
-        });
+        let cell = self.shared.cell();
+        if let Some(arm) = cell.arms.iter().position(|known| known.name == arm) {
+            self.change(|state| state.move_arm(cell, arm, joints));
+        }
     }
 
     fn wrote(&self, file: &Path) {

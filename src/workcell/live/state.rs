@@ -1,7 +1,7 @@
 //! What the live page shows, shared with the thread of its server.
 
-use crate::cell::Line;
-use crate::task::{LaidLength, SpeedOverride};
+use crate::cell::{Cell, Line};
+use crate::task::{LaidLength, SpeedOverride, described};
 use nalgebra::Point3;
 use rodlab_robot::StreamState;
 use serde::Serialize;
@@ -18,8 +18,7 @@ const STEP: f64 = 2e-3;
 
 /// What stays the same during a task.
 pub(super) struct Scene {
-    pub title: String,
-    pub boxes: Vec<Line>,
+    pub cell: Cell,
     /// Planned paths of the hands, m.
     pub plans: Vec<Vec<[f64; 3]>>,
     /// The reason why the speed cannot change.
@@ -38,14 +37,13 @@ struct SceneText<'a> {
 }
 
 /// What changes during a task.
-#[derive(Clone, Default, Serialize)]
+#[derive(Default, Serialize)]
 pub(super) struct State {
     pub step: Option<StepState>,
     pub motion: Option<MotionState>,
-    /// Links of each arm.
-    pub arms: Vec<Vec<Stroke>>,
-    /// Positions of the hands, m.
-    pub hands: Vec<[f64; 3]>,
+    /// Positions of the joints of each arm, rad or m.
+    #[serde(skip)]
+    pub joints: Vec<Vec<f64>>,
     /// Paths of the hands so far, m.
     #[serde(skip)]
     pub trails: Vec<Vec<[f64; 3]>>,
@@ -67,12 +65,8 @@ pub(super) struct StepState {
 pub(super) struct MotionState {
     time_s: f64,
     duration_s: f64,
-    lag_s: f64,
-    /// Largest distances from the trajectory.
-    off_deg: f64,
-    off_mm: f64,
-    laid_m: Option<f64>,
-    path_m: Option<f64>,
+    /// The state as text.
+    words: String,
     /// Present speed relative to the planned one.
     speed: Option<f64>,
 }
@@ -82,11 +76,7 @@ impl MotionState {
         Self {
             time_s: state.time,
             duration_s: state.duration,
-            lag_s: state.lag,
-            off_deg: state.tracking.revolute.to_degrees(),
-            off_mm: 1e3 * state.tracking.prismatic,
-            laid_m: laid.and_then(|laid| laid.laid_m),
-            path_m: laid.map(|laid| laid.path_m),
+            words: described(state, laid),
             speed: state.pace,
         }
     }
@@ -102,21 +92,23 @@ pub(super) struct Picture {
 }
 
 impl State {
-    /// The state of arms at rest: their links, and the positions of their hands, m.
-    pub(super) fn at_rest(arms: impl Iterator<Item = (Vec<Line>, [f64; 3])>) -> Self {
-        let (arms, hands): (Vec<_>, Vec<_>) = arms.unzip();
-        let strokes = |lines: Vec<Line>| lines.into_iter().map(Stroke::from).collect();
+    /// The state of the arms of a cell at home.
+    pub(super) fn at_home(cell: &Cell) -> Self {
         Self {
-            arms: arms.into_iter().map(strokes).collect(),
-            trails: vec![Vec::new(); hands.len()],
-            hands,
+            joints: cell.arms.iter().map(|arm| arm.home.clone()).collect(),
+            trails: vec![Vec::new(); cell.arms.len()],
             ..Self::default()
         }
     }
 
-    /// Moves a hand to a position, m.
-    pub(super) fn hand(&mut self, arm: usize, hand: [f64; 3]) {
-        self.hands[arm] = hand;
+    /// Moves an arm of a cell to joint positions, rad or m.
+    pub(super) fn move_arm(&mut self, cell: &Cell, arm: usize, joints: &[f64]) {
+        // The same report may come again.
+        if self.joints[arm] == joints {
+            return;
+        }
+        self.joints[arm] = joints.to_vec();
+        let hand = hand(cell, arm, joints);
         let trail = &mut self.trails[arm];
         let is_far = |last: &[f64; 3]| (Point3::from(*last) - Point3::from(hand)).norm() > STEP;
         if trail.last().is_none_or(is_far) {
@@ -125,11 +117,24 @@ impl State {
     }
 }
 
+/// Position of the hand of an arm, m.
+fn hand(cell: &Cell, arm: usize, joints: &[f64]) -> [f64; 3] {
+    cell.arms[arm].hand(joints).translation.vector.into()
+}
+
+fn strokes(lines: Vec<Line>) -> Vec<Stroke> {
+    lines.into_iter().map(Stroke::from).collect()
+}
+
 /// The state as the page reads it.
 #[derive(Serialize)]
 struct StateText<'a> {
     #[serde(flatten)]
     state: &'a State,
+    /// Links of each arm.
+    arms: Vec<Vec<Stroke>>,
+    /// Positions of the hands, m.
+    hands: Vec<[f64; 3]>,
     /// The wanted speed relative to the planned one.
     wanted: f64,
     is_stopped: bool,
@@ -148,10 +153,10 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    pub(super) fn new(scene: Scene, state: State, speed: SpeedOverride, token: String) -> Self {
+    pub(super) fn new(scene: Scene, speed: SpeedOverride, token: String) -> Self {
         Self {
+            state: Mutex::new(State::at_home(&scene.cell)),
             scene,
-            state: Mutex::new(state),
             read: Mutex::default(),
             end_was_read: Condvar::new(),
             speed,
@@ -164,6 +169,11 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// The cell.
+    pub(super) fn cell(&self) -> &Cell {
+        &self.scene.cell
+    }
+
     /// Whether the speed can change.
     pub(super) fn is_adjustable(&self) -> bool {
         self.scene.fixed.is_none()
@@ -173,9 +183,9 @@ impl Shared {
     pub(super) fn scene_text(&self) -> String {
         let state = self.state();
         let scene = SceneText {
-            title: &self.scene.title,
+            title: &self.scene.cell.title,
             version: rodlab_files::origin::VERSION,
-            boxes: self.scene.boxes.iter().cloned().map(Stroke::from).collect(),
+            boxes: strokes(self.scene.cell.box_lines()),
             plans: &self.scene.plans,
             trails: &state.trails,
             fixed: self.scene.fixed.as_deref(),
@@ -186,8 +196,16 @@ impl Shared {
     /// The state as JSON.
     pub(super) fn state_text(&self) -> String {
         let state = self.state();
+        let cell = &self.scene.cell;
+        let postures = || state.joints.iter().enumerate();
         let text = serde_json::to_string(&StateText {
             state: &state,
+            arms: postures()
+                .map(|(arm, joints)| strokes(cell.arm_lines(arm, joints)))
+                .collect(),
+            hands: postures()
+                .map(|(arm, joints)| hand(cell, arm, joints))
+                .collect(),
             wanted: self.speed.get(),
             is_stopped: self.is_stopped.load(Ordering::Relaxed),
         });

@@ -59,8 +59,6 @@ pub struct DeployTask {
     picture: Option<RgbImage>,
     /// Distance of the rod from the pattern, after the measurement.
     score: Option<Score>,
-    /// Whether the picture shows other rods, too.
-    lies_among_others: bool,
 }
 
 impl DeployTask {
@@ -83,13 +81,12 @@ impl DeployTask {
             correction,
             picture: None,
             score: None,
-            lies_among_others: false,
         }
     }
 
-    /// The rod lies among others, and is the one that begins nearest to the start of its path.
+    /// The rod is cut to its length, and lies among others: it is the one that begins nearest to the
+    /// start of its path.
     pub(super) fn lies_among_others(&mut self) {
-        self.lies_among_others = true;
         self.record.cut_length_m = Some(self.plan.rod.length);
     }
 
@@ -125,9 +122,9 @@ impl DeployTask {
         at.write(PATTERN, pattern_csv(&plan.pattern).as_bytes())?;
         let found = plan.seen(&picture, at.cell)?;
         found.write(&picture, at)?;
-        let rod = match self.lies_among_others {
-            true => found.from(plan.start())?,
-            false => found.longest(plan.start())?,
+        let rod = match record.cut_length_m {
+            Some(_) => found.from(plan.start())?,
+            None => found.longest(plan.start())?,
         };
         at.write("rod.csv", pattern_csv(&rod).as_bytes())?;
         let length = record.seen_length.insert(plan.seen_length(&found, &rod)?);

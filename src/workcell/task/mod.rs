@@ -63,7 +63,7 @@ pub use correction::Correction;
 pub use deploy::DeployTask;
 pub use deploy_plan::DeployPlan;
 pub use deploy_record::{DeployRecord, DeployScore, stroke_folder};
-pub use display::{Display, Displays, Hidden};
+pub use display::{Display, Displays, Hidden, described};
 pub use drawing::{DrawingRecord, DrawingTask};
 pub use error::{TaskError, WorkError};
 pub use exploration::{

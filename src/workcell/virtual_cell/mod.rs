@@ -45,6 +45,8 @@ mod hanging;
 mod message;
 mod pace;
 mod rod;
+#[cfg(test)]
+mod rod_tests;
 mod server;
 mod settings;
 mod sheet;
