@@ -195,7 +195,7 @@ fn impossible_plans_are_rejected_and_leave_no_files() {
         fs::write(&path, text).unwrap();
         path.to_str().unwrap().to_owned()
     };
-    let text = file("text.svg", "<svg><text>A</text></svg>");
+    let text = file("text.svg", "<svg><text> </text></svg>");
     let strokes = file("two.svg", "<svg><path d=\"M0 0h9 M0 9h9\"/></svg>");
     let corner = file(
         "corner.svg",
@@ -211,7 +211,7 @@ fn impossible_plans_are_rejected_and_leave_no_files() {
     for (arguments, complaint) in [
         (
             vec!["--pattern", &text, "--rod", GREEN],
-            "text must be made into paths",
+            "its text has no visible letters",
         ),
         (
             vec!["--pattern", &strokes, "--stroke", "3", "--rod", GREEN],

@@ -25,7 +25,7 @@ fn drawing(folder: &Path, content: &str) {
 }
 
 #[test]
-fn several_strokes_are_listed_drawn_and_joined() {
+fn a_rod_is_planned_along_each_stroke_or_one_is_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     drawing(
@@ -33,18 +33,25 @@ fn several_strokes_are_listed_drawn_and_joined() {
         "<path d='M10 50H100'/><path id='b' d='M190 50H100.3'/>",
     );
     let (code, stdout, stderr) = plan(folder, &["--pattern", "d.svg"]);
-    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
-    for part in [
-        "2 strokes",
-        "1: 90.0 mm long",
-        "line 2, <path>, id `b`",
-        "--join \"0.500 mm\" joins all",
-        "d_strokes.svg",
-    ] {
-        assert!(stderr.contains(part), "{stderr}");
-    }
-    let picture = fs::read_to_string(folder.join("d_strokes.svg")).unwrap();
+    assert_eq!(code, 0, "{stderr}");
+    let record: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let length = |stroke: usize| record["strokes"][stroke]["length_m"].as_f64().unwrap();
+    assert!((length(0) - 0.09).abs() < 1e-3 && (length(1) - 0.0897).abs() < 1e-3);
+    let picture = fs::read_to_string(folder.join("out/strokes.svg")).unwrap();
     assert!(picture.contains("aria-label=\"2\""));
+    for stroke in ["stroke-1", "stroke-2"] {
+        assert!(
+            folder
+                .join("out")
+                .join(stroke)
+                .join("trajectory.csv")
+                .exists()
+        );
+    }
+    // A stroke that cannot be laid leaves no plan of the others.
+    fs::remove_dir_all(folder.join("out")).unwrap();
+    let (code, _, stderr) = plan(folder, &["--pattern", "d.svg", "--lead-in", "2 m"]);
+    assert_eq!(code, 2, "{stderr}");
     assert!(!folder.join("out").exists());
     for (arguments, length) in [
         (vec!["--join", "0.5 mm"], 0.18),
@@ -137,10 +144,30 @@ fn edges_of_filled_areas_are_not_laid_one_by_one() {
         .unwrap();
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{stderr}");
-    assert!(
-        stderr.contains("it has 2 strokes that do not join"),
-        "{stderr}"
-    );
+}
+
+#[test]
+fn too_many_strokes_are_listed_and_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let lines: String = (0..13)
+        .map(|line| format!("<path id='p{line}' d='M{} 50h10'/>", 15 * line))
+        .collect();
+    drawing(folder, &lines);
+    let (code, stdout, stderr) = plan(folder, &["--pattern", "d.svg"]);
+    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+    for part in [
+        "13 strokes",
+        "1: 10.0 mm long",
+        "line 2, <path>, id `p4`",
+        "--join \"10.000 mm\" joins all",
+        "d_strokes.svg",
+    ] {
+        assert!(stderr.contains(part), "{stderr}");
+    }
+    let picture = fs::read_to_string(folder.join("d_strokes.svg")).unwrap();
+    assert!(picture.contains("aria-label=\"13\""));
+    assert!(!folder.join("out").exists());
 }
 
 #[test]
@@ -149,21 +176,21 @@ fn outlines_are_reported_and_have_a_middle_line() {
     let folder = folder.path();
     drawing(
         folder,
-        "<path d='M10 20C60 0 120 60 190 20L190 40C120 80 60 20 10 40Z'/><text>A</text>",
+        "<path d='M10 20C60 0 120 60 190 20L190 40C120 80 60 20 10 40Z'/>",
     );
-    let outline = ["--pattern", "d.svg", "--deviation", "3 mm"];
-    let (_, _, stderr) = plan(folder, &outline);
+    let plain = ["--pattern", "d.svg", "--lead-in", "none"];
+    let (code, stdout, stderr) = plan(folder, &[&plain[..], &["--outline"]].concat());
+    assert_eq!(code, 0, "{stderr}");
     assert!(
         stderr.contains("line 2: <path> is a filled area"),
         "{stderr}"
     );
+    let edge: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert!(edge["length_m"].as_f64().unwrap() > 0.3, "{edge}");
+    let (code, stdout, stderr) = plan(folder, &plain);
     assert!(
-        stderr.contains("line 2: <text> is not followed"),
+        stderr.contains("line 2: a narrow filled area is followed along the middle"),
         "{stderr}"
-    );
-    let (code, stdout, stderr) = plan(
-        folder,
-        &["--pattern", "d.svg", "--centreline", "--lead-in", "none"],
     );
     assert_eq!(code, 0, "{stderr}");
     let record: serde_json::Value = serde_json::from_str(&stdout).unwrap();
@@ -173,31 +200,39 @@ fn outlines_are_reported_and_have_a_middle_line() {
 }
 
 #[test]
-fn several_middle_lines_are_listed_and_chosen_by_number() {
+fn letters_and_text_are_followed_along_their_middle() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    // A T: a bar of 180 mm over a stem of 120 mm.
-    drawing(
-        folder,
-        "<path d='M10 20H190V40H110V160H90V40H10Z' fill='black'/>",
-    );
-    let plain = ["--pattern", "d.svg", "--centreline", "--lead-in", "none"];
-    let (code, stdout, stderr) = plan(folder, &plain);
-    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
-    for part in [
-        "middle lines; choose one",
-        "--stroke 1 to ",
-        "mm long, from (",
-    ] {
-        assert!(stderr.contains(part), "{stderr}");
+    // A T: a bar of 180 mm over a stem of 120 mm. A dot is left out.
+    let letter =
+        "<path d='M10 20H190V40H110V160H90V40H10Z' fill='black'/><circle cx='30' cy='150' r='12'/>";
+    let text = "<text x='10' y='150' font-size='160' font-family='no such font'>T</text>";
+    for (content, dots) in [(letter, true), (text, false)] {
+        drawing(folder, content);
+        let plain = ["--pattern", "d.svg", "--lead-in", "none"];
+        let (code, stdout, stderr) = plan(folder, &plain);
+        assert_eq!(code, 0, "{stderr}");
+        assert_eq!(
+            stderr.contains("filled dots are left out: 1"),
+            dots,
+            "{stderr}"
+        );
+        assert_eq!(
+            stderr.contains("<text> is drawn in the font"),
+            !dots,
+            "{stderr}"
+        );
+        let record: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+        let strokes = record["strokes"].as_array().unwrap();
+        let lengths = strokes
+            .iter()
+            .map(|stroke| stroke["length_m"].as_f64().unwrap());
+        assert_eq!(strokes.len(), 2, "{record}");
+        // The ends of middle lines are half a width inside.
+        let whole: f64 = lengths.sum();
+        let drawn = if dots { 0.26 } else { 0.18 };
+        assert!((whole - drawn).abs() < 0.03, "{record}");
     }
-    let picture = fs::read_to_string(folder.join("d_strokes.svg")).unwrap();
-    assert!(picture.contains("aria-label=\"2\""));
-    assert!(!folder.join("out").exists());
-    let (code, stdout, stderr) = plan(folder, &[&plain[..], &["--stroke", "longest"]].concat());
-    assert_eq!(code, 0, "{stderr}");
-    let record: serde_json::Value = serde_json::from_str(&stdout).unwrap();
-    assert!(record["length_m"].as_f64().unwrap() > 0.08, "{record}");
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! Files of drawn patterns: SVG, and CSV files of points.
 
+use super::middle_line::{Filled, FilledLine};
 use super::prelude::*;
 use rodlab_files::figure::numbered_strokes;
 use rodlab_lab::experiment::svg_drawing;
-use rodlab_planning::plan::pattern::{PatternError, Point, StrokeChoice, SvgDrawing};
+use rodlab_planning::plan::pattern::{DrawnStroke, PatternError, Point, StrokeChoice, SvgDrawing};
 use rodlab_vision::read_curve;
 
 /// Selection of a part of a drawn file.
@@ -13,6 +14,8 @@ pub struct Part<'a> {
     pub stroke: Option<&'a StrokeChoice>,
     /// Largest gap between strokes of an SVG that are joined, m.
     pub join: Option<f64>,
+    /// How filled areas of an SVG are followed.
+    pub filled: Filled,
 }
 
 /// Points of an SVG or CSV file, m; `None` for other file name extensions.
@@ -21,9 +24,14 @@ pub fn drawn_points(path: &Path, part: Part<'_>) -> Result<Option<Vec<Point>>, F
     if extension == "svg" {
         return svg_points(path, part).map(Some);
     }
-    if part.join.is_some() {
+    let given = [
+        ("--join", part.join.is_some()),
+        ("--centreline", part.filled.line == FilledLine::Middle),
+        ("--outline", part.filled.line == FilledLine::Edge),
+    ];
+    if let Some((flag, _)) = given.iter().find(|(_, given)| *given) {
         return Err(Failure::Input(format!(
-            "--join is for strokes of SVG drawings; {} is not one",
+            "{flag} is for SVG drawings; {} is not one",
             path.display()
         )));
     }
@@ -34,15 +42,17 @@ pub fn drawn_points(path: &Path, part: Part<'_>) -> Result<Option<Vec<Point>>, F
     }
 }
 
-/// The lines of an SVG drawing, m, joined across gaps up to `join`, m; none if it has filled areas
-/// without lines of their own, whose edges come in pairs.
-pub fn drawn_strokes(path: &Path, join: Option<f64>) -> Result<Vec<Vec<Point>>, Failure> {
-    let strokes = joined_drawing(path, join)?.strokes.into_iter();
-    let strokes: Vec<_> = strokes.filter(|stroke| !stroke.is_background).collect();
-    Ok(match strokes.iter().any(|stroke| stroke.is_outline) {
-        true => Vec::new(),
-        false => strokes.into_iter().map(|stroke| stroke.points).collect(),
-    })
+/// The lines of an SVG drawing, m, joined as requested; none if it has filled areas whose edges
+/// come in pairs.
+pub fn drawn_strokes(path: &Path, part: Part<'_>) -> Result<Vec<Vec<Point>>, Failure> {
+    let drawing = joined_drawing(path, part)?;
+    if drawing.areas().iter().any(|area| area.edges.len() > 1) {
+        return Ok(Vec::new());
+    }
+    let strokes = drawing.strokes.into_iter();
+    let strokes = strokes.filter(|stroke| !stroke.is_background);
+    let strokes = strokes.inspect(|stroke| warn_of_edge(path, stroke));
+    Ok(strokes.map(|stroke| stroke.points).collect())
 }
 
 /// Number of a strand or a line, if given; `None` for `longest`, which is the default for
@@ -57,12 +67,26 @@ pub fn counted(stroke: Option<&StrokeChoice>) -> Result<Option<usize>, Failure> 
     }
 }
 
-/// An SVG drawing whose strokes are joined across gaps up to `join`, m, if given.
-fn joined_drawing(path: &Path, join: Option<f64>) -> Result<SvgDrawing, Failure> {
+/// An SVG drawing with the lines that are followed, joined across gaps as requested.
+fn joined_drawing(path: &Path, part: Part<'_>) -> Result<SvgDrawing, Failure> {
     let drawing = svg_drawing(path).map_err(Failure::Input)?;
-    match join {
+    let drawing = part.filled.followed(path, drawing)?;
+    match part.join {
         Some(gap) => drawing.joined(gap).at(path.display()),
         None => Ok(drawing),
+    }
+}
+
+/// Warns if a stroke is the edge of a filled area.
+fn warn_of_edge(path: &Path, stroke: &DrawnStroke) {
+    if stroke.is_outline {
+        tracing::warn!(
+            "{}: line {}: <{}> is a filled area without a line of its own: the rod follows its edge; --centreline follows \
+             its middle line",
+            path.display(),
+            stroke.line,
+            stroke.element
+        );
     }
 }
 
@@ -70,7 +94,7 @@ fn joined_drawing(path: &Path, join: Option<f64>) -> Result<SvgDrawing, Failure>
 /// them is written.
 fn svg_points(path: &Path, part: Part<'_>) -> Result<Vec<Point>, Failure> {
     let place = path.display();
-    let mut drawing = joined_drawing(path, part.join)?;
+    let mut drawing = joined_drawing(path, part)?;
     let choice = part.stroke.cloned().unwrap_or_default();
     let number = match drawing.choose(&choice) {
         Ok(number) => number,
@@ -83,20 +107,7 @@ fn svg_points(path: &Path, part: Part<'_>) -> Result<Vec<Point>, Failure> {
         Err(error) => return Err(error).at(&place),
     };
     let stroke = drawing.strokes.swap_remove(number - 1);
-    if stroke.is_outline {
-        tracing::warn!(
-            "{place}: line {}: <{}> is a filled area without a line of its own: the rod follows its edge; --centreline follows \
-             its middle line",
-            stroke.line,
-            stroke.element
-        );
-    }
-    if let Some(line) = drawing.text_lines.first() {
-        tracing::warn!(
-            "{place}: line {line}: <text> is not followed; make it into paths first (Inkscape: Path, Object to Path), then \
-             --centreline follows the middle line of its letters"
-        );
-    }
+    warn_of_edge(path, &stroke);
     Ok(stroke.points)
 }
 
@@ -114,16 +125,21 @@ fn ways_out(path: &Path, drawing: &SvgDrawing) -> String {
     text
 }
 
-/// Writes a picture of numbered strokes of a file into the current folder. Returns a line that
-/// names it; empty if it cannot be written.
-pub fn numbered_picture<'a>(path: &Path, strokes: impl Iterator<Item = &'a [Point]>) -> String {
+/// An SVG of numbered strokes.
+pub fn stroke_picture<'a>(strokes: impl Iterator<Item = &'a [Point]>) -> String {
     let points: Vec<Vec<[f64; 2]>> = strokes
         .map(|stroke| stroke.iter().map(|point| [point.x, point.y]).collect())
         .collect();
     let views: Vec<&[[f64; 2]]> = points.iter().map(Vec::as_slice).collect();
+    numbered_strokes(&views)
+}
+
+/// Writes a picture of numbered strokes of a file into the current folder. Returns a line that
+/// names it; empty if it cannot be written.
+fn numbered_picture<'a>(path: &Path, strokes: impl Iterator<Item = &'a [Point]>) -> String {
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let picture = PathBuf::from(format!("{name}_strokes.svg"));
-    match write_file(&picture, numbered_strokes(&views).as_bytes()) {
+    match write_file(&picture, stroke_picture(strokes).as_bytes()) {
         Ok(()) => format!(
             "\na picture of them with their numbers: {}",
             picture.display()

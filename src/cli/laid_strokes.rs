@@ -51,9 +51,14 @@ impl DeploymentPlan {
     /// Plans of all strokes of a drawing, with one kind of rod that is cut to the length of each;
     /// a single plan with the whole rod if there is only one.
     pub fn strokes(&self) -> Result<Vec<Self>, Failure> {
-        let sources = self.source.strokes()?;
-        if sources.len() == 1 {
-            return Ok(vec![self.clone()]);
+        let mut sources = match self.ties_knot() {
+            true => Vec::new(),
+            false => self.source.strokes()?,
+        };
+        if sources.len() < 2 {
+            let mut plan = self.clone();
+            plan.source = sources.pop().unwrap_or(plan.source);
+            return Ok(vec![plan]);
         }
         let mut plans: Vec<Self> = Vec::new();
         for source in sources {

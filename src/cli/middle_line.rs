@@ -1,12 +1,10 @@
-//! The middle line of the filled areas of an SVG drawing, traced as in a photograph.
+//! Middle lines of the filled areas of an SVG drawing, traced as in a photograph.
 
-use super::drawn_pattern::{counted, numbered_picture};
 use super::prelude::*;
 use image::{Rgb, RgbImage};
 use rodlab_files::figure::grey_picture;
-use rodlab_lab::experiment::svg_drawing;
-use rodlab_planning::plan::pattern::{DrawnStroke, Point, StrokeChoice};
-use rodlab_vision::{ColourRule, Metric, Strand, TraceOptions, VisionError, pattern, trace};
+use rodlab_planning::plan::pattern::{DrawnStroke, FilledArea, Point, SvgDrawing};
+use rodlab_vision::{ColourRule, Metric, TraceOptions, pattern, trace};
 
 /// Distance between points of a traced line, m, as in `rodlab trace --pattern`.
 pub const POINT_STEP: f64 = 1e-3;
@@ -14,137 +12,182 @@ pub const POINT_STEP: f64 = 1e-3;
 const PIXELS: u32 = 1500;
 /// Margin of the picture, as a fraction of its width.
 const MARGIN: f64 = 0.05;
-/// Maximum number of listed lines.
-const LISTED: usize = 10;
+/// Largest size of a dot, such as that of an i, in thicknesses of the letters.
+const DOT: f64 = 2.0;
 
-/// The middle line of the filled areas of a drawing, m: the selected one, or the only one. If there
-/// are several and none is selected, a picture of them is written. `size` is the length of the
-/// drawing's longer side after its later scaling, m. The smoothing depends on it.
-pub fn middle_line(
-    path: &Path,
-    choice: Option<&StrokeChoice>,
-    size: Option<f64>,
-    smoothing: f64,
-) -> Result<Vec<Point>, Failure> {
-    let place = path.display();
-    if !path
-        .extension()
-        .is_some_and(|ending| ending.eq_ignore_ascii_case("svg"))
-    {
-        return Err(Failure::Input(format!(
-            "--centreline is for SVG drawings; {place} is not one"
-        )));
-    }
-    let drawing = svg_drawing(path).map_err(Failure::Input)?;
-    let areas: Vec<&DrawnStroke> = drawing
-        .strokes
-        .iter()
-        .filter(|stroke| stroke.is_outline && !stroke.is_background)
-        .collect();
-    let points = || areas.iter().flat_map(|area| &area.points);
-    let Some(first) = points().next() else {
-        return Err("it has no filled areas with a middle line; without --centreline its lines are followed").at(&place);
-    };
-    let low = points().fold(*first, |low, point| low.inf(point));
-    let high = points().fold(*first, |high, point| high.sup(point));
-    let side = (high - low).max();
-    let margin = MARGIN * side;
-    let (low, high) = (low.add_scalar(-margin), high.add_scalar(margin));
-    let extent = high - low;
-    let scale = f64::from(PIXELS) / extent.max();
-    let svg = filled(&areas, low, high, scale);
-    let width = (scale * extent.x).round().max(1.0) as u32;
-    let (width, height, grey) = grey_picture(&svg, width)
-        .ok_or("its filled areas cannot be drawn")
-        .at(&place)?;
-    let pixels = grey.iter().flat_map(|grey| [*grey; 3]).collect();
-    let picture = RgbImage::from_raw(width, height, pixels)
-        .unwrap_or_else(|| RgbImage::from_pixel(1, 1, Rgb([255; 3])));
-    let options = TraceOptions {
-        colour: ColourRule::parse("black")?,
-        ..TraceOptions::default()
-    };
-    let traced = trace(&picture, &options).at(&place)?;
-    let number = counted(choice)?;
-    let longer = size.unwrap_or(side);
-    let metric = Metric::Scan {
-        pixel: longer / side / scale,
-        height,
-    };
-    let corner = low * (longer / side);
-    let is_open = matches!(choice, None | Some(StrokeChoice::Only));
-    if is_open && traced.strands.len() > 1 {
-        let lines = located(&traced.strands, metric, corner).at(&place)?;
-        return Err(several(path, &lines)).at(&place);
-    }
-    let strand = traced.strand(number).ok_or_else(|| {
-        let count = traced.strands.len();
-        format!("--stroke: its filled areas have {count} middle lines, counted from 1")
-    });
-    let points = pattern(strand.at(&place)?, metric, smoothing, POINT_STEP).at(&place)?;
-    Ok(points.into_iter().map(|point| point + corner).collect())
+/// The line that a rod follows in a filled area without a line of its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum FilledLine {
+    /// The middle line of narrow areas, such as letters, and the edge of others.
+    #[default]
+    MiddleOfNarrow,
+    /// The middle line.
+    Middle,
+    /// The edge.
+    Edge,
 }
 
-/// The points of lines in the final size of the drawing, m. A closed line ends with its first point.
-fn located(
-    strands: &[Strand],
-    metric: Metric,
-    corner: Point,
-) -> Result<Vec<Vec<Point>>, VisionError> {
-    let line = |strand: &Strand| {
-        let first = strand.points.first().filter(|_| strand.closed);
-        let points = strand.points.iter().chain(first);
-        points
-            .map(|point| Ok(metric.locate(*point)? + corner))
-            .collect()
-    };
-    strands.iter().map(line).collect()
+/// How the filled areas of a drawing are followed.
+#[derive(Clone, Copy, Debug)]
+pub struct Filled {
+    /// The line that is followed.
+    pub line: FilledLine,
+    /// Length of the drawing's longer side after its later scaling, m.
+    pub size: Option<f64>,
+    /// Smoothing length of middle lines at that size, m.
+    pub smoothing: f64,
 }
 
-/// Message about several middle lines: number, length and place of the longest, with a picture.
-fn several(path: &Path, lines: &[Vec<Point>]) -> String {
-    let length =
-        |line: &[Point]| -> f64 { line.windows(2).map(|two| (two[1] - two[0]).norm()).sum() };
-    let mut longest: Vec<(f64, usize)> = lines.iter().map(|line| length(line)).zip(1..).collect();
-    longest.sort_by(|one, other| other.0.total_cmp(&one.0));
-    let count = lines.len();
-    let mut text = format!(
-        "its filled areas have {count} middle lines; choose one, --stroke 1 to {count}, or `longest`"
-    );
-    for (length, number) in longest.iter().take(LISTED) {
-        let line = &lines[number - 1];
-        let [from, to] = [line.first(), line.last()].map(|end| {
-            let end = 1e3 * end.copied().unwrap_or_default();
-            format!("({:.1}, {:.1})", end.x, end.y)
+impl Default for Filled {
+    fn default() -> Self {
+        Self {
+            line: FilledLine::default(),
+            size: None,
+            smoothing: 2e-3,
+        }
+    }
+}
+
+impl Filled {
+    /// The drawing with middle lines in place of edges, as selected. Dots of letters are left out.
+    pub fn followed(self, path: &Path, drawing: SvgDrawing) -> Result<SvgDrawing, Failure> {
+        let place = path.display();
+        let areas = drawing.areas();
+        let (followed, others): (Vec<_>, Vec<_>) = areas.iter().partition(|area| match self.line {
+            FilledLine::MiddleOfNarrow => area.is_narrow(),
+            FilledLine::Middle => true,
+            FilledLine::Edge => false,
         });
-        let length = 1e3 * length;
-        let _ = write!(
-            text,
-            "\n  {number}: {length:.1} mm long, from {from} to {to} mm"
-        );
+        if followed.is_empty() {
+            return match self.line {
+                FilledLine::Middle => Err("--centreline: it has no filled areas with a middle line; without --centreline its lines are followed").at(&place),
+                _ => Ok(drawing),
+            };
+        }
+        let lines = match (self.middle_lines(&drawing, &followed), self.line) {
+            (Ok(lines), _) => lines,
+            (Err(error), FilledLine::Middle) => return Err(error).at(&place),
+            (Err(_), _) => return Ok(drawing),
+        };
+        if self.line == FilledLine::MiddleOfNarrow {
+            let first = followed.first().and_then(|area| area.edges.first());
+            let first = first.map_or(1, |edge| drawing.strokes[*edge].line);
+            let count = match followed.len() {
+                1 => "a narrow filled area is".to_owned(),
+                count => format!("{count} narrow filled areas are"),
+            };
+            tracing::warn!(
+                "{place}: line {first}: {count} followed along the middle; --outline follows the edges"
+            );
+        }
+        let thickest = followed
+            .iter()
+            .fold(0.0, |most: f64, area| most.max(area.thickness));
+        let is_dot = |area: &&&FilledArea| area.longer_side <= DOT * thickest;
+        let dots: Vec<&FilledArea> = others.iter().filter(is_dot).copied().collect();
+        if !dots.is_empty() {
+            tracing::warn!("{place}: filled dots are left out: {}", dots.len());
+        }
+        Ok(replaced(drawing, &followed, lines, &dots))
     }
-    if count > LISTED {
-        let _ = write!(
-            text,
-            "\n  and {} more, each at most as long as these",
-            count - LISTED
+
+    /// The middle lines of areas, m, each with the number of its area.
+    fn middle_lines(
+        self,
+        drawing: &SvgDrawing,
+        areas: &[&FilledArea],
+    ) -> Result<Vec<(usize, Vec<Point>)>, String> {
+        let edges = || areas.iter().flat_map(|area| &area.edges);
+        let points = || edges().flat_map(|edge| &drawing.strokes[*edge].points);
+        let first = points().next().copied().unwrap_or_default();
+        let low = points().fold(first, |low, point| low.inf(point));
+        let high = points().fold(first, |high, point| high.sup(point));
+        let side = (high - low).max();
+        let (low, high) = (
+            low.add_scalar(-MARGIN * side),
+            high.add_scalar(MARGIN * side),
         );
+        let scale = f64::from(PIXELS) / (high - low).max();
+        let picture = picture(drawing, areas, low, high, scale)?;
+        let options = TraceOptions {
+            colour: ColourRule::parse("black").map_err(|error| error.to_string())?,
+            ..TraceOptions::default()
+        };
+        let traced = trace(&picture, &options).map_err(|error| error.to_string())?;
+        let metric = Metric::Scan {
+            pixel: 1.0 / scale,
+            height: picture.height(),
+        };
+        // Lengths in the drawing, whose size changes later.
+        let [smoothing, step] = [self.smoothing, POINT_STEP]
+            .map(|length| length * self.size.map_or(1.0, |size| side / size));
+        let mut lines: Vec<(usize, Vec<Point>)> = Vec::new();
+        for strand in &traced.strands {
+            // A part that is too short to be smoothed is not a line.
+            let Ok(line) = pattern(strand, metric, smoothing, step) else {
+                continue;
+            };
+            let line: Vec<Point> = line.into_iter().map(|point| point + low).collect();
+            let is_in = |area: &&FilledArea| line.iter().any(|at| area.contains(drawing, *at));
+            lines.push((areas.iter().position(is_in).unwrap_or_default(), line));
+        }
+        match lines.is_empty() {
+            true => Err("its filled areas have no middle line".into()),
+            false => Ok(lines),
+        }
     }
-    text + &numbered_picture(path, lines.iter().map(Vec::as_slice))
 }
 
-/// An SVG of the areas alone, black. The edges of one element belong to one area, so that its
-/// holes stay open.
-fn filled(areas: &[&DrawnStroke], low: Point, high: Point, scale: f64) -> String {
+/// The drawing with lines in place of the edges of areas that have any, without dots.
+fn replaced(
+    mut drawing: SvgDrawing,
+    areas: &[&FilledArea],
+    mut lines: Vec<(usize, Vec<Point>)>,
+    dots: &[&FilledArea],
+) -> SvgDrawing {
+    let strokes = std::mem::take(&mut drawing.strokes);
+    let is_in = |area: &&FilledArea, index: usize| area.edges.contains(&index);
+    for (index, stroke) in strokes.into_iter().enumerate() {
+        if dots.iter().any(|dot| is_in(dot, index)) {
+            continue;
+        }
+        let around = areas.iter().position(|area| is_in(area, index));
+        let Some(area) = around.filter(|area| lines.iter().any(|(of, _)| of == area)) else {
+            drawing.strokes.push(stroke);
+            continue;
+        };
+        // The lines take the place of the outer edge, which is the first one.
+        if areas[area].edges.first() == Some(&index) {
+            let own = lines.iter_mut().filter(|(of, _)| *of == area);
+            drawing.strokes.extend(own.map(|(_, line)| DrawnStroke {
+                points: std::mem::take(line),
+                is_outline: false,
+                id: stroke.id.clone(),
+                element: stroke.element.clone(),
+                ..stroke
+            }));
+        }
+    }
+    drawing
+}
+
+/// A picture of areas alone, black on white.
+fn picture(
+    drawing: &SvgDrawing,
+    areas: &[&FilledArea],
+    low: Point,
+    high: Point,
+    scale: f64,
+) -> Result<RgbImage, String> {
     let [width, height] = [(high - low).x, (high - low).y].map(|side| scale * side);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">"
     );
-    let elements = areas.chunk_by(|one, next| (one.line, &one.id) == (next.line, &next.id));
-    for element in elements {
+    for area in areas {
+        // The edges of an area belong to one path, so that its holes stay open.
         svg += "<path fill-rule=\"evenodd\" d=\"";
-        for area in element {
-            for (index, point) in area.points.iter().enumerate() {
+        for edge in &area.edges {
+            for (index, point) in drawing.strokes[*edge].points.iter().enumerate() {
                 let command = if index == 0 { 'M' } else { 'L' };
                 let [x, y] = [scale * (point.x - low.x), scale * (high.y - point.y)];
                 let _ = write!(svg, "{command}{x:.3} {y:.3}");
@@ -153,5 +196,10 @@ fn filled(areas: &[&DrawnStroke], low: Point, high: Point, scale: f64) -> String
         }
         svg += "\"/>";
     }
-    svg + "</svg>"
+    svg += "</svg>";
+    let (width, height, grey) = grey_picture(&svg, width.round().max(1.0) as u32)
+        .ok_or_else(|| "its filled areas cannot be drawn".to_owned())?;
+    let pixels = grey.iter().flat_map(|grey| [*grey; 3]).collect();
+    Ok(RgbImage::from_raw(width, height, pixels)
+        .unwrap_or_else(|| RgbImage::from_pixel(1, 1, Rgb([255; 3]))))
 }

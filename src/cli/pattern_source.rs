@@ -1,7 +1,7 @@
 //! Patterns as arguments: formulas and drawings.
 
 use super::drawn_pattern::{Part, counted, drawn_points, drawn_strokes};
-use super::middle_line::{POINT_STEP, middle_line};
+use super::middle_line::{Filled, FilledLine, POINT_STEP};
 use super::picture_source::has_ending;
 use super::prelude::*;
 use super::preset_file::{GivenPattern, pattern_or_preset};
@@ -36,7 +36,7 @@ pub struct PatternArguments {
     size: Option<DrawingSize>,
     /// Stroke of the drawing: number from 1, id, or `longest` [default: the only one]
     ///
-    /// `deploy` lays a rod along each stroke if there are several, up to twelve.
+    /// If there are several, up to twelve, a rod is laid along each of them.
     /// Strokes of an SVG have numbers and ids, strands of a CSV file and lines of a photographed drawing only numbers. Of a
     /// photograph the longest line is the default.
     #[arg(long, hide_short_help = true, value_name = "STROKE")]
@@ -44,11 +44,12 @@ pub struct PatternArguments {
     /// Join strokes of an SVG whose ends are at most this far apart, in any order and direction
     #[arg(long, value_name = "GAP", hide_short_help = true, value_parser = length_from_zero)]
     join: Option<f64>,
-    /// Follow the middle line of the filled areas of an SVG instead of their edges
-    ///
-    /// For text made into paths, for example. --stroke selects one of the lines found [default: the only one].
-    #[arg(long, hide_short_help = true, conflicts_with = "join")]
+    /// Follow the middle line of all filled areas of an SVG [default: of narrow ones, such as letters]
+    #[arg(long, hide_short_help = true)]
     centreline: bool,
+    /// Follow the edges of all filled areas of an SVG
+    #[arg(long, hide_short_help = true, conflicts_with = "centreline")]
+    outline: bool,
     /// The pattern, after it was read.
     #[arg(skip)]
     read: OnceLock<PatternSource>,
@@ -73,8 +74,8 @@ pub struct PatternArguments {
     drawing_smoothing: f64,
     /// Largest distance of the smooth curve from the drawing [default: 0.25 mm; more for sharp corners]
     ///
-    /// By default corners that are too sharp for the rod are rounded as far as needed, by up to 5 %
-    /// of the size of the drawing.
+    /// By default corners that are too sharp for the rod are rounded as far as needed, by up to a
+    /// tenth of the size of the drawing.
     #[arg(long, value_name = "LENGTH", hide_short_help = true, value_parser = positive_length)]
     deviation: Option<f64>,
 }
@@ -118,6 +119,24 @@ impl PatternArguments {
         }
     }
 
+    /// The part of the drawing that is followed.
+    fn part(&self) -> Part<'_> {
+        let line = match (self.centreline, self.outline) {
+            (true, _) => FilledLine::Middle,
+            (_, true) => FilledLine::Edge,
+            _ => FilledLine::default(),
+        };
+        Part {
+            stroke: self.stroke.as_ref(),
+            join: self.join,
+            filled: Filled {
+                line,
+                size: self.longer_side(),
+                smoothing: self.drawing_smoothing,
+            },
+        }
+    }
+
     /// The pattern as given.
     pub fn name(&self) -> &str {
         &self.pattern.name
@@ -127,14 +146,15 @@ impl PatternArguments {
     /// and none is selected.
     pub fn strokes(&self) -> Result<Vec<Self>, Failure> {
         let path = Path::new(&self.pattern.source);
-        if self.stroke.is_some() || self.centreline || !has_ending(path, &["svg"]) {
+        if self.stroke.is_some() || !has_ending(path, &["svg"]) {
             return Ok(vec![self.clone()]);
         }
-        let strokes = drawn_strokes(path, self.join)?;
+        let strokes = drawn_strokes(path, self.part())?;
         // A message lists too many strokes.
-        if !(2..=MOST_STROKES).contains(&strokes.len()) {
+        if !(1..=MOST_STROKES).contains(&strokes.len()) {
             return Ok(vec![self.clone()]);
         }
+        let is_alone = strokes.len() == 1;
         let whole: Vec<Point> = strokes.concat();
         let scale = self
             .longer_side()
@@ -150,8 +170,10 @@ impl PatternArguments {
                 deviation: self.deviation(),
             };
             let mut own = self.clone();
-            own.stroke = Some(StrokeChoice::Number(number));
-            own.pattern.name = format!("{}, stroke {number}", self.pattern.name);
+            if !is_alone {
+                own.stroke = Some(StrokeChoice::Number(number));
+                own.pattern.name = format!("{}, stroke {number}", self.pattern.name);
+            }
             own.read = OnceLock::from(source);
             Ok(own)
         };
@@ -183,7 +205,11 @@ impl PatternArguments {
             ));
         }
         let file = file.unwrap_or(Path::new(&self.pattern.source));
-        let part = Part { stroke, join: None };
+        let part = Part {
+            stroke,
+            join: None,
+            ..self.part()
+        };
         let points = drawn_points(file, part)?.ok_or_else(|| {
             Failure::Input(format!(
                 "the pattern of a second rod must be an .svg file or a .csv file; {} is not",
@@ -221,6 +247,7 @@ impl PatternArguments {
             ("--stroke", self.stroke.is_some()),
             ("--join", self.join.is_some()),
             ("--centreline", self.centreline),
+            ("--outline", self.outline),
             ("--reverse", self.reverse),
             ("--drawing-camera", self.drawing_camera.is_some()),
         ];
@@ -278,32 +305,14 @@ impl PatternArguments {
     fn drawn(&self) -> Result<Vec<Point>, Failure> {
         let path = Path::new(&self.pattern.source);
         let points = if has_ending(path, &PICTURE_ENDINGS) {
-            if self.centreline || self.join.is_some() {
-                return Err(Failure::Input(format!(
-                    "--centreline and --join are for SVG drawings; {} is not one",
-                    self.pattern.name
-                )));
-            }
             Some(self.photographed(path)?)
         } else if self.drawing_camera.is_some() {
             return Err(Failure::Input(format!(
                 "--drawing-camera is for photographed drawings (PNG or JPEG); {} is not one",
                 self.pattern.name
             )));
-        } else if self.centreline {
-            let choice = self.stroke.as_ref();
-            Some(middle_line(
-                path,
-                choice,
-                self.longer_side(),
-                self.drawing_smoothing,
-            )?)
         } else {
-            let part = Part {
-                stroke: self.stroke.as_ref(),
-                join: self.join,
-            };
-            drawn_points(path, part)?
+            drawn_points(path, self.part())?
         };
         let points = points.ok_or_else(|| {
             Failure::Input(format!(

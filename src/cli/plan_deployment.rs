@@ -1,6 +1,7 @@
 //! `rodlab plan deployment`.
 
 use super::chosen_rod::{rod_for, rod_for_knot};
+use super::drawn_pattern::stroke_picture;
 use super::pattern_source::{PatternArguments, extent};
 use super::prelude::*;
 use rodlab_files::finite::NotFinite;
@@ -15,7 +16,7 @@ use rodlab_planning::plan::pattern::{Crossing, PatternError, PatternSource, Stro
 use rodlab_planning::plan::request::{DeploymentRequest, LeadLength, RequestError};
 use rodlab_planning::plan::tying::Pass;
 use rodlab_workcell::cell::Cell;
-use rodlab_workcell::task::{KnotPlan, PlannedRod};
+use rodlab_workcell::task::{KnotPlan, PlannedRod, stroke_folder};
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
@@ -158,6 +159,19 @@ struct CrossingReport {
     y_m: f64,
 }
 
+/// Numbers and files of the strokes of a drawing.
+#[derive(Serialize)]
+struct Strokes {
+    strokes: Vec<Report>,
+    picture: PathBuf,
+}
+
+/// A plan and the names and texts of its files.
+struct PlanFiles {
+    plan: WrittenPlan,
+    files: Vec<(String, String)>,
+}
+
 /// A plan that was written to files.
 pub struct WrittenPlan {
     /// Numbers of the plan, as text.
@@ -181,7 +195,34 @@ impl DeploymentArguments {
             part,
             ..Spare::HANGS
         };
-        print_json(&self.what.write(&self.out, &spare)?.report)
+        let plans = self.what.strokes()?;
+        if let [plan] = &plans[..] {
+            return print_json(&plan.write(&self.out, &spare)?.report);
+        }
+        let planned = plans.iter().map(|plan| plan.plan(&spare));
+        let planned = planned.collect::<Result<Vec<_>, _>>()?;
+        let folders = (0..).map(|stroke| self.out.join(stroke_folder(stroke)));
+        let written = planned.into_iter().zip(folders);
+        let written = written.map(|(plan, folder)| Ok(plan.write(&folder)?.report));
+        let strokes = written.collect::<Result<Vec<_>, Failure>>()?;
+        let picture = self.out.join("strokes.svg");
+        let drawn = plans.iter().map(|plan| plan.source.source());
+        let drawn = drawn.collect::<Result<Vec<_>, _>>()?;
+        let drawn = drawn.iter().map(PatternSource::drawn_points);
+        write_file(&picture, stroke_picture(drawn).as_bytes())?;
+        print_json(&Strokes { strokes, picture })
+    }
+}
+
+impl PlanFiles {
+    fn write(mut self, out: &Path) -> Result<WrittenPlan, Failure> {
+        make_directory(out)?;
+        for (name, text) in self.files {
+            let path = out.join(name);
+            write_file(&path, text.as_bytes())?;
+            self.plan.report.files.push(path);
+        }
+        Ok(self.plan)
     }
 }
 
@@ -189,6 +230,11 @@ impl DeploymentPlan {
     /// Plans, and writes trajectory, pattern and figure into a directory. `spare` determines how
     /// the spare length of a rod is laid, unless the arguments do.
     pub fn write(&self, out: &Path, spare: &Spare<'_>) -> Result<WrittenPlan, Failure> {
+        self.plan(spare)?.write(out)
+    }
+
+    /// Plans without writing files.
+    fn plan(&self, spare: &Spare<'_>) -> Result<PlanFiles, Failure> {
         let mut file = RodFile::read(self.rod_file()?)?;
         let source = self.fitted()?;
         file.rod.length = self.cut_length()?.unwrap_or(file.rod.length);
@@ -261,13 +307,6 @@ impl DeploymentPlan {
         if let PatternSource::Drawn { points, .. } = &source {
             named.push((Landing::DRAWING.to_owned(), drawing_csv(points)));
         }
-        make_directory(out)?;
-        let mut files = Vec::new();
-        for (name, text) in named {
-            let path = out.join(name);
-            write_file(&path, text.as_bytes())?;
-            files.push(path);
-        }
         warn_of_sliding(&planned.feasibility, name);
         let exact = path.poses.iter().filter(|pose| pose.grasp.is_some());
         let report = Report {
@@ -287,13 +326,16 @@ impl DeploymentPlan {
             solved_exactly: network.as_ref().map(|_| exact.count() - path.rejected),
             rejected_answers: network.as_ref().map(|_| path.rejected),
             duration_s: duration,
-            files,
+            files: Vec::new(),
         };
-        Ok(WrittenPlan {
-            report,
-            rod,
-            path,
-            knot,
+        Ok(PlanFiles {
+            plan: WrittenPlan {
+                report,
+                rod,
+                path,
+                knot,
+            },
+            files: named,
         })
     }
 

@@ -2,6 +2,7 @@
 
 use super::drawn_pattern::{Part, drawn_points};
 use super::exit_code::NOT_SEEN_WHOLE;
+use super::middle_line::Filled;
 use super::prelude::*;
 use rodlab_files::figure::{Format, Paper};
 use rodlab_lab::scenario::read_text_file;
@@ -176,6 +177,10 @@ impl ScoreArguments {
         let part = Part {
             stroke: self.stroke.as_ref(),
             join: self.join,
+            filled: Filled {
+                size: self.size,
+                ..Filled::default()
+            },
         };
         let points = drawn_points(&self.pattern, part)?;
         let points = points.ok_or("expected an .svg or a .csv file").at(&file)?;

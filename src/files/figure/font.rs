@@ -10,9 +10,11 @@ use ttf_parser::{Face, GlyphId, OutlineBuilder};
 /// Font units per em.
 pub(super) const UNITS: f64 = 2048.0;
 
-static FONT: LazyLock<Face<'static>> = LazyLock::new(|| {
-    Face::parse(include_bytes!("font/DejaVuSans-subset.ttf"), 0).expect("the font is whole")
-});
+/// The font as a TrueType file.
+pub const FONT_FILE: &[u8] = include_bytes!("font/DejaVuSans-subset.ttf");
+
+static FONT: LazyLock<Face<'static>> =
+    LazyLock::new(|| Face::parse(FONT_FILE, 0).expect("the font is whole"));
 
 /// A letter of the font; lengths are in em.
 #[derive(Clone, Copy, Debug, PartialEq)]

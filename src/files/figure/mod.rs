@@ -43,6 +43,7 @@ pub use curve::{Curve, LinePlot, Look};
 pub use document::{document_page, markdown_html};
 pub use exchange::{ExchangeError, Tempo, glb, obj, usda};
 pub use film::{Film, FilmError, FilmOptions, Pace};
+pub use font::FONT_FILE;
 pub use line_plot::{
     LineFigure, PlotStyle, line_plots, named_plots, plot_to_scale, styled_line_plots,
 };

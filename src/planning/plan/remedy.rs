@@ -9,9 +9,6 @@ use std::fmt;
 
 /// Largest proposed deviation, relative to the longer side of the drawing.
 const LARGEST_DEVIATION: f64 = 0.1;
-/// Largest deviation that is chosen without a question, relative to the longer side of the
-/// drawing.
-const LARGEST_ROUNDING: f64 = 0.05;
 /// Fractions of the longest possible pattern that are tried as lengths of a scaled pattern.
 const LENGTHS: [f64; 4] = [0.9, 0.75, 0.5, 0.25];
 /// Number of bisections, on a logarithmic scale, between a deviation that fails and one that
@@ -82,24 +79,20 @@ pub struct Changes {
 
 impl DeploymentRequest<'_> {
     /// The smallest change of a drawing with which it can be planned, if it cannot be planned as it
-    /// is and only the allowed properties change; the deviation by at most 5 % of its longer side.
+    /// is and only the allowed properties change; the deviation by at most a tenth of its longer
+    /// side.
     pub fn allowed_remedy(
         &self,
         source: &PatternSource,
         rod: &DeployedRod,
         allowed: Changes,
     ) -> Option<Remedy> {
-        let PatternSource::Drawn { points, .. } = source else {
-            return None;
-        };
         if allowed == Changes::NONE || self.check(source, rod).is_ok() {
             return None;
         }
         let remedy = self.remedy(source, rod, &Spare::HANGS)?;
-        let side = remedy.size.unwrap_or_else(|| longer_side(points));
-        let is_near = |deviation: f64| allowed.deviation && deviation <= LARGEST_ROUNDING * side;
-        let is_allowed =
-            (remedy.size.is_none() || allowed.size) && remedy.deviation.is_none_or(is_near);
+        let is_allowed = (remedy.size.is_none() || allowed.size)
+            && (remedy.deviation.is_none() || allowed.deviation);
         is_allowed.then_some(remedy)
     }
 
@@ -277,7 +270,7 @@ mod tests {
         let round = changed(0.1, deviation).unwrap();
         assert_eq!(round.size, None);
         assert!(
-            round.deviation.unwrap() <= LARGEST_ROUNDING * 0.1,
+            round.deviation.unwrap() <= LARGEST_DEVIATION * 0.1,
             "{round}"
         );
         let round = round.applied(corner(0.1)).unwrap();

@@ -25,7 +25,7 @@ pub use curve::{PatternPoint, PlaneCurve};
 pub use lead_in::LeadBend;
 pub use source::{Drawing, PatternSource, chosen_stroke};
 pub use spline::SmoothCurve;
-pub use svg::{DrawnStroke, Stroke, StrokeChoice, SvgDrawing, read_svg};
+pub use svg::{DrawnStroke, FilledArea, Stroke, StrokeChoice, SvgDrawing, read_svg};
 
 use curve::ArcLength;
 use lead_in::LeadIn;

@@ -166,7 +166,16 @@ fn read(path: &Path, stroke: Option<usize>) -> Result<Vec<Point>, String> {
         let mut drawing = svg_drawing(path)?;
         let number = drawing.choose(&choice);
         let number = number.map_err(|error| format!("{place}: {error}"))?;
-        return Ok(drawing.strokes.swap_remove(number - 1).points);
+        let stroke = drawing.strokes.swap_remove(number - 1);
+        if stroke.is_outline {
+            tracing::warn!(
+                "{place}: line {}: <{}> is a filled area without a line of its own: the rod follows its edge; \
+                 rodlab plan deployment --centreline writes its middle line as drawing.csv",
+                stroke.line,
+                stroke.element
+            );
+        }
+        return Ok(stroke.points);
     }
     if extension != "csv" {
         return Err(format!("{place}: an .svg or a .csv file is needed"));

@@ -2,13 +2,15 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `visible` | visible shapes and their positions |
+//! | `visible` | visible shapes and letters, and their positions |
 //! | `shape`, `path_data` | the outline of a shape |
 //! | `units` | lengths, and the size of the page |
 //! | `styled` | transforms in styles that cannot be read |
+//! | `area` | filled areas and their thickness |
 //! | `clip` | parts of a stroke inside a clip |
 //! | `strokes` | selection and joining of strokes |
 
+mod area;
 mod clip;
 mod path_data;
 mod shape;
@@ -18,11 +20,12 @@ mod units;
 mod visible;
 
 use super::{PatternError, Point};
+pub use area::FilledArea;
 use kurbo::{BezPath, Shape};
 use roxmltree::{Document, Node, ParsingOptions};
 pub use strokes::StrokeChoice;
 use units::Page;
-use visible::{Seen, Visible};
+use visible::{Form, Seen, Visible};
 
 /// Largest deviation of chords from curves, relative to the size of the stroke.
 const FLATNESS: f64 = 1e-6;
@@ -72,8 +75,6 @@ pub struct SvgDrawing {
     pub strokes: Vec<DrawnStroke>,
     /// Messages about ignored parts and assumptions.
     pub notes: Vec<String>,
-    /// Lines of the file with text, which is ignored.
-    pub text_lines: Vec<u32>,
 }
 
 /// The strokes of a drawing, see [`SvgDrawing::read`].
@@ -122,17 +123,25 @@ impl SvgDrawing {
         if let Some(deep) = shapes.iter().find(is_deep) {
             return Err(fault(*deep, "g", "groups are nested too deeply").into());
         }
-        let visible = Visible::of(text, &shapes, &page)?;
+        let visible = Visible::of(text, &document, &shapes, &page)?;
         let mut reader = Reader {
             lines: Lines::new(text),
             page,
             shapes,
+            texts: visible::texts(&document),
             visible,
             strokes: Vec::new(),
             points: 0,
             faults: Vec::new(),
         };
         reader.draw_all()?;
+        for (text, family) in &reader.visible.fonts {
+            let line = reader
+                .texts
+                .get(*text)
+                .map_or(1, |text| reader.lines.of(*text));
+            notes.push(format!("line {line}: <text> is drawn in the font {family}"));
+        }
         let Reader {
             strokes,
             faults,
@@ -167,11 +176,9 @@ impl SvgDrawing {
             messages.map(move |message| format!("line {line}: <{name}>: {message}"))
         });
         notes.extend(ignored.take(MOST_NOTES));
-        let texts = elements().filter(|node| node.tag_name().name() == "text");
         Ok(Self {
             strokes: joined(strokes),
             notes,
-            text_lines: texts.map(|node| lines.of(node)).collect(),
         })
     }
 }
@@ -179,7 +186,7 @@ impl SvgDrawing {
 /// Advice for a drawing with only elements of this name.
 fn hint(name: &str) -> Option<&'static str> {
     match name {
-        "text" => Some("; text must be made into paths first (Inkscape: Path, Object to Path)"),
+        "text" => Some("; its text has no visible letters"),
         "image" => Some("; rodlab trace finds lines in images"),
         _ => None,
     }
@@ -249,6 +256,7 @@ struct Reader<'a> {
     lines: Lines,
     page: Page,
     shapes: Vec<Node<'a, 'a>>,
+    texts: Vec<Node<'a, 'a>>,
     visible: Visible,
     strokes: Vec<DrawnStroke>,
     /// Points of all strokes so far.
@@ -259,7 +267,11 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn draw_all(&mut self) -> Result<(), PatternError> {
         for seen in std::mem::take(&mut self.visible.seen) {
-            let Some(node) = self.shapes.get(seen.shape).copied() else {
+            let node = match &seen.form {
+                Form::Shape(shape) => self.shapes.get(*shape),
+                Form::Letters(text, _) => self.texts.get(*text),
+            };
+            let Some(node) = node.copied() else {
                 continue;
             };
             let is_marker = |above: Node| above.tag_name().name() == "marker";
@@ -270,20 +282,27 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Adds the strokes of a shape.
-    fn draw(&mut self, node: Node, seen: &Seen) -> Result<(), PatternError> {
-        let outline = shape::outline(node).unwrap_or_else(|(fault, before)| {
-            self.faults.push(fault);
-            Some(before)
-        });
-        let place = match visible::exact(node, &self.page, seen.place) {
-            Ok(place) => self.page.to_metres * place,
+    /// The outline of a shape or of letters on the page, m.
+    fn outline(&mut self, node: Node, seen: &Seen) -> Option<BezPath> {
+        let outline = match &seen.form {
+            Form::Letters(_, letters) => return Some(self.page.to_metres * seen.place * letters),
+            Form::Shape(_) => shape::outline(node).unwrap_or_else(|(fault, before)| {
+                self.faults.push(fault);
+                Some(before)
+            }),
+        };
+        match visible::exact(node, &self.page, seen.place) {
+            Ok(place) => Some(self.page.to_metres * place * outline?),
             Err(fault) => {
                 self.faults.push(fault);
-                return Ok(());
+                None
             }
-        };
-        let Some(path) = outline.map(|path| place * path) else {
+        }
+    }
+
+    /// Adds the strokes of a shape.
+    fn draw(&mut self, node: Node, seen: &Seen) -> Result<(), PatternError> {
+        let Some(path) = self.outline(node, seen) else {
             return Ok(());
         };
         let bounds = path.bounding_box();
@@ -318,7 +337,9 @@ impl Reader<'_> {
                 continue;
             }
             for points in self.clipped(points, seen, FLATNESS * size) {
-                let is_closed = points.first() == points.last();
+                // Arcs may end a rounding error beside their start.
+                let gap = points[points.len() - 1] - points[0];
+                let is_closed = gap.norm() <= FLATNESS * size;
                 self.strokes.push(DrawnStroke {
                     id: id_of(node),
                     line: self.lines.of(node),

@@ -106,7 +106,7 @@ fn strokes_that_touch_are_one() {
 #[test]
 fn elements_that_are_not_paths_are_reported() {
     let message = |content: &str| drawing(content).unwrap_err().to_string();
-    assert!(message("<text>A</text>").contains("text must be made into paths"));
+    assert!(message("<text> </text>").contains("no visible letters"));
     assert!(message("").contains("no path"));
     assert!(message("<path d=\"M0 0\"/>").contains("no path"));
     assert!(message("<path d=\"M0 0 L0 0\"/>").contains("no path"));
@@ -372,8 +372,8 @@ fn strokes_are_chosen_listed_and_joined() {
 }
 
 #[test]
-fn outlines_text_and_what_cannot_be_read_are_noted() {
-    let text = "<svg xmlns='http://www.w3.org/2000/svg'>\n<text>A</text>\n<path d='M0 0H9V9z'/>\n<path d='M0 50H9 oops'/>\n\
+fn outlines_and_what_cannot_be_read_are_noted() {
+    let text = "<svg xmlns='http://www.w3.org/2000/svg'>\n<path d='M0 0H9V9z'/>\n<path d='M0 50H9 oops'/>\n\
                 <path fill='none' stroke='red' d='M0 90H9V99z'/></svg>";
     let drawing = SvgDrawing::read(text).unwrap();
     let outlines: Vec<bool> = drawing
@@ -382,12 +382,56 @@ fn outlines_text_and_what_cannot_be_read_are_noted() {
         .map(|stroke| stroke.is_outline)
         .collect();
     assert_eq!(outlines, [true, false, false]);
-    assert_eq!(drawing.text_lines, [2]);
     assert!(
-        drawing.notes[0].contains("line 4: <path>: d:"),
+        drawing.notes[0].contains("line 3: <path>: d:"),
         "{:?}",
         drawing.notes
     );
+}
+
+#[test]
+fn letters_have_outlines_at_their_places() {
+    let read = |content: &str| {
+        let text = format!(
+            "<svg xmlns='http://www.w3.org/2000/svg' width='100mm' height='100mm' viewBox='0 0 100 100'>\n{content}</svg>"
+        );
+        SvgDrawing::read(&text).unwrap()
+    };
+    // An I and a D, 20 mm apart; the D has a hole.
+    let two = "<text id='t' y='80' font-size='50' font-family='no such font'>\
+               <tspan x='10'>I</tspan><tspan x='30'>D</tspan></text>";
+    let drawing = read(two);
+    let of: Vec<_> = drawing
+        .strokes
+        .iter()
+        .map(|stroke| (stroke.id.as_deref(), stroke.line, stroke.is_outline))
+        .collect();
+    assert_eq!(of, [(Some("t"), 2, true); 3]);
+    assert!(
+        drawing.notes[0].starts_with("line 2: <text> is drawn in the font "),
+        "{:?}",
+        drawing.notes
+    );
+    let left = |stroke: &DrawnStroke| {
+        let across = stroke.points.iter().map(|point| point.x);
+        across.fold(f64::INFINITY, f64::min)
+    };
+    let [i, d] = [0, 1].map(|index| &drawing.strokes[index]);
+    assert!((0.01..0.02).contains(&left(i)) && (0.03..0.04).contains(&left(d)));
+    // Capital letters stand on the base line, 20 mm above the lower edge.
+    let low = i
+        .points
+        .iter()
+        .map(|point| point.y)
+        .fold(f64::INFINITY, f64::min);
+    assert!((low - 0.02).abs() < 1e-3, "{low}");
+    let moved = read(&format!("<g transform='translate(10 -5)'>{two}</g>"));
+    let shift = moved.strokes[1].points[0] - d.points[0];
+    assert!((shift - Point::new(0.01, 0.005)).norm() < 1e-6, "{shift}");
+    let edges: Vec<_> = drawing.areas().into_iter().map(|area| area.edges).collect();
+    // The hole of this D is drawn first.
+    assert_eq!(edges, [vec![0], vec![2, 1]]);
+    assert!(drawing.areas().iter().all(FilledArea::is_narrow));
 }
 
 #[test]

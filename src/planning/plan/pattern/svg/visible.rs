@@ -5,16 +5,20 @@
 //! patterns allow. The library therefore receives a copy of the drawing in which each shape is
 //! replaced by a small one of the same kind at the origin, whose width encodes its index. The
 //! outlines are computed here. Fills that depend on the box around a shape do not matter; such
-//! clips are ignored.
+//! clips are ignored. The outlines of letters are those of `usvg`.
 
 use super::shape::SHAPES;
 use super::units::Page;
 use super::{Fault, PatternError};
 use kurbo::{Affine, BezPath, PathEl, Point};
+use resvg::usvg::fontdb::{Family, Source};
 use resvg::usvg::{self, tiny_skia_path::PathSegment};
+use rodlab_files::figure::FONT_FILE;
 use roxmltree::{Document, Node};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::str::FromStr;
+use std::sync::{Arc, LazyLock};
 use svgtypes::Transform;
 
 /// Stack size of the resolver, which recurses into groups, bytes.
@@ -34,10 +38,18 @@ const BOX: [(&str, &str); 8] = [
 /// Largest difference of transforms in single precision, relative to their size.
 const SINGLE: f64 = 1e-5;
 
+/// What draws a visible outline.
+pub enum Form {
+    /// A shape, by its index among all elements of [`shapes`].
+    Shape(usize),
+    /// Letters: the index of their element among [`texts`], and their outlines.
+    Letters(usize, BezPath),
+}
+
 /// A visible shape.
 pub struct Seen {
-    /// Index of the shape among all elements of [`shapes`].
-    pub shape: usize,
+    /// Its outline.
+    pub form: Form,
     /// Transformation of its coordinates to user units of the page.
     pub place: Affine,
     /// Whether it is filled and has no outline.
@@ -64,6 +76,16 @@ pub struct Visible {
     pub seen: Vec<Seen>,
     /// The clips.
     pub clips: Vec<Clip>,
+    /// Fonts of the letters: the index of the element among [`texts`], and the family.
+    pub fonts: BTreeSet<(usize, String)>,
+}
+
+/// The text elements of a document, in its order.
+pub fn texts<'a>(document: &'a Document<'a>) -> Vec<Node<'a, 'a>> {
+    let elements = document.descendants().filter(Node::is_element);
+    elements
+        .filter(|node| node.tag_name().name() == "text")
+        .collect()
 }
 
 /// The shapes of a document, in its order.
@@ -80,10 +102,17 @@ impl Visible {
     /// # Errors
     /// The document is nested too deeply, or has too many elements after each `<use>` is replaced
     /// by its content.
-    pub fn of(text: &str, shapes: &[Node], page: &Page) -> Result<Self, PatternError> {
-        let copy = copy(text, shapes, page);
+    pub fn of(
+        text: &str,
+        document: &Document,
+        shapes: &[Node],
+        page: &Page,
+    ) -> Result<Self, PatternError> {
+        let texts = texts(document);
+        let copy = copy(text, document, shapes, page);
+        let names: Vec<String> = texts.iter().enumerate().map(name_of_text).collect();
         let resolve = || {
-            let options = usvg::Options {
+            let mut options = usvg::Options {
                 // Embedded pictures are ignored, and other files are never read.
                 image_href_resolver: usvg::ImageHrefResolver {
                     resolve_data: Box::new(|_, _, _| None),
@@ -91,10 +120,17 @@ impl Visible {
                 },
                 ..usvg::Options::default()
             };
+            if !names.is_empty() {
+                options.fontdb = fonts();
+            }
             usvg::Tree::from_str(&copy, &options).map(|tree| {
-                let mut visible = Self::default();
-                visible.group(tree.root(), &mut Vec::new());
-                visible
+                let mut reader = TreeReader {
+                    names: &names,
+                    fonts: tree.fontdb(),
+                    visible: Self::default(),
+                };
+                reader.group(tree.root(), &mut Vec::new());
+                reader.visible
             })
         };
         let resolved = std::thread::scope(|scope| {
@@ -114,7 +150,17 @@ impl Visible {
             Err(()) => Err(PatternError::Syntax("it cannot be resolved".into())),
         }
     }
+}
 
+/// Reads a resolved drawing.
+struct TreeReader<'a> {
+    /// Ids of the text elements.
+    names: &'a [String],
+    fonts: &'a usvg::fontdb::Database,
+    visible: Visible,
+}
+
+impl TreeReader<'_> {
     fn group(&mut self, group: &usvg::Group, clips: &mut Vec<usize>) {
         if group.opacity().get() == 0.0 {
             return;
@@ -126,30 +172,109 @@ impl Visible {
             clip = path.clip_path();
             let mut area = Clip::default();
             area.add(path.root(), place);
-            clips.push(self.clips.len());
-            self.clips.push(area);
+            clips.push(self.visible.clips.len());
+            self.visible.clips.push(area);
         }
         for node in group.children() {
             match node {
                 usvg::Node::Group(below) => self.group(below, clips),
-                usvg::Node::Path(path) if path.is_visible() => {
-                    let has_fill = path.fill().is_some_and(|fill| fill.opacity().get() > 0.0);
-                    let has_line = path.stroke().is_some_and(|line| line.opacity().get() > 0.0);
-                    if let (Some(shape), true) = (shape_of(path), has_fill || has_line) {
-                        self.seen.push(Seen {
-                            shape,
-                            place: affine(path.abs_transform()),
-                            is_filled: !has_line,
-                            has_hidden_line: !has_line && path.stroke().is_some(),
-                            clips: clips.clone(),
-                        });
+                usvg::Node::Path(path) => {
+                    if let Some(shape) = shape_of(path) {
+                        self.see(path, Form::Shape(shape), clips);
                     }
+                }
+                usvg::Node::Text(text) => {
+                    let named = self.names.iter().position(|name| name == text.id());
+                    let number = named.unwrap_or_default();
+                    self.note_fonts(text, number);
+                    self.letters(text.flattened(), number, clips);
                 }
                 _ => {}
             }
         }
         clips.truncate(depth);
     }
+
+    /// Adds the outlines of letters.
+    fn letters(&mut self, group: &usvg::Group, number: usize, clips: &[usize]) {
+        for node in group.children() {
+            match node {
+                usvg::Node::Group(below) => self.letters(below, number, clips),
+                usvg::Node::Path(path) => {
+                    self.see(path, Form::Letters(number, bezier(path)), clips);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Adds an outline if it is visible.
+    fn see(&mut self, path: &usvg::Path, form: Form, clips: &[usize]) {
+        let has_fill = path.fill().is_some_and(|fill| fill.opacity().get() > 0.0);
+        let has_line = path.stroke().is_some_and(|line| line.opacity().get() > 0.0);
+        if path.is_visible() && (has_fill || has_line) {
+            self.visible.seen.push(Seen {
+                form,
+                place: affine(path.abs_transform()),
+                is_filled: !has_line,
+                has_hidden_line: !has_line && path.stroke().is_some(),
+                clips: clips.to_vec(),
+            });
+        }
+    }
+
+    fn note_fonts(&mut self, text: &usvg::Text, number: usize) {
+        let glyphs = text
+            .layouted()
+            .iter()
+            .flat_map(|span| &span.positioned_glyphs);
+        for glyph in glyphs {
+            let family = self
+                .fonts
+                .face(glyph.font)
+                .and_then(|face| face.families.first());
+            if let Some((family, _)) = family {
+                self.visible.fonts.insert((number, family.clone()));
+            }
+        }
+    }
+}
+
+/// The id of a text element: its own, or one that its copy gets.
+fn name_of_text((number, node): (usize, &Node)) -> String {
+    let own = node.attribute("id").filter(|id| !id.is_empty());
+    own.map_or_else(|| format!("rodlab-text-{number}"), str::to_owned)
+}
+
+/// The fonts of this computer, and a built-in one that stands in for missing families.
+fn fonts() -> Arc<usvg::fontdb::Database> {
+    static FONTS: LazyLock<Arc<usvg::fontdb::Database>> = LazyLock::new(|| {
+        let mut fonts = usvg::fontdb::Database::new();
+        fonts.load_system_fonts();
+        let own = fonts.load_font_source(Source::Binary(Arc::new(FONT_FILE)));
+        let family = own.first().and_then(|id| fonts.face(*id));
+        let family = family.and_then(|face| face.families.first());
+        let family = family.map_or(String::new(), |(name, _)| name.clone());
+        let is_there = |fonts: &usvg::fontdb::Database, family| {
+            let families = [family];
+            let query = usvg::fontdb::Query {
+                families: &families,
+                ..Default::default()
+            };
+            fonts.query(&query).is_some()
+        };
+        if !is_there(&fonts, Family::Serif) {
+            fonts.set_serif_family(family.clone());
+        }
+        if !is_there(&fonts, Family::SansSerif) {
+            fonts.set_sans_serif_family(family.clone());
+        }
+        if !is_there(&fonts, Family::Monospace) {
+            fonts.set_monospace_family(family);
+        }
+        Arc::new(fonts)
+    });
+    FONTS.clone()
 }
 
 impl Clip {
@@ -210,7 +335,7 @@ fn bezier(path: &usvg::Path) -> BezPath {
 }
 
 /// The drawing with squares in place of shapes, on a page in user units.
-fn copy(text: &str, shapes: &[Node], page: &Page) -> String {
+fn copy(text: &str, document: &Document, shapes: &[Node], page: &Page) -> String {
     let mut edits: Vec<(usize, usize, String)> = Vec::new();
     let mut edit = |node: &Node, attributes: &[(&str, String)]| {
         let start = node.range().start;
@@ -234,16 +359,17 @@ fn copy(text: &str, shapes: &[Node], page: &Page) -> String {
         let behind = start + 1 + name.len();
         edits.push((behind, behind, added));
     };
-    if let Some(root) = shapes.first().map(|node| node.document().root_element()) {
-        let [width, height] = page.viewport;
-        let attributes = [
-            ("width", format!("{width}")),
-            ("height", format!("{height}")),
-            ("viewBox", format!("0 0 {width} {height}")),
-            ("preserveAspectRatio", "none".into()),
-            ("transform", "scale(1)".into()),
-        ];
-        edit(&root, &attributes);
+    let [width, height] = page.viewport;
+    let attributes = [
+        ("width", format!("{width}")),
+        ("height", format!("{height}")),
+        ("viewBox", format!("0 0 {width} {height}")),
+        ("preserveAspectRatio", "none".into()),
+        ("transform", "scale(1)".into()),
+    ];
+    edit(&document.root_element(), &attributes);
+    for (number, node) in texts(document).iter().enumerate() {
+        edit(node, &[("id", name_of_text((number, node)))]);
     }
     for (index, node) in shapes.iter().enumerate() {
         let half = index + 1;
@@ -271,17 +397,15 @@ fn copy(text: &str, shapes: &[Node], page: &Page) -> String {
         };
         edit(node, &attributes);
     }
-    if let Some(document) = shapes.first().map(Node::document) {
-        for node in document.descendants() {
-            match node.tag_name().name() {
-                "pattern" | "mask" | "filter" => {
-                    edit(&node, &BOX.map(|(name, value)| (name, value.to_owned())))
-                }
-                "clipPath" if node.attribute("clipPathUnits") == Some("objectBoundingBox") => {
-                    edit(&node, &[("id", String::new())]);
-                }
-                _ => {}
+    for node in document.descendants() {
+        match node.tag_name().name() {
+            "pattern" | "mask" | "filter" => {
+                edit(&node, &BOX.map(|(name, value)| (name, value.to_owned())))
             }
+            "clipPath" if node.attribute("clipPathUnits") == Some("objectBoundingBox") => {
+                edit(&node, &[("id", String::new())]);
+            }
+            _ => {}
         }
     }
     edits.sort_by_key(|(start, ..)| *start);
