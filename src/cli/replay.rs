@@ -1,14 +1,16 @@
 //! `rodlab replay`.
 
+use super::picture_source::has_ending;
 use super::prelude::*;
 use super::view::show;
 use nalgebra::{Point3, Vector3};
 use rodlab_files::results::MANIFEST;
 use rodlab_vision::{ColourRule, Point, read_picture};
 use rodlab_workcell::cell::{Cell, Line};
-use rodlab_workcell::recording::{Replay, ReplayedMotion, replay as read_log};
+use rodlab_workcell::recording::{Replay, ReplayedMotion, replay as read_log, unpack};
 use rodlab_workcell::task::{DeployScore, LaidRod};
 use std::fmt::Write;
+use tempfile::TempDir;
 
 /// Largest number of points of a path on the page.
 const PATH_POINTS: usize = 150;
@@ -18,7 +20,7 @@ const LINE: f64 = 1.5e-3;
 const EXAMPLES: &str = "\
 Examples:
   rodlab replay results/deploy-2026-11-28T12-00-00 --open
-  rodlab replay log --cell cell.toml --json
+  rodlab replay letter.mcap --cell cell.toml --json
   rodlab replay results/letter --colour red      score the picture by another colour
 
 The page shows the arms as their joints reported them, the planned and the measured path of each
@@ -30,15 +32,16 @@ hand from its path.";
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ReplayArguments {
-    /// The results of a task in a cell, or the log of `rodlab stream`
-    pub directory: PathBuf,
+    /// The results of a task in a cell, the log of `rodlab stream`, or their recording (.mcap)
+    #[arg(value_name = "LOG")]
+    pub source: PathBuf,
     /// Cell file [default: the one in manifest.json]
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     pub cell: Option<PathBuf>,
     /// Colour of the rod, as in `rodlab trace`
     #[arg(long, value_name = "RULE", default_value = "auto")]
     pub colour: String,
-    /// Output file [default: replay.html in the directory]
+    /// Output file [default: replay.html in the directory; beside a recording its name with .html]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Show at most this many postures, evenly spread
@@ -73,7 +76,11 @@ struct ScoredRod {
 
 /// Shows the measured motion of a log, and scores its picture again.
 pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
-    let directory = &arguments.directory;
+    let is_recording = has_ending(&arguments.source, &["mcap"]);
+    let unpacked = is_recording
+        .then(|| unpacked(&arguments.source))
+        .transpose()?;
+    let directory = unpacked.as_ref().map_or(&*arguments.source, TempDir::path);
     let colour = ColourRule::parse(&arguments.colour)?;
     let file = arguments.cell.clone();
     let file = file.map_or_else(|| cell_of(directory), Ok)?;
@@ -100,7 +107,10 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
     }
     let page = cell.page(Some(&log.measured), arguments.outputs as usize, &lines);
     let to = arguments.out.clone();
-    let to = to.unwrap_or_else(|| directory.join("replay.html"));
+    let to = to.unwrap_or_else(|| match is_recording {
+        true => arguments.source.with_extension("html"),
+        false => directory.join("replay.html"),
+    });
     write_file(&to, page.as_bytes())?;
     let answer = Answer {
         page: &to,
@@ -112,6 +122,13 @@ pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
         false => print(&answer.table())?,
     }
     if arguments.open { show(&to) } else { Ok(()) }
+}
+
+/// The log inside a recording, in a temporary directory.
+fn unpacked(recording: &Path) -> Result<TempDir, Failure> {
+    let directory = tempfile::tempdir().at("no temporary directory can be made")?;
+    unpack(recording, directory.path()).or_input()?;
+    Ok(directory)
 }
 
 /// The cell file that a manifest names.

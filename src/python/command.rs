@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rodlab::cli;
 use rodlab_lab::run::{RunOptions, StopRequest, run_until};
-use rodlab_vision::{ColourRule, TraceOptions};
+use rodlab_vision::{ColourRule, Region, TraceOptions};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -92,12 +92,15 @@ pub fn run(
 
 /// Trace the rods of an RGB image, h × w × 3; a centreline is an array k × 2 of pixels u, v.
 #[pyfunction]
-#[pyo3(signature = (image, colour = "auto", least_area = 60))]
+#[pyo3(signature = (image, colours, least_area, strands, region, least_length))]
 pub fn trace<'py>(
     py: Python<'py>,
     image: PyReadonlyArray3<'py, u8>,
-    colour: &str,
+    colours: Vec<String>,
     least_area: usize,
+    strands: Option<u16>,
+    region: Option<String>,
+    least_length: f64,
 ) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
     let &[height, width, 3] = image.shape() else {
         return Err(bad_argument(
@@ -107,10 +110,18 @@ pub fn trace<'py>(
     let bytes: Vec<u8> = image.as_array().iter().copied().collect();
     let picture = RgbImage::from_raw(width as u32, height as u32, bytes);
     let picture = picture.ok_or_else(|| bad_argument("image: too large"))?;
-    let colour =
-        ColourRule::parse(colour).map_err(|error| bad_argument(format!("colour: {error}")))?;
+    let rules = colours.iter().map(|rule| ColourRule::parse(rule));
+    let rules: Result<Vec<_>, _> = rules.collect();
+    let mut rules = rules
+        .map_err(|error| bad_argument(format!("colour: {error}")))?
+        .into_iter();
+    let region = region.as_deref().map(Region::parse).transpose();
     let options = TraceOptions {
-        colour,
+        colour: rules.next().unwrap_or(ColourRule::Background),
+        more_colours: rules.collect(),
+        region: region.map_err(|error| bad_argument(error.to_string()))?,
+        strands: strands.map(usize::from),
+        least_length,
         least_area,
         ..TraceOptions::default()
     };

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from conftest import SCENARIOS
@@ -72,3 +74,23 @@ def test_rods_are_traced_in_an_array_as_in_a_file() -> None:
     assert line[:, 1] == pytest.approx(np.full(len(line), 50.0), abs=0.6)
     from_array = rodlab.trace(np.asarray(image.open(photograph).convert("RGB")))
     assert len(from_array) == len(from_file)
+
+
+def test_number_region_and_colours_select_traced_rods(tmp_path: Path) -> None:
+    image = pytest.importorskip("PIL.Image")
+    pixels = np.full((120, 200, 3), 255, dtype=np.uint8)
+    pixels[18:23, 20:180] = [200, 0, 0]
+    pixels[58:63, 20:140] = [200, 0, 0]
+    pixels[98:103, 20:100] = [0, 0, 200]
+    file = tmp_path / "rods.png"
+    image.fromarray(pixels).save(file)
+    for source in (pixels, file):
+        assert len(rodlab.trace(source, ["red", "blue"])) == 3
+        assert len(rodlab.trace(source, "red", strands=1)) == 1
+        assert len(rodlab.trace(source, "red", least_length=140)) == 1
+        (lower,) = rodlab.trace(source, "red", region=(0, 40, 200, 40))
+        assert lower[:, 1] == pytest.approx(np.full(len(lower), 60.0), abs=0.6)
+        (left,) = rodlab.trace(source, "blue", region=[(0, 80), (60, 80), (60, 119), (0, 119)])
+        assert left[:, 0].max() < 61
+        with pytest.raises(rodlab.ScenarioError, match="region"):
+            rodlab.trace(source, "red", region=(0, 0, 0, 40))

@@ -83,6 +83,15 @@ fn is_replayed(served: &Served, record: &Value) {
             .read("laid/replay.html")
             .contains("planned path laying")
     );
+    // One file is enough.
+    let made = served.run(&["export", "laid", "--format", "mcap", "--out", "laid.mcap"]);
+    assert!(made.status.success(), "{}", said(&made));
+    let output = served.run(&["replay", "laid.mcap", "--json"]);
+    assert!(output.status.success(), "{}", said(&output));
+    let recorded: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(recorded["page"], "laid.html");
+    assert_eq!(recorded["motions"], answer["motions"]);
+    assert_eq!(recorded["rods"], answer["rods"]);
     let other = served.run(&["replay", "laid", "--cell", "six_joints"]);
     assert_eq!(other.status.code(), Some(2), "{}", said(&other));
     assert!(

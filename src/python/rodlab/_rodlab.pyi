@@ -256,5 +256,12 @@ class Batch:
 def run(scenario: Scenario, out: str | PathLike[str], force: bool = False, progress: bool = False) -> str:
     """Run a scenario as `rodlab run` does, and return its outcome as JSON."""
 
-def trace(image: NDArray[np.uint8], colour: str = "auto", least_area: int = 60) -> list[_Array]:
+def trace(
+    image: NDArray[np.uint8],
+    colours: list[str],
+    least_area: int,
+    strands: int | None,
+    region: str | None,
+    least_length: float,
+) -> list[_Array]:
     """Trace the rods of an RGB image, h × w × 3; a centreline is an array k × 2 of pixels u, v."""

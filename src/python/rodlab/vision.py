@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,15 @@ from ._rodlab import ScenarioError
 Array = NDArray[np.float64]
 
 
-def trace(image: ArrayLike | File, colour: str = "auto", *, least_area: int = 60) -> list[Array]:
+def trace(
+    image: ArrayLike | File,
+    colour: str | Sequence[str] = "auto",
+    *,
+    least_area: int = 60,
+    strands: int | None = None,
+    region: ArrayLike | None = None,
+    least_length: float = 0.0,
+) -> list[Array]:
     """Find the centrelines of the rods in an image.
 
     Parameters
@@ -25,23 +34,46 @@ def trace(image: ArrayLike | File, colour: str = "auto", *, least_area: int = 60
         An RGB image, h × w × 3, uint8; or a file.
     colour
         Which colours are rod: ``"auto"``, ``"pen"``, ``"black"``, ``"white"``, a hue such as
-        ``"red"``, or ``"#rrggbb"``.
+        ``"red"``, or ``"#rrggbb"``; or several of these.
     least_area
         Parts with fewer pixels are noise.
+    strands
+        Number of rods: the strands that look most like rods are kept.
+    region
+        Part of the image that is searched, pixels: ``(u, v, width, height)``, or the corners of a
+        polygon, k × 2.
+    least_length
+        Shorter strands are left out, pixels.
 
     Returns
     -------
     list
         For each rod an array k × 2 of pixels u (to the right) and v (down).
     """
+    colours = [colour] if isinstance(colour, str) else list(colour)
+    part = None if region is None else _region(region)
     if isinstance(image, (str, PathLike)):
-        return _trace_file(image, colour, least_area)
+        return _trace_file(
+            image,
+            colours,
+            least_area=least_area,
+            strands=strands,
+            region=part,
+            least_length=least_length,
+        )
     pixels = np.asarray(image)
     if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.dtype != np.uint8:
         raise ScenarioError(
             f"image: {pixels.dtype} of the shape {pixels.shape}; allowed: uint8 of (h, w, 3)"
         )
-    return _rodlab.trace(np.ascontiguousarray(pixels), colour, least_area)
+    pixels = np.ascontiguousarray(pixels)
+    return _rodlab.trace(pixels, colours, least_area, strands, part, least_length)
+
+
+def _region(region: ArrayLike) -> str:
+    """The text of a region: numbers with commas, corners with spaces between them."""
+    corners = np.atleast_2d(np.asarray(region, dtype=np.float64))
+    return " ".join(",".join(f"{number:.17g}" for number in corner) for corner in corners)
 
 
 def score(
@@ -70,11 +102,10 @@ def score(
         return answer("score", curve, wanted, out=out, json=True, **options)
 
 
-def _trace_file(image: File, colour: str, least_area: int) -> list[Array]:
+def _trace_file(image: File, colours: list[str], **options: Any) -> list[Array]:
+    rules = [f"--colour={rule}" for rule in colours]
     with folder(None) as directory:
-        answer(
-            "trace", str(Path(image)), colour=colour, least_area=least_area, out=directory, json=True
-        )
+        answer("trace", str(Path(image)), *rules, out=directory, json=True, **options)
         columns = read_columns(directory / "centrelines.csv")
     pixels = np.column_stack([columns["u_px"], columns["v_px"]])
     strands = columns["strand"]

@@ -9,17 +9,20 @@
 //! | `/signals` | `rcl_interfaces/msg/Log` | messages of safety signals |
 //! | `/picture` | `sensor_msgs/msg/CompressedImage` | photographs of the result |
 //!
-//! [`replay`] reads the measured motion of a log, and compares it with its plan.
+//! The tables and pictures of the log are attached to the file, so that [`unpack`] restores the
+//! log. [`replay`] reads the measured motion of a log, and compares it with its plan.
 
+mod attachments;
 mod cdr;
 mod replay;
 mod source;
 
+pub use attachments::unpack;
 pub use replay::{HandPath, Replay, ReplayedMotion, replay};
 
 use cdr::{COMPRESSED_IMAGE, JOINT_STATE, LOG, MessageType};
 use mcap::records::MessageHeader;
-use mcap::{WriteOptions, Writer};
+use mcap::{Attachment, WriteOptions, Writer};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -62,6 +65,25 @@ pub enum RecordingError {
         path: PathBuf,
         /// The error.
         error: std::io::Error,
+    },
+    /// A recording is damaged.
+    #[error("{path}: {error}")]
+    Recording {
+        /// The recording.
+        path: PathBuf,
+        /// The error.
+        error: mcap::McapError,
+    },
+    /// A recording has only messages.
+    #[error("{0} has no attached files of a log; `rodlab export --format mcap` attaches them")]
+    NoAttachments(PathBuf),
+    /// The name of an attached file leads out of the log.
+    #[error("{path}: the attached file {name:?} does not belong to a log")]
+    AttachmentName {
+        /// The recording.
+        path: PathBuf,
+        /// The name.
+        name: String,
     },
     /// The recording cannot be encoded.
     #[error(transparent)]
@@ -153,7 +175,7 @@ pub fn record(directory: &Path) -> Result<Recording, RecordingError> {
     let ends = messages.first().zip(messages.last());
     let duration = ends.map_or(0.0, |(first, last)| (last.time - first.time) as f64 * 1e-9);
     Ok(Recording {
-        file: encoded(&messages)?,
+        file: encoded(&messages, &attachments::attached(directory)?)?,
         messages: messages.len(),
         motions: motions.len(),
         duration,
@@ -164,7 +186,7 @@ fn nanoseconds(time: f64) -> u64 {
     (time * 1e9).round() as u64
 }
 
-fn encoded(messages: &[Message]) -> Result<Vec<u8>, mcap::McapError> {
+fn encoded(messages: &[Message], attachments: &[Attachment]) -> Result<Vec<u8>, mcap::McapError> {
     let options = WriteOptions::new().compression(None).profile("ros2");
     let mut writer = Writer::with_options(Cursor::new(Vec::new()), options)?;
     let mut channels = BTreeMap::new();
@@ -186,6 +208,9 @@ fn encoded(messages: &[Message]) -> Result<Vec<u8>, mcap::McapError> {
             publish_time: message.time,
         };
         writer.write_to_known_channel(&header, &message.data)?;
+    }
+    for attachment in attachments {
+        writer.attach(attachment)?;
     }
     writer.finish()?;
     Ok(writer.into_inner().into_inner())
