@@ -61,6 +61,36 @@ fn a_sweep_that_is_killed_repeatedly_resumes_to_the_same_bytes() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn files_lost_with_the_power_are_made_again_and_altered_ones_are_reported() {
+    let directory = directory(SWINGS);
+    let expected = undisturbed(&directory);
+    let run = ["run", "swings.toml", "--out", "lost"];
+    succeed(&directory, &run);
+    let place = directory.path().join("lost");
+    let leases = place.join("leases");
+    assert_eq!(fs::read_dir(&leases).unwrap().count(), 0);
+    let case = fs::read_dir(place.join("cases")).unwrap().next().unwrap();
+    let case = case.unwrap();
+    fs::write(case.path().join("series.csv"), "").unwrap();
+    let (code, _, stderr) = outcome(&directory, &run);
+    assert_eq!(code, 1, "{stderr}");
+    assert!(stderr.contains("series.csv"), "{stderr}");
+    // The process that finished the case died with the machine before it released the case.
+    let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap();
+    let owner = serde_json::json!({
+        "host": host.trim(), "boot": "an earlier boot", "process": 1, "started": 1
+    });
+    let lease = format!("{}.0", case.file_name().to_str().unwrap());
+    fs::write(leases.join(lease), owner.to_string()).unwrap();
+    let (code, _, stderr) = outcome(&directory, &run);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("runs again"), "{stderr}");
+    assert_same(&tables(&place), &expected);
+    assert_eq!(fs::read_dir(&leases).unwrap().count(), 0);
+}
+
+#[test]
 #[cfg(unix)]
 fn two_processes_share_a_sweep_and_one_takes_over_from_the_other() {
     let directory = directory(SWINGS);

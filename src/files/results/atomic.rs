@@ -2,9 +2,11 @@
 //!
 //! Waiting for the disk takes longer than many cases of a sweep. [`write_whole`] waits until the
 //! file would survive a loss of power, [`write_whole_before`] only until its contents would, and
-//! [`place_whole`] does not wait.
+//! [`place_whole`] does not wait. In short cases of a sweep none of them waits
+//! ([`LaterSync`](super::LaterSync)).
 
 use super::ResultsError;
+use super::later_sync::sync_now_or_later;
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{Read, Write};
@@ -106,7 +108,7 @@ pub fn check_own(path: &Path, is_own: impl Fn(&[u8]) -> bool) -> Result<(), Resu
 pub(super) fn write_whole_before(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
     written_aside(directory_of(path), bytes)
         .and_then(|file| {
-            file.as_file().sync_all()?;
+            sync_now_or_later(|| file.as_file().sync_all())?;
             Ok(file.persist(path)?)
         })
         .map(drop)
@@ -131,7 +133,7 @@ pub(super) fn place_whole(path: &Path, bytes: &[u8]) -> Result<(), ResultsError>
 /// [`ResultsError::Io`] naming `path`.
 pub fn sync(path: &Path) -> Result<(), ResultsError> {
     File::open(path)
-        .and_then(|file| file.sync_all())
+        .and_then(|file| sync_now_or_later(|| file.sync_all()))
         .map_err(ResultsError::io("write", path))
 }
 

@@ -65,9 +65,10 @@ impl ResultsDirectory {
             }
             found => found,
         };
-        sweep_temporary_files(path).map_err(not_writable(path))?;
+        let is_empty = sweep_temporary_files(path).map_err(not_writable(path))?;
         match &unfinished {
             Some(manifest) => check_whole_files(path, &manifest.files)?,
+            None if is_empty => {}
             None => remove_results(path, own_files)?,
         }
         Ok(Opened::Ready(Self {
@@ -229,16 +230,19 @@ fn lock(path: &Path) -> Result<File, ResultsError> {
     }
 }
 
-/// Removes temporary files of killed processes.
-pub(super) fn sweep_temporary_files(path: &Path) -> io::Result<()> {
+/// Removes temporary files of killed processes. Returns whether only the lock is left.
+pub(super) fn sweep_temporary_files(path: &Path) -> io::Result<bool> {
+    let mut is_empty = true;
     for entry in fs::read_dir(path)? {
         let entry = entry?;
         let name = entry.file_name();
         if name.to_string_lossy().starts_with(TEMPORARY_PREFIX) && entry.file_type()?.is_file() {
             fs::remove_file(entry.path())?;
+        } else {
+            is_empty &= name == LOCK;
         }
     }
-    Ok(())
+    Ok(is_empty)
 }
 
 /// Removes the files of runs, the manifest last: after an interruption the directory is still

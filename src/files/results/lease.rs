@@ -26,6 +26,9 @@ pub const HEARTBEAT: Duration = Duration::from_secs(5);
 /// clusters may show a change a minute late.
 const PATIENCE: Duration = Duration::from_secs(90);
 
+/// Number of generations among which the oldest lease on a case is searched.
+const FIRST_GENERATIONS: u32 = 8;
+
 /// The leases of a sweep in this process.
 pub struct Leases {
     folder: PathBuf,
@@ -85,7 +88,7 @@ impl Leases {
     /// # Errors
     /// [`ResultsError::Io`] if the folder cannot be read or written.
     pub fn acquire(&self, case: &str) -> Result<LeaseAttempt, ResultsError> {
-        let mut files = self.files_of(case)?;
+        let mut files = self.files_of(case);
         let overruled = files.last().map(|(_, newest)| newest.clone());
         let mut former = None;
         if let Some(newest) = &overruled {
@@ -134,6 +137,13 @@ impl Leases {
         }))
     }
 
+    /// Whether a dead process left its lease on a case. Its files may not have been on the disk
+    /// when the machine lost its power.
+    pub fn is_left_by_dead(&self, case: &str) -> bool {
+        let mut files = self.files_of(case).into_iter();
+        files.any(|(_, path)| !self.is_alive(&path, read_owner(&path).as_ref()))
+    }
+
     /// Removes the leases of dead processes. Call it only when no case is left to lease: otherwise
     /// two processes could take over the same case.
     ///
@@ -178,26 +188,16 @@ impl Leases {
         since.elapsed() < self.patience
     }
 
-    /// The leases on a case by generation, the newest last.
-    fn files_of(&self, case: &str) -> Result<Vec<(u32, PathBuf)>, ResultsError> {
-        let first = self.folder.join(format!("{case}.0"));
-        // Usually there is no lease, or one; the folder is listed only after a take-over.
-        let lone = first.exists() && !self.folder.join(format!("{case}.1")).exists();
-        if lone {
-            return Ok(vec![(0, first)]);
-        }
-        let mut files = Vec::new();
-        for path in self.all_files()? {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            if let Some((id, generation)) = name.rsplit_once('.')
-                && id == case
-                && let Ok(generation) = generation.parse()
-            {
-                files.push((generation, path));
-            }
-        }
-        files.sort();
-        Ok(files)
+    /// The leases on a case by generation, the newest last. Generations follow each other: a lease is
+    /// released from the oldest generation on.
+    fn files_of(&self, case: &str) -> Vec<(u32, PathBuf)> {
+        let numbered = |generation| (generation, self.folder.join(format!("{case}.{generation}")));
+        let is_there = |(_, path): &(u32, PathBuf)| path.exists();
+        let oldest = (0..FIRST_GENERATIONS)
+            .map(numbered)
+            .position(|file| is_there(&file));
+        let generations = oldest.into_iter().flat_map(|oldest| oldest as u32..);
+        generations.map(numbered).take_while(is_there).collect()
     }
 
     fn all_files(&self) -> Result<Vec<PathBuf>, ResultsError> {

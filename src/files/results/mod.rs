@@ -5,7 +5,7 @@
 //! is independent of mechanics: rods are names, node counts and arrays.
 //!
 //! The directory of a sweep ([`SweepDirectory`]) has such a directory for each case; [`Leases`]
-//! distribute the cases among processes.
+//! distribute the cases among processes. Short cases are synced together ([`LaterSync`]).
 //!
 //! Files that are written once appear atomically ([`write_whole`]). Files that grow are flushed at
 //! each output time; when a run is continued, they are truncated to the length in the checkpoint.
@@ -24,6 +24,7 @@ mod error;
 mod files;
 mod forces;
 mod frame;
+mod later_sync;
 mod lease;
 mod manifest;
 mod mark;
@@ -55,6 +56,7 @@ pub use files::{
 };
 pub use forces::{NodeForces, read_node_forces};
 pub use frame::Frame;
+pub use later_sync::{LaterSync, sync_file_system};
 pub use lease::{HEARTBEAT, Lease, LeaseAttempt, Leases, Owner, host_name};
 pub use manifest::{MAIN_CASE, Manifest, RodRecord, scenario_hash, scenario_hash_with_inputs};
 pub use mark::{FileMark, FileMarks, check_files, check_lengths, check_quickly};

@@ -1,5 +1,6 @@
 //! A CSV file that grows row by row and can be cut back to an earlier length.
 
+use super::later_sync::sync_now_or_later;
 use super::mark::{self, FileMark, MarkedFile};
 use super::{ResultsError, Value};
 use serde::Serialize;
@@ -125,7 +126,7 @@ impl CsvStream {
     pub fn sync(&mut self) -> Result<FileMark, ResultsError> {
         self.flush()?;
         let marked = self.writer.get_ref();
-        let synced = marked.file().sync_data();
+        let synced = sync_now_or_later(|| marked.file().sync_data());
         synced.map_err(ResultsError::io("write", &self.path))?;
         if !marked.is_in_place(&self.path) {
             return Err(ResultsError::Altered {

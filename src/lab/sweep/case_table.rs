@@ -64,12 +64,23 @@ impl<'a> CaseTable<'a> {
 
     /// Current state of a case, from its own directory.
     pub fn look_up(&self, id: &str) -> Result<CaseRecord, ResultsError> {
-        let record = record_in(&self.directory.case(id))?;
+        let record = match record_in(&self.directory.case(id)) {
+            Err(ResultsError::Altered { .. }) if self.is_lost(id) => None,
+            record => record?,
+        };
         let record = record.unwrap_or_else(|| CaseRecord::new(CaseStatus::Pending));
         if record.status.is_final() {
             self.commit(id, record.clone());
         }
         Ok(record)
+    }
+
+    /// Whether files of a finished case were lost with the power of the machine: they are not those
+    /// in its manifest, and its process died before they were synced.
+    pub fn is_lost(&self, id: &str) -> bool {
+        let record = record_in(&self.directory.case(id));
+        matches!(record, Err(ResultsError::Altered { .. }))
+            && self.directory.leases.is_left_by_dead(id)
     }
 
     /// Records the state of a case of this process.

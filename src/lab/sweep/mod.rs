@@ -98,6 +98,7 @@ pub fn run_sweep(case_set: &CaseSet, options: &SweepOptions) -> Result<SweepOutc
         Some(search) => search::run(&workers, search, cases.len())?,
         None => workers.run_all(&cases)?,
     }
+    let synced = workers.sync_finished();
     drop(heartbeat);
     // The remaining work can be repeated: from here on signals end the program at once.
     interruption.leave_unattended();
@@ -123,6 +124,7 @@ pub fn run_sweep(case_set: &CaseSet, options: &SweepOptions) -> Result<SweepOutc
     if let Some(fault) = workers.into_fault() {
         return Err(fault.into());
     }
+    synced?;
     published?;
     if case_set.search().is_some() {
         search::write(&directory, case_set, &outcome.found)?;

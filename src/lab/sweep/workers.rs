@@ -10,7 +10,8 @@ use crate::run::{Interruption, not_at_once, run_until};
 use crate::scenario::{Case, CaseSet, ScenarioError};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use rodlab_files::results::{
-    CaseRecord, CaseStatus, LeaseAttempt, MAIN_CASE, Manifest, ResultsError, SweepDirectory,
+    CaseRecord, CaseStatus, LaterSync, LeaseAttempt, MAIN_CASE, Manifest, ResultsError,
+    SweepDirectory, sync_file_system,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
@@ -21,6 +22,8 @@ use std::time::{Duration, Instant};
 
 /// Time between two checks of cases that other processes work on.
 const WAIT: Duration = Duration::from_millis(100);
+/// Time between two syncs of the cases that finished in between.
+const BETWEEN_SYNCS: Duration = Duration::from_secs(1);
 
 /// A case and its position in the set of cases.
 #[derive(Clone, Debug)]
@@ -43,6 +46,14 @@ pub(super) enum Attempt {
     Stopped,
 }
 
+/// Finished cases whose files may not be on the disk.
+struct Unsynced {
+    /// Their ids.
+    cases: BTreeSet<String>,
+    /// When the last sync began.
+    since: Instant,
+}
+
 /// The workers, and their shared state.
 pub(super) struct Workers<'a> {
     case_set: &'a CaseSet,
@@ -53,6 +64,8 @@ pub(super) struct Workers<'a> {
     leased: HeldLeases,
     /// Cases that failed before and that this call ran again.
     retried: Mutex<BTreeSet<String>>,
+    /// Finished cases that are not synced; their leases are kept.
+    unsynced: Mutex<Unsynced>,
     /// Set when no further case may start.
     stopped: AtomicBool,
     /// Reason why the whole sweep must be aborted.
@@ -78,6 +91,10 @@ impl<'a> Workers<'a> {
             interruption,
             leased: Arc::new(Mutex::new(BTreeMap::new())),
             retried: Mutex::new(BTreeSet::new()),
+            unsynced: Mutex::new(Unsynced {
+                cases: BTreeSet::new(),
+                since: Instant::now(),
+            }),
             stopped: AtomicBool::new(false),
             fault: OnceLock::new(),
             deadline: options.run.deadline.map(not_at_once),
@@ -189,8 +206,39 @@ impl<'a> Workers<'a> {
             Ok(None) => self.run_leased(job),
             Err(error) => Err(error),
         };
-        drop(self.lock_leases().remove(id));
+        if !self.lock_unsynced().cases.contains(id) {
+            drop(self.lock_leases().remove(id));
+        }
+        self.sync_if_due()?;
         attempt
+    }
+
+    /// Syncs the finished cases if the last time was long enough ago.
+    fn sync_if_due(&self) -> Result<(), ResultsError> {
+        let is_due = {
+            let mut unsynced = self.lock_unsynced();
+            let is_due = unsynced.since.elapsed() >= BETWEEN_SYNCS && !unsynced.cases.is_empty();
+            if is_due {
+                // Other threads continue meanwhile.
+                unsynced.since = Instant::now();
+            }
+            is_due
+        };
+        if is_due { self.sync_finished() } else { Ok(()) }
+    }
+
+    /// Waits until all finished cases are on the disk, and releases them.
+    pub fn sync_finished(&self) -> Result<(), ResultsError> {
+        let cases = std::mem::take(&mut self.lock_unsynced().cases);
+        if cases.is_empty() {
+            return Ok(());
+        }
+        sync_file_system(self.directory.path())?;
+        let mut leases = self.lock_leases();
+        for id in cases {
+            drop(leases.remove(&id));
+        }
+        Ok(())
     }
 
     /// The record of a case that needs no further work.
@@ -205,7 +253,15 @@ impl<'a> Workers<'a> {
     fn run_leased(&self, job: &Job) -> Result<Attempt, ResultsError> {
         let id = &job.case.id;
         let before = self.case_table.look_up(id)?;
-        let again = before.status.is_final();
+        let is_lost = self.case_table.is_lost(id);
+        if is_lost {
+            self.bars.suspend(|| {
+                tracing::warn!(
+                    "case `{id}` runs again: its process died before its files were on the disk"
+                );
+            });
+        }
+        let again = before.status.is_final() || is_lost;
         if again {
             self.lock_retried().insert(id.clone());
             self.case_table.forget(id);
@@ -272,7 +328,12 @@ impl<'a> Workers<'a> {
             }),
             ..self.options.run.clone()
         };
-        run_until(prepared, &options, &|| self.stop_of_case()).map(drop)
+        let later = LaterSync::begin();
+        let ran = run_until(prepared, &options, &|| self.stop_of_case());
+        if later.is_needed() {
+            self.lock_unsynced().cases.insert(job.case.id.clone());
+        }
+        ran.map(drop)
     }
 
     /// Writes a manifest with the reason why a case could not be started.
@@ -348,6 +409,12 @@ impl<'a> Workers<'a> {
         &self,
     ) -> std::sync::MutexGuard<'_, BTreeMap<String, rodlab_files::results::Lease>> {
         self.leased.lock().expect("no thread panics with this lock")
+    }
+
+    fn lock_unsynced(&self) -> std::sync::MutexGuard<'_, Unsynced> {
+        self.unsynced
+            .lock()
+            .expect("no thread panics with this lock")
     }
 
     fn lock_retried(&self) -> std::sync::MutexGuard<'_, BTreeSet<String>> {
