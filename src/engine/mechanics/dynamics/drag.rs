@@ -45,6 +45,8 @@ pub(super) struct FluidDrag {
     /// Number of nodes; entries for the rotation of spheres follow those of the nodes.
     nodes: usize,
     coupling: DragCoupling,
+    /// Whether the drag of this step is found within it.
+    is_coupled: bool,
 }
 
 impl FluidDrag {
@@ -86,6 +88,7 @@ impl FluidDrag {
             nodes: assembly.rods.nodes,
             inertia,
             coupling: DragCoupling::default(),
+            is_coupled: false,
             found: vec![Vector3::zeros(); wet],
             names: NodeNames::new(scene, assembly),
             forces: vec![Vector3::zeros(); wet],
@@ -225,28 +228,40 @@ impl FluidDrag {
         (self.fluid.as_mut()).is_none_or(|fluid| fluid.sharpen(tolerance))
     }
 
-    /// Whether the drag that the local resistance omits must be found within the step, because the
-    /// scheme would ring, or might if inertia were smaller compared with the drag.
-    pub(crate) fn must_be_coupled(&self, stage: &Stage, scheme: &dyn TimeScheme) -> bool {
+    /// Prepares a step whose first drag is in `stage`: enlarges the local resistance as far as the
+    /// scheme needs it to leave the rest of the drag to the next step. If that does not suffice, the
+    /// step [must be coupled](Self::must_be_coupled).
+    pub(crate) fn choose_local_part(&mut self, stage: &mut Stage, scheme: &dyn TimeScheme) {
+        self.is_coupled = false;
         let Some(coupling) = self.fluid.as_ref().and_then(Fluid::coupling) else {
-            return false;
+            return;
         };
         let nodes = stage.resistance.iter().zip(&self.inertia);
         let least = nodes.fold(f64::INFINITY, |least, (local, inertia)| {
             let resistance = local.m11.max(local.m22).max(local.m33);
             least.min(inertia / (stage.acceleration_step * resistance))
         });
-        let (ratio, allowed) = (
-            coupling.largest_ratio * RATIO_MARGIN,
-            scheme.largest_lagged_ratio(least),
-        );
+        let ratio = coupling.largest_ratio * RATIO_MARGIN;
+        let factor = scheme.lagged_factor(ratio, least);
         trace!(
             ratio,
-            allowed,
             inertia = least,
+            ?factor,
             "resistance over its local part"
         );
-        ratio > allowed
+        self.is_coupled = factor.is_none();
+        if let Some(factor) = factor.filter(|factor| *factor > 1.0) {
+            stage
+                .resistance
+                .iter_mut()
+                .for_each(|local| *local *= factor);
+        }
+    }
+
+    /// Whether the drag that the local resistance omits must be found within the step, because the
+    /// scheme would ring, or might if inertia were smaller compared with the drag.
+    pub(crate) fn must_be_coupled(&self) -> bool {
+        self.is_coupled
     }
 
     /// Begins the search for the drag within a step.

@@ -118,11 +118,13 @@ impl Workspace {
             step,
             scheme.earlier_weights(step, state, turning),
         );
-        if scheme.predicts_drag() {
-            fluid.of_prediction(&mut self.stage, &self.trial.unknowns, time)
+        let iterations = if scheme.predicts_drag() {
+            fluid.of_prediction(&mut self.stage, &self.trial.unknowns, time)?
         } else {
-            fluid.of_start(&mut self.stage, state, time)
-        }
+            fluid.of_start(&mut self.stage, state, time)?
+        };
+        fluid.choose_local_part(&mut self.stage, scheme);
+        Ok(iterations)
     }
 
     /// Solves the stage of a step to `goal` from its prediction; leaves the end of the step in
@@ -142,7 +144,7 @@ impl Workspace {
             None => self.set_tolerances(setting, system, state, goal),
         };
         let scheme = setting.parameters.scheme.rules();
-        let is_coupled = fluid.must_be_coupled(&self.stage, scheme);
+        let is_coupled = fluid.must_be_coupled();
         let (iterations, fluid_iterations) = if is_coupled {
             self.solve_with_drag(system, fluid, state, &stopping, goes_on)?
         } else {

@@ -86,6 +86,30 @@ fn lagging_drag_decays_up_to_the_largest_ratio_and_grows_beyond() {
 }
 
 #[test]
+fn lagging_drag_decays_with_an_enlarged_local_part() {
+    let rules = Scheme::BackwardDifferences.rules();
+    let mut enlarged = 0;
+    for inertia in [0.5, 1.1, 1.5, 2.0, 4.0] {
+        for ratio in [0.5, 1.5, 2.5, 3.0, 3.5, 4.5, 6.0] {
+            let Some(factor) = rules.lagged_factor(ratio, inertia) else {
+                continue;
+            };
+            enlarged += usize::from(factor > 1.0);
+            for part in [0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0] {
+                // In units of the enlarged part.
+                let [inertia, ratio] = [inertia / factor, part * ratio / factor];
+                let left = velocity_after(Scheme::BackwardDifferences, inertia, ratio);
+                assert!(left < 2.0, "{inertia} {ratio} {part} {factor}: {left}");
+            }
+        }
+    }
+    assert!(enlarged > 5, "{enlarged}");
+    assert_eq!(rules.lagged_factor(2.5, 0.9), None);
+    assert_eq!(rules.lagged_factor(0.5, 0.0), None);
+    assert_eq!(rules.lagged_factor(f64::INFINITY, 2.0), None);
+}
+
+#[test]
 fn without_inertia_backward_differences_ring_below_half_of_the_local_resistance() {
     let scheme = Scheme::BackwardDifferences;
     assert!(velocity_after(scheme, 0.0, 0.4) > 1e3);

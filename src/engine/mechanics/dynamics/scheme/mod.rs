@@ -44,6 +44,14 @@ pub(super) trait TimeScheme {
     /// least inertia of a node is `inertia` times D hₐ.
     fn largest_lagged_ratio(&self, inertia: f64) -> f64;
 
+    /// Factor α, at least 1, for which a step with α D in place of D may leave the rest of the
+    /// drag, (R − α D) (v − v₀), to the next step. `ratio` is the largest eigenvalue of D⁻¹ R, and
+    /// the least inertia of a node is `inertia` times D hₐ. `None` if there is no such factor, or if
+    /// the rest would cost accuracy.
+    fn lagged_factor(&self, ratio: f64, inertia: f64) -> Option<f64> {
+        (ratio <= self.largest_lagged_ratio(inertia)).then_some(1.0)
+    }
+
     /// Whether the first steps of a motion must be small, because the scheme needs earlier steps
     /// for its order.
     fn begins_small(&self) -> bool {

@@ -122,12 +122,7 @@ impl Replayed {
             set.map_err(|reason| SensitivityError::NotRepeated { time: goal, reason })?;
         }
         let jacobian = linearize(system, &solution, Some(&workspace.stage));
-        let rules = setting.parameters.scheme.rules();
-        if centre
-            .integrator
-            .fluid
-            .must_be_coupled(&workspace.stage, rules)
-        {
+        if centre.integrator.fluid.must_be_coupled() {
             return Err(SensitivityError::NotRepeated {
                 time: goal,
                 reason: "its drag is found by iteration, because inertia is small compared with \
