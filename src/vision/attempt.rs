@@ -9,10 +9,12 @@ use super::crossing::crossings;
 use super::doubt::{MOST_STRANDS, Signs, doubts};
 use super::fitness::{Fitness, fitness};
 use super::joining::join_arms;
+use super::kink::{KinkRule, split_at_kinks};
 use super::layers::layers;
 use super::mask::Mask;
 use super::options::TraceOptions;
 use super::skeleton::Skeleton;
+use super::stem::share_stems;
 use super::strand::paths;
 use super::strand_end::EndStops;
 use super::{Point, VisionError};
@@ -24,12 +26,12 @@ const LARGEST_COVERAGE_PERCENT: usize = 50;
 const MOST_BRANCHES: usize = 800;
 
 /// Whether a strand may turn sharply.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Corners {
-    /// A strand may have a corner.
+    /// A strand may have a corner, as a drawn line.
     Keep,
-    /// Strands are cut at corners, where two of them may touch.
-    Cut,
+    /// Strands of a given colour touch at corners.
+    Split(KinkRule),
 }
 
 /// What was found in masks.
@@ -46,7 +48,7 @@ pub(super) struct Attempt {
 
 impl Attempt {
     /// Finds the strands in one contrast image for each colour rule. Gaps are closed where pixels
-    /// of `cover` hide a strand. `corners` applies to a single mask without hues.
+    /// of `cover` hide a strand.
     pub fn new(
         picture: &RgbImage,
         contrasts: &[Contrast],
@@ -73,7 +75,14 @@ impl Attempt {
         let mask = clean(contrast);
         check_coverage(&mask)?;
         let hidden = cover.map_or_else(|| mask.clone(), |cover| mask.with(cover));
-        let follow = |skeleton| Found::new(picture, contrast, &hidden, skeleton, options);
+        let follow = |skeleton| {
+            let mut found = Found::new(picture, contrast, &hidden, skeleton, options);
+            if let Corners::Split(rule) = corners {
+                share_stems(contrast, &mut found.strands);
+                split_at_kinks(contrast, &mut found.strands, rule);
+            }
+            found
+        };
         let doubts = |found: &Found| doubts(picture, &mask, &found.strands);
         let (found, signs) = if contrasts.len() > 1 {
             let skeletons: Vec<Skeleton> = contrasts
@@ -86,11 +95,8 @@ impl Attempt {
             let signs = doubts(&found);
             (found, signs)
         } else {
-            let mut skeleton = Skeleton::new(&mask);
+            let skeleton = Skeleton::new(&mask);
             check_branches(&skeleton)?;
-            if corners == Corners::Cut {
-                cut_corners(&mut skeleton);
-            }
             let plain = follow(skeleton);
             match doubts(&plain) {
                 signs if signs.count() == 0 => (plain, signs),

@@ -41,6 +41,12 @@ impl Strand {
         median(&self.widths)
     }
 
+    /// Reverses the direction of the strand.
+    pub(super) fn reverse(&mut self) {
+        self.points.reverse();
+        self.widths.reverse();
+    }
+
     /// A strand of constant width.
     #[cfg(test)]
     pub(super) fn even(points: Vec<Point>, width: f64, closed: bool) -> Self {
@@ -228,6 +234,11 @@ pub(super) struct Chord {
 impl Chord {
     pub fn width(&self) -> f64 {
         self.edges[1] - self.edges[0]
+    }
+
+    /// Places of both edges along the normal, pixels.
+    pub fn edges(&self) -> [f64; 2] {
+        self.edges
     }
 
     fn middle(&self) -> f64 {

@@ -6,8 +6,10 @@ use super::centreline::Strand;
 use super::colour::ColourRule;
 use super::contrast::Contrast;
 use super::fitness::Fitness;
+use super::kink::KinkRule;
 use super::mask::Mask;
 use super::options::TraceOptions;
+use super::skeleton::median;
 use image::RgbImage;
 
 /// Evenness at which a strand needs no comparison with the result of other rules.
@@ -17,7 +19,9 @@ const CLEAN: f64 = 0.93;
 const TINT_WEIGHT: f64 = 0.95;
 /// Factors of the threshold that are tried if the number of strands is wrong.
 const THRESHOLDS: [f64; 2] = [0.6, 1.6];
-/// Least value of strands cut at corners, relative to the value before.
+/// Corners of rods.
+const TOUCHING: Corners = Corners::Split(KinkRule::SHARP);
+/// Least value of strands divided at weak kinks, relative to the value before.
 const LEAST_DIVIDED: f64 = 0.8;
 /// Strands with less evenness and a length below [`LEAST_ROD`] are left out.
 const LEAST_EVENNESS: f64 = 0.5;
@@ -56,7 +60,11 @@ pub(super) fn choose(
             ColourRule::Pen { .. } | ColourRule::Lighter { .. } => None,
             _ => cover(&Contrast::new(picture, &ColourRule::Background)?),
         };
-        let found = Attempt::new(picture, &contrasts, cover.as_ref(), Corners::Keep, options)?;
+        let corners = match options.colour {
+            ColourRule::Pen { .. } => Corners::Keep,
+            _ => TOUCHING,
+        };
+        let found = Attempt::new(picture, &contrasts, cover.as_ref(), corners, options)?;
         return select(found, options);
     }
     let plain = contrasts.remove(0);
@@ -64,14 +72,14 @@ pub(super) fn choose(
     let attempt = |contrast: Contrast, cover: Option<&Mask>, corners| {
         Attempt::new(picture, &[contrast], cover, corners, options)
     };
-    let first = attempt(plain.clone(), None, Corners::Keep);
+    let first = attempt(plain.clone(), cover.as_ref(), TOUCHING);
     if first.as_ref().is_ok_and(|first| is_clean(first, options)) {
         return select(first?, options);
     }
     let mut best = Best::new(first, options);
     let mut tint = Contrast::new(picture, &ColourRule::Tint)?;
     limit(&mut tint);
-    best.compare(attempt(tint, cover.as_ref(), Corners::Keep), TINT_WEIGHT);
+    best.compare(attempt(tint, cover.as_ref(), TOUCHING), TINT_WEIGHT);
     if options.strands.is_some() {
         for factor in THRESHOLDS {
             if best.has_wanted() {
@@ -82,7 +90,7 @@ pub(super) fn choose(
                 threshold: threshold.clamp(2.0, 255.0) as u8,
                 ..plain.clone()
             };
-            best.compare(attempt(contrast, None, Corners::Keep), 1.0);
+            best.compare(attempt(contrast, cover.as_ref(), TOUCHING), 1.0);
         }
     }
     let mut found = best.attempt?;
@@ -91,9 +99,9 @@ pub(super) fn choose(
         .is_some_and(|wanted| found.strands.len() < wanted)
     {
         // Two rods may touch with their ends.
-        if let Ok(divided) = attempt(plain, None, Corners::Cut)
+        if let Ok(divided) = attempt(plain, cover.as_ref(), Corners::Split(KinkRule::WEAK))
             && divided.strands.len() > found.strands.len()
-            && value(&divided, options) > LEAST_DIVIDED * value(&found, options)
+            && length_of_rod(&divided, options) > LEAST_DIVIDED * length_of_rod(&found, options)
         {
             found = divided;
         }
@@ -171,10 +179,22 @@ impl<'a> Best<'a> {
     }
 }
 
+/// The length of the strands, less a few widths for each sign of a wrong joint, pixels: a strand was
+/// divided there, or two were joined.
+fn value(found: &Attempt, options: &TraceOptions) -> f64 {
+    let width = median_width(found);
+    length_of_rod(found, options) - STRAND_WIDTHS * found.signs.joints as f64 * width
+}
+
+fn median_width(found: &Attempt) -> f64 {
+    let widths: Vec<f64> = found.strands.iter().map(Strand::width).collect();
+    median(&widths)
+}
+
 /// Length that looks like a rod, less the length that does not and a few widths for each strand,
 /// pixels: of two results of the same length, that with fewer gaps is better. If the number of rods is
 /// given, all strands beyond it count as not like a rod.
-fn value(found: &Attempt, options: &TraceOptions) -> f64 {
+fn length_of_rod(found: &Attempt, options: &TraceOptions) -> f64 {
     let mut fitness = found.fitness.clone();
     fitness.sort_by(|a, b| b.rod_length().total_cmp(&a.rod_length()));
     let wanted = options.strands.unwrap_or(fitness.len()).min(fitness.len());

@@ -84,6 +84,7 @@ mod input;
 mod joining;
 mod jpeg;
 mod junction;
+mod kink;
 mod labels;
 mod layers;
 mod lens_fit;
@@ -114,11 +115,14 @@ mod shading;
 mod sheet;
 mod skeleton;
 mod smoothing;
+mod stem;
 mod straight_edge;
 mod strand;
 mod strand_end;
 mod surroundings;
 mod thinning;
+#[cfg(test)]
+mod touch_tests;
 mod trace;
 #[cfg(test)]
 mod trace_tests;
