@@ -78,12 +78,16 @@ impl Attempt {
         let follow = |skeleton| {
             let mut found = Found::new(picture, contrast, &hidden, skeleton, options);
             if let Corners::Split(rule) = corners {
-                share_stems(contrast, &mut found.strands);
-                split_at_kinks(contrast, &mut found.strands, rule);
+                let stems = share_stems(contrast, &mut found.strands);
+                let kinks = split_at_kinks(contrast, &mut found.strands, rule);
+                found.touching = 2 * (stems + kinks);
             }
             found
         };
-        let doubts = |found: &Found| doubts(picture, &mask, &found.strands);
+        let doubts = |found: &Found| Signs {
+            touching: found.touching,
+            ..doubts(picture, &mask, &found.strands)
+        };
         let (found, signs) = if contrasts.len() > 1 {
             let skeletons: Vec<Skeleton> = contrasts
                 .iter()
@@ -116,7 +120,9 @@ impl Attempt {
                     .unwrap_or((plain, signs)),
             }
         };
-        let Found { strands, rejected } = found;
+        let Found {
+            strands, rejected, ..
+        } = found;
         if strands.is_empty() {
             return Err(match rejected.first() {
                 Some((point, length, width)) => VisionError::Blob {
@@ -192,6 +198,8 @@ fn check_branches(skeleton: &Skeleton) -> Result<(), VisionError> {
 struct Found {
     strands: Vec<Strand>,
     rejected: Vec<(Point, f64, f64)>,
+    /// Number of ends that touch a strand of their colour.
+    touching: usize,
 }
 
 impl Found {
@@ -218,7 +226,11 @@ impl Found {
             }
         }
         reach_across(contrast, &mut strands);
-        Self { strands, rejected }
+        Self {
+            strands,
+            rejected,
+            touching: 0,
+        }
     }
 }
 

@@ -41,6 +41,16 @@ impl Strand {
         median(&self.widths)
     }
 
+    /// Largest distance of the points from the straight line between the ends, pixels.
+    pub(super) fn sagitta(&self) -> f64 {
+        let (Some(first), Some(last)) = (self.points.first(), self.points.last()) else {
+            return 0.0;
+        };
+        let along = (last - first).try_normalize(1e-9).unwrap_or(Point::x());
+        let away = self.points.iter().map(|point| along.perp(&(point - first)));
+        away.fold(0.0, |most, away| most.max(away.abs()))
+    }
+
     /// Reverses the direction of the strand.
     pub(super) fn reverse(&mut self) {
         self.points.reverse();

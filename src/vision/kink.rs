@@ -40,8 +40,13 @@ impl KinkRule {
     };
 }
 
-/// Divides strands at their kinks.
-pub(super) fn split_at_kinks(contrast: &Contrast, strands: &mut Vec<Strand>, rule: KinkRule) {
+/// Divides strands at their kinks; returns the number of kinks.
+pub(super) fn split_at_kinks(
+    contrast: &Contrast,
+    strands: &mut Vec<Strand>,
+    rule: KinkRule,
+) -> usize {
+    let before = strands.len();
     let mut number = 0;
     while number < strands.len() {
         match kink(strands, number, rule) {
@@ -54,6 +59,7 @@ pub(super) fn split_at_kinks(contrast: &Contrast, strands: &mut Vec<Strand>, rul
             None => number += 1,
         }
     }
+    strands.len() - before
 }
 
 /// Numbers of points.

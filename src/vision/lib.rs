@@ -103,11 +103,14 @@ mod picture;
 mod pixels;
 mod pose_file;
 mod region;
+mod relief;
 mod render;
 mod reprojection;
 #[cfg(test)]
 mod room_tests;
 mod saddle;
+#[cfg(test)]
+mod scene_tests;
 mod score;
 mod score_figure;
 mod seen_length;

@@ -28,8 +28,10 @@ const CLOSING: (f64, f64) = (0.25, 1.5);
 /// Smoothing length at the start of a stem, in widths.
 const SMOOTHING: f64 = 0.8;
 
-/// Continues strands that end beside another one along their common stem.
-pub(super) fn share_stems(contrast: &Contrast, strands: &mut [Strand]) {
+/// Continues strands that end beside another one along their common stem; returns the number of
+/// stems.
+pub(super) fn share_stems(contrast: &Contrast, strands: &mut [Strand]) -> usize {
+    let mut count = 0;
     for number in 0..strands.len() {
         if strands[number].closed || strands[number].points.len() < 4 {
             continue;
@@ -38,9 +40,11 @@ pub(super) fn share_stems(contrast: &Contrast, strands: &mut [Strand]) {
             strands[number].reverse();
             if let Some(stem) = stem(contrast, strands, number) {
                 stem.share(strands, number);
+                count += 1;
             }
         }
     }
+    count
 }
 
 /// A stem of a strand, from the place where another one ends beside it.
