@@ -79,15 +79,16 @@ pub(super) fn choose(
     contrasts.iter_mut().for_each(&limit);
     let is_automatic = contrasts.len() == 1 && options.colour == ColourRule::Background;
     if !is_automatic {
-        let cover = match options.colour {
-            ColourRule::Pen { .. } | ColourRule::Lighter { .. } => None,
-            _ => cover(&Contrast::new(picture, &ColourRule::Background)?),
+        let is_drawn = is_drawn(&options.colour);
+        let cover = match is_drawn {
+            true => None,
+            false => cover(&Contrast::new(picture, &ColourRule::Background)?),
         };
-        let corners = match options.colour {
-            ColourRule::Pen { .. } => Corners::Keep,
-            _ => TOUCHING,
-        };
-        let found = Attempt::new(picture, &contrasts, cover.as_ref(), corners, options)?;
+        let corners = if is_drawn { Corners::Keep } else { TOUCHING };
+        let mut found = Attempt::new(picture, &contrasts, cover.as_ref(), corners, options)?;
+        if options.strands.is_none() && !is_drawn {
+            leave_out_edges(&mut found);
+        }
         return select(found, options);
     }
     let plain = contrasts.remove(0);
@@ -99,6 +100,11 @@ pub(super) fn choose(
         limit,
     };
     search.run()
+}
+
+/// Whether a rule is that of drawn lines, which may have corners.
+fn is_drawn(rule: &ColourRule) -> bool {
+    matches!(rule, ColourRule::Pen { .. } | ColourRule::Lighter { .. })
 }
 
 /// The search without a colour given by the user.
@@ -136,7 +142,7 @@ impl<F: Fn(&mut Contrast)> Automatic<'_, F> {
             is_tint_empty = tint.is_err();
             best.compare(tint, TINT_WEIGHT);
         }
-        if may_miss_lines || is_tint_empty {
+        if may_miss_lines || is_tint_empty && best.attempt.is_ok() {
             self.compare_relief(&mut best)?;
         }
         self.compare_thresholds(&mut best);
@@ -334,7 +340,7 @@ impl<'a> Best<'a> {
 /// divided there, or two were joined.
 fn value(found: &Attempt, options: &TraceOptions) -> f64 {
     let width = median_width(found);
-    length_of_rod(found, options) - STRAND_WIDTHS * found.signs.wrong_joints() as f64 * width
+    length_of_rod(found, options) - STRAND_WIDTHS * found.signs.joints as f64 * width
 }
 
 fn median_width(found: &Attempt) -> f64 {

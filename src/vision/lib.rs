@@ -5,7 +5,8 @@
 //!
 //! 1. [`Contrast`]: how much each pixel looks like a rod, by a [`ColourRule`]; its threshold is the
 //!    [`Mask`]. If the strands of the automatic rule are uneven, they are compared with those that
-//!    differ from the background in more than shade.
+//!    differ from the background in more than shade, and with those that have flanks lighter or
+//!    darker than the table.
 //! 2. Thinning reduces the mask to lines one pixel wide, which form a graph of ends and junctions
 //!    joined by branches.
 //! 3. Forks that face each other are the halves of one crossing. Arms are paired so that the paths
@@ -15,7 +16,8 @@
 //!    mask is divided by hue and traced again.
 //! 4. Each path becomes a [`Strand`]: the middle between its two edges, measured with sub-pixel
 //!    accuracy, smoothed along the strand, and interpolated where it meets other strands. An end
-//!    that emerges beyond another strand is followed to its tip.
+//!    that emerges beyond another strand is followed to its tip. Strands are divided at kinks, and
+//!    those that end beside another one share its stem: two rods of one colour touch there.
 //! 5. [`find_crossings`] intersects the centrelines. The picture shows which strand is on top
 //!    where both overlap: the upper one keeps its cross-section from outside the crossing.
 //!    [`whole_rod`] inserts closed strands into the open one that they belong to, if the picture

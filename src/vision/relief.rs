@@ -12,8 +12,10 @@ const STRIDE: usize = 4;
 /// Half side of the surroundings in which thin lines differ from the mean, and halos do not, in
 /// steps of [`STRIDE`].
 const THIN: usize = 3;
-/// Difference in brightness that is neither noise nor uneven light.
-const CLEAR_DIFFERENCE: u32 = 24;
+/// Least difference in brightness that is not noise, out of 255.
+const LEAST_DIFFERENCE: u32 = 16;
+/// Inverse of the least difference of a flank from the table, relative to the table.
+const SHADED: u32 = 10;
 /// Least contrast of the clearest pixel of a line, in thresholds.
 const CLEAREST: usize = 2;
 
@@ -41,7 +43,8 @@ pub(super) fn unmasked_relief(picture: &RgbImage, mask: &Mask) -> f64 {
     let counts = local_means(&free, width, height, THIN);
     let differs = |index: usize| {
         let mean = 255 * u32::from(sums[index]) / u32::from(counts[index]).max(1);
-        free[index] > 0 && u32::from(greys[index]).abs_diff(mean) > CLEAR_DIFFERENCE
+        free[index] > 0
+            && u32::from(greys[index]).abs_diff(mean) > LEAST_DIFFERENCE.max(mean / SHADED)
     };
     let found = (0..greys.len()).filter(|index| differs(*index)).count();
     100.0 * found as f64 / greys.len().max(1) as f64
