@@ -77,7 +77,10 @@ impl Attempt {
         let hidden = cover.map_or_else(|| mask.clone(), |cover| mask.with(cover));
         let follow = |skeleton| {
             let mut found = Found::new(picture, contrast, &hidden, skeleton, options);
-            if let Corners::Split(rule) = corners {
+            // More strands are noise.
+            if let Corners::Split(rule) = corners
+                && found.strands.len() <= MOST_STRANDS
+            {
                 let stems = share_stems(contrast, &mut found.strands);
                 let kinks = split_at_kinks(contrast, &mut found.strands, rule);
                 found.touching = 2 * (stems + kinks);

@@ -13,7 +13,7 @@ const STRIDE: usize = 4;
 /// steps of [`STRIDE`].
 const THIN: usize = 3;
 /// Least difference in brightness that is not noise, out of 255.
-const LEAST_DIFFERENCE: u32 = 16;
+const LEAST_DIFFERENCE: u32 = 20;
 /// Inverse of the least difference of a flank from the table, relative to the table.
 const SHADED: u32 = 10;
 /// Least contrast of the clearest pixel of a line, in thresholds.
