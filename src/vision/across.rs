@@ -25,8 +25,7 @@ pub(super) fn reach_across(contrast: &Contrast, strands: &mut [Strand]) {
                 .widths
                 .resize(strand.widths.len() + reached.len(), width);
             strand.points.extend(reached);
-            strand.points.reverse();
-            strand.widths.reverse();
+            strand.reverse();
         }
     }
 }

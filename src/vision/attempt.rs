@@ -9,10 +9,12 @@ use super::crossing::crossings;
 use super::doubt::{MOST_STRANDS, Signs, doubts};
 use super::fitness::{Fitness, fitness};
 use super::joining::join_arms;
+use super::kink::{KinkRule, split_at_kinks};
 use super::layers::layers;
 use super::mask::Mask;
 use super::options::TraceOptions;
 use super::skeleton::Skeleton;
+use super::stem::share_stems;
 use super::strand::paths;
 use super::strand_end::EndStops;
 use super::{Point, VisionError};
@@ -24,12 +26,12 @@ const LARGEST_COVERAGE_PERCENT: usize = 50;
 const MOST_BRANCHES: usize = 800;
 
 /// Whether a strand may turn sharply.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Corners {
-    /// A strand may have a corner.
+    /// A strand may have a corner, as a drawn line.
     Keep,
-    /// Strands are cut at corners, where two of them may touch.
-    Cut,
+    /// Strands of a given colour touch at corners.
+    Split(KinkRule),
 }
 
 /// What was found in masks.
@@ -46,7 +48,7 @@ pub(super) struct Attempt {
 
 impl Attempt {
     /// Finds the strands in one contrast image for each colour rule. Gaps are closed where pixels
-    /// of `cover` hide a strand. `corners` applies to a single mask without hues.
+    /// of `cover` hide a strand.
     pub fn new(
         picture: &RgbImage,
         contrasts: &[Contrast],
@@ -73,8 +75,22 @@ impl Attempt {
         let mask = clean(contrast);
         check_coverage(&mask)?;
         let hidden = cover.map_or_else(|| mask.clone(), |cover| mask.with(cover));
-        let follow = |skeleton| Found::new(picture, contrast, &hidden, skeleton, options);
-        let doubts = |found: &Found| doubts(picture, &mask, &found.strands);
+        let follow = |skeleton| {
+            let mut found = Found::new(picture, contrast, &hidden, skeleton, options);
+            // More strands are noise.
+            if let Corners::Split(rule) = corners
+                && found.strands.len() <= MOST_STRANDS
+            {
+                let stems = share_stems(contrast, &mut found.strands);
+                let kinks = split_at_kinks(contrast, &mut found.strands, rule);
+                found.touching = 2 * (stems + kinks);
+            }
+            found
+        };
+        let doubts = |found: &Found| Signs {
+            touching: found.touching,
+            ..doubts(picture, &mask, &found.strands)
+        };
         let (found, signs) = if contrasts.len() > 1 {
             let skeletons: Vec<Skeleton> = contrasts
                 .iter()
@@ -86,11 +102,8 @@ impl Attempt {
             let signs = doubts(&found);
             (found, signs)
         } else {
-            let mut skeleton = Skeleton::new(&mask);
+            let skeleton = Skeleton::new(&mask);
             check_branches(&skeleton)?;
-            if corners == Corners::Cut {
-                cut_corners(&mut skeleton);
-            }
             let plain = follow(skeleton);
             match doubts(&plain) {
                 signs if signs.count() == 0 => (plain, signs),
@@ -110,7 +123,9 @@ impl Attempt {
                     .unwrap_or((plain, signs)),
             }
         };
-        let Found { strands, rejected } = found;
+        let Found {
+            strands, rejected, ..
+        } = found;
         if strands.is_empty() {
             return Err(match rejected.first() {
                 Some((point, length, width)) => VisionError::Blob {
@@ -186,6 +201,8 @@ fn check_branches(skeleton: &Skeleton) -> Result<(), VisionError> {
 struct Found {
     strands: Vec<Strand>,
     rejected: Vec<(Point, f64, f64)>,
+    /// Number of ends that touch a strand of their colour.
+    touching: usize,
 }
 
 impl Found {
@@ -212,7 +229,11 @@ impl Found {
             }
         }
         reach_across(contrast, &mut strands);
-        Self { strands, rejected }
+        Self {
+            strands,
+            rejected,
+            touching: 0,
+        }
     }
 }
 

@@ -41,6 +41,22 @@ impl Strand {
         median(&self.widths)
     }
 
+    /// Largest distance of the points from the straight line between the ends, pixels.
+    pub(super) fn sagitta(&self) -> f64 {
+        let (Some(first), Some(last)) = (self.points.first(), self.points.last()) else {
+            return 0.0;
+        };
+        let along = (last - first).try_normalize(1e-9).unwrap_or(Point::x());
+        let away = self.points.iter().map(|point| along.perp(&(point - first)));
+        away.fold(0.0, |most, away| most.max(away.abs()))
+    }
+
+    /// Reverses the direction of the strand.
+    pub(super) fn reverse(&mut self) {
+        self.points.reverse();
+        self.widths.reverse();
+    }
+
     /// A strand of constant width.
     #[cfg(test)]
     pub(super) fn even(points: Vec<Point>, width: f64, closed: bool) -> Self {
@@ -228,6 +244,11 @@ pub(super) struct Chord {
 impl Chord {
     pub fn width(&self) -> f64 {
         self.edges[1] - self.edges[0]
+    }
+
+    /// Places of both edges along the normal, pixels.
+    pub fn edges(&self) -> [f64; 2] {
+        self.edges
     }
 
     fn middle(&self) -> f64 {

@@ -21,12 +21,19 @@ pub(super) struct Signs {
     pub joints: usize,
     /// Parts of the mask without a strand, each as large as the square of a strand's width.
     pub unexplained: usize,
+    /// Ends that touch another strand of their colour at a kink or at the end of a stem.
+    pub touching: usize,
 }
 
 impl Signs {
+    /// Joints except those of ends that touch.
+    pub fn wrong_joints(self) -> usize {
+        self.joints.saturating_sub(self.touching)
+    }
+
     /// Number of signs.
     pub fn count(self) -> usize {
-        self.joints + self.unexplained
+        self.wrong_joints() + self.unexplained
     }
 }
 
@@ -41,6 +48,7 @@ pub(super) fn doubts(picture: &RgbImage, mask: &Mask, strands: &[Strand]) -> Sig
     Signs {
         joints: doubtful_ends(strands) + changing.count(),
         unexplained: owners.unexplained(mask, strands),
+        touching: 0,
     }
 }
 

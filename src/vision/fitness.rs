@@ -61,9 +61,12 @@ fn evenness(contrast: &Contrast, strands: &[Strand], number: usize) -> f64 {
         let even = EVEN_WIDTH[0]..=EVEN_WIDTH[1];
         chord.is_some_and(|chord| even.contains(&(chord.width() / width)))
     };
+    // A part that something else hides, such as a gripper, has no edges of its own.
+    let is_hidden = |point: Point| contrast.at(point.x, point.y) < f64::from(contrast.threshold);
     let (mut even, mut all) = (0.0, 0.0);
     for index in (margin..count - margin).step_by(stride) {
-        if !is_met(strands, number, strand.points[index], width) {
+        let point = strand.points[index];
+        if !is_hidden(point) && !is_met(strands, number, point, width) {
             all += 1.0;
             even += f64::from(u8::from(is_even(index)));
         }

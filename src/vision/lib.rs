@@ -5,7 +5,8 @@
 //!
 //! 1. [`Contrast`]: how much each pixel looks like a rod, by a [`ColourRule`]; its threshold is the
 //!    [`Mask`]. If the strands of the automatic rule are uneven, they are compared with those that
-//!    differ from the background in more than shade.
+//!    differ from the background in more than shade, and with those that have flanks lighter or
+//!    darker than the table.
 //! 2. Thinning reduces the mask to lines one pixel wide, which form a graph of ends and junctions
 //!    joined by branches.
 //! 3. Forks that face each other are the halves of one crossing. Arms are paired so that the paths
@@ -15,7 +16,8 @@
 //!    mask is divided by hue and traced again.
 //! 4. Each path becomes a [`Strand`]: the middle between its two edges, measured with sub-pixel
 //!    accuracy, smoothed along the strand, and interpolated where it meets other strands. An end
-//!    that emerges beyond another strand is followed to its tip.
+//!    that emerges beyond another strand is followed to its tip. Strands are divided at kinks, and
+//!    those that end beside another one share its stem: two rods of one colour touch there.
 //! 5. [`find_crossings`] intersects the centrelines. The picture shows which strand is on top
 //!    where both overlap: the upper one keeps its cross-section from outside the crossing.
 //!    [`whole_rod`] inserts closed strands into the open one that they belong to, if the picture
@@ -84,6 +86,7 @@ mod input;
 mod joining;
 mod jpeg;
 mod junction;
+mod kink;
 mod labels;
 mod layers;
 mod lens_fit;
@@ -102,11 +105,14 @@ mod picture;
 mod pixels;
 mod pose_file;
 mod region;
+mod relief;
 mod render;
 mod reprojection;
 #[cfg(test)]
 mod room_tests;
 mod saddle;
+#[cfg(test)]
+mod scene_tests;
 mod score;
 mod score_figure;
 mod seen_length;
@@ -114,11 +120,14 @@ mod shading;
 mod sheet;
 mod skeleton;
 mod smoothing;
+mod stem;
 mod straight_edge;
 mod strand;
 mod strand_end;
 mod surroundings;
 mod thinning;
+#[cfg(test)]
+mod touch_tests;
 mod trace;
 #[cfg(test)]
 mod trace_tests;

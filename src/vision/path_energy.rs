@@ -84,7 +84,7 @@ pub(super) fn departure(
 }
 
 /// Position and derivative at the first point of a least-squares parabola through points.
-fn quadratic_start(points: &[Point]) -> (Point, Point) {
+pub(super) fn quadratic_start(points: &[Point]) -> (Point, Point) {
     let mut normal = Matrix3::zeros();
     let mut right = [nalgebra::Vector3::zeros(); 2];
     for (index, point) in points.iter().enumerate() {

@@ -272,3 +272,39 @@ fn lighter_and_darker_compare_with_the_surroundings() {
         }
     }
 }
+
+#[test]
+fn white_rods_on_white_are_found_beside_a_dark_one() {
+    let white = |place: Point| [226.0, 226.0, 220.0].map(|part| part * (1.0 + 0.05 * place.x));
+    let mut rods = vec![
+        rod(0.09, [230, 230, 226]),
+        rod(-0.09, [232, 231, 226]),
+        rod(0.0, BLUE),
+    ];
+    for light in [[0.3, 0.4, 1.0], [-0.5, 0.2, 1.0], [0.1, -0.6, 1.0]] {
+        for point in &mut rods[0].points {
+            point.y -= 0.01;
+        }
+        let options = RenderOptions {
+            noise: 2.0,
+            light: Vector3::from(light),
+            shadow: 0.25,
+            ..RenderOptions::default()
+        };
+        let picture = render(&camera(0.0, 0.0), &rods, white, &options);
+        for rule in ["", "relief"] {
+            let options = TraceOptions {
+                colour: match rule {
+                    "" => ColourRule::Background,
+                    rule => ColourRule::parse(rule).expect("a rule"),
+                },
+                ..TraceOptions::default()
+            };
+            let found = trace(&picture, &options).expect("strands");
+            assert_eq!(found.strands.len(), 3, "{light:?}, rule {rule:?}");
+            // The shadow is part of the mask: at the ends, up to one width of the rods.
+            let worst = worst(&found, &rods);
+            assert!(worst < 8.0, "{light:?}, rule {rule:?}: {worst}");
+        }
+    }
+}

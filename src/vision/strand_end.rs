@@ -91,6 +91,17 @@ pub(super) fn extend_ends(
     }
 }
 
+/// Continues a strand with its curvature from its last point to the edge of the mask, by at most two
+/// widths.
+pub(super) fn extend_last(
+    contrast: &Contrast,
+    points: &mut Vec<Point>,
+    widths: &mut Vec<f64>,
+    step: f64,
+) {
+    extend_end(contrast, points, widths, step, None, |_| [0.0; 3]);
+}
+
 fn extend_end(
     contrast: &Contrast,
     points: &mut Vec<Point>,

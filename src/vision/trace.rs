@@ -47,8 +47,14 @@ impl Trace {
 ///
 /// With [`ColourRule::Background`](super::ColourRule::Background) only, the strands found by that
 /// rule are kept if they are even and complete. Otherwise they are compared with those of
-/// [`ColourRule::Tint`](super::ColourRule::Tint), and the set with the greater length of rod is
-/// used.
+/// [`ColourRule::Tint`](super::ColourRule::Tint), and, if the picture has thin light or dark lines
+/// without a strand, with those of [`ColourRule::Relief`](super::ColourRule::Relief). The set with
+/// the greater length of rod is used. Bars, which are straight and more than twice as wide as the
+/// rods, are left out unless [`TraceOptions::strands`] is given.
+///
+/// Except with [`ColourRule::Pen`](super::ColourRule::Pen) and
+/// [`ColourRule::Lighter`](super::ColourRule::Lighter), strands are divided where they turn more
+/// sharply than a rod: there, two rods touch with their ends.
 ///
 /// # Errors
 /// Nothing or everything looks like a rod, no part of the mask is a line, or rods cannot be
