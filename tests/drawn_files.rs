@@ -236,6 +236,20 @@ fn letters_and_text_are_followed_along_their_middle() {
 }
 
 #[test]
+fn middle_lines_keep_their_corners() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    drawing(folder, "<path d='M10 20H35V145H160V170H10Z'/>");
+    let plain = ["--pattern", "d.svg", "--lead-in", "none"];
+    let (code, stdout, stderr) = plan(folder, &plain);
+    assert_eq!(code, 0, "{stderr}");
+    let record: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    // One line with two arms, whose ends are half a width inside and whose corner is round.
+    let length = record["length_m"].as_f64().unwrap();
+    assert!((0.21..0.26).contains(&length), "{length}");
+}
+
+#[test]
 fn files_from_many_sources_are_read() {
     let shared = Path::new(concat!(
         env!("CARGO_MANIFEST_DIR"),

@@ -111,6 +111,7 @@ impl Filled {
         let picture = picture(drawing, areas, low, high, scale)?;
         let options = TraceOptions {
             colour: ColourRule::parse("black").map_err(|error| error.to_string())?,
+            has_corners: true,
             ..TraceOptions::default()
         };
         let traced = trace(&picture, &options).map_err(|error| error.to_string())?;

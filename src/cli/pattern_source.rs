@@ -333,6 +333,7 @@ impl PatternArguments {
         let picture = read_picture(path)?;
         let options = TraceOptions {
             colour: ColourRule::parse(&self.drawing_colour)?,
+            has_corners: true,
             ..TraceOptions::default()
         };
         let hint = |error| format!("{error}; --drawing-colour selects the colour of its line");

@@ -119,6 +119,7 @@ fn options(arguments: &TraceArguments) -> Result<TraceOptions, VisionError> {
         strands: arguments.strands.map(usize::from),
         least_length: arguments.least_length,
         least_area: arguments.least_area,
+        has_corners: arguments.pattern.is_some(),
         ..TraceOptions::default()
     })
 }

@@ -79,12 +79,12 @@ pub(super) fn choose(
     contrasts.iter_mut().for_each(&limit);
     let is_automatic = contrasts.len() == 1 && options.colour == ColourRule::Background;
     if !is_automatic {
-        let is_drawn = is_drawn(&options.colour);
+        let is_drawn = is_drawn(options);
         let cover = match is_drawn {
             true => None,
             false => cover(&Contrast::new(picture, &ColourRule::Background)?),
         };
-        let corners = if is_drawn { Corners::Keep } else { TOUCHING };
+        let corners = corners_of(options);
         let mut found = Attempt::new(picture, &contrasts, cover.as_ref(), corners, options)?;
         if options.strands.is_none() && !is_drawn {
             leave_out_edges(&mut found);
@@ -102,9 +102,18 @@ pub(super) fn choose(
     search.run()
 }
 
-/// Whether a rule is that of drawn lines, which may have corners.
-fn is_drawn(rule: &ColourRule) -> bool {
-    matches!(rule, ColourRule::Pen { .. } | ColourRule::Lighter { .. })
+/// Whether the strands are drawn lines, which may have corners.
+fn is_drawn(options: &TraceOptions) -> bool {
+    let rule = &options.colour;
+    options.has_corners || matches!(rule, ColourRule::Pen { .. } | ColourRule::Lighter { .. })
+}
+
+fn corners_of(options: &TraceOptions) -> Corners {
+    if is_drawn(options) {
+        Corners::Keep
+    } else {
+        TOUCHING
+    }
 }
 
 /// The search without a colour given by the user.
@@ -121,7 +130,7 @@ struct Automatic<'a, F> {
 
 impl<F: Fn(&mut Contrast)> Automatic<'_, F> {
     fn run(&self) -> Result<Attempt, VisionError> {
-        let first = self.attempt(self.plain.clone(), TOUCHING);
+        let first = self.attempt(self.plain.clone(), corners_of(self.options));
         let is_first_clean = first
             .as_ref()
             .is_ok_and(|first| is_clean(first, self.options));
@@ -138,7 +147,7 @@ impl<F: Fn(&mut Contrast)> Automatic<'_, F> {
         let mut best = Best::new(first, self.options);
         let mut is_tint_empty = false;
         if !is_first_clean {
-            let tint = self.attempt(self.contrast(&ColourRule::Tint)?, TOUCHING);
+            let tint = self.attempt(self.contrast(&ColourRule::Tint)?, corners_of(self.options));
             is_tint_empty = tint.is_err();
             best.compare(tint, TINT_WEIGHT);
         }
@@ -171,7 +180,7 @@ impl<F: Fn(&mut Contrast)> Automatic<'_, F> {
         let Some(both) = union(&[self.plain.clone(), relief]) else {
             return Ok(());
         };
-        let found = self.attempt(both, TOUCHING);
+        let found = self.attempt(both, corners_of(self.options));
         let weight = match (&best.attempt, &found) {
             (Ok(best), Ok(found)) if are_flanks(&best.strands, &found.strands) => FLANKS_WEIGHT,
             _ => RELIEF_WEIGHT,
@@ -194,7 +203,7 @@ impl<F: Fn(&mut Contrast)> Automatic<'_, F> {
                 threshold: threshold.clamp(2.0, 255.0) as u8,
                 ..self.plain.clone()
             };
-            best.compare(self.attempt(contrast, TOUCHING), 1.0);
+            best.compare(self.attempt(contrast, corners_of(self.options)), 1.0);
         }
     }
 
@@ -202,7 +211,7 @@ impl<F: Fn(&mut Contrast)> Automatic<'_, F> {
     /// their ends.
     fn divided(&self, found: Attempt) -> Attempt {
         let is_missing = |wanted| found.strands.len() < wanted;
-        if !self.options.strands.is_some_and(is_missing) {
+        if is_drawn(self.options) || !self.options.strands.is_some_and(is_missing) {
             return found;
         }
         let divided = self.attempt(self.plain.clone(), Corners::Split(KinkRule::WEAK));

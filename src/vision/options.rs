@@ -23,6 +23,9 @@ pub struct TraceOptions {
     pub least_area: usize,
     /// Number of pixels below which a hole of the mask is a highlight of a rod, not a loop.
     pub largest_hole: usize,
+    /// Whether lines may have sharp corners, as drawn ones have. Rods bend round: two that meet in a
+    /// corner touch with their ends.
+    pub has_corners: bool,
     /// Least length of a strand, in widths; shorter ones are not lines.
     pub least_slenderness: f64,
 }
@@ -37,6 +40,7 @@ impl Default for TraceOptions {
             least_length: 0.0,
             least_area: 60,
             largest_hole: 20,
+            has_corners: false,
             least_slenderness: 3.0,
         }
     }

@@ -68,6 +68,21 @@ fn assert_found(strands: &[Strand], lines: &[&[Point]], tolerance: f64, case: &s
 }
 
 #[test]
+fn drawn_lines_keep_their_corners() {
+    let joint = Point::new(320.0, 240.0);
+    let [first, second] = [10.0, 100.0].map(|turned| arc(joint, turned, 0.0, 190.0));
+    let picture = picture(&[(&first, RED), (&second, RED)], 7);
+    let count = |has_corners| {
+        let options = TraceOptions {
+            has_corners,
+            ..TraceOptions::default()
+        };
+        trace(&picture, &options).expect("strands").strands.len()
+    };
+    assert_eq!([count(true), count(false)], [1, 2]);
+}
+
+#[test]
 fn ends_that_meet_at_an_angle_are_two_strands() {
     let joint = Point::new(320.0, 240.0);
     for (turned, apart) in [(10.0, 90.0), (100.0, 75.0), (215.0, 105.0), (300.0, 60.0)] {
