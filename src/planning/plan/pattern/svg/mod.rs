@@ -135,13 +135,7 @@ impl SvgDrawing {
             faults: Vec::new(),
         };
         reader.draw_all()?;
-        for (text, family) in &reader.visible.fonts {
-            let line = reader
-                .texts
-                .get(*text)
-                .map_or(1, |text| reader.lines.of(*text));
-            notes.push(format!("line {line}: <text> is drawn in the font {family}"));
-        }
+        notes.extend(reader.choose_text());
         let Reader {
             strokes,
             faults,
@@ -280,6 +274,27 @@ impl Reader<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Leaves out text beside other strokes, such as a label of a line; returns messages about text.
+    fn choose_text(&mut self) -> Vec<String> {
+        let is_text = |stroke: &DrawnStroke| stroke.element == "text";
+        let mut strokes = self.strokes.iter();
+        let is_beside = strokes.any(|stroke| !is_text(stroke) && !stroke.is_background);
+        let mut letters = self.strokes.iter().filter(|stroke| is_text(stroke));
+        if let (true, Some(first)) = (is_beside, letters.next()) {
+            let note = format!(
+                "line {}: <text> is left out beside other strokes; to follow it make it into paths (Inkscape: Path, Object to Path)",
+                first.line
+            );
+            self.strokes.retain(|stroke| !is_text(stroke));
+            return vec![note];
+        }
+        let fonts = self.visible.fonts.iter().filter_map(|(text, family)| {
+            let line = self.lines.of(*self.texts.get(*text)?);
+            Some(format!("line {line}: <text> is drawn in the font {family}"))
+        });
+        fonts.collect()
     }
 
     /// The outline of a shape or of letters on the page, m.

@@ -428,6 +428,13 @@ fn letters_have_outlines_at_their_places() {
     let moved = read(&format!("<g transform='translate(10 -5)'>{two}</g>"));
     let shift = moved.strokes[1].points[0] - d.points[0];
     assert!((shift - Point::new(0.01, 0.005)).norm() < 1e-6, "{shift}");
+    let labelled = read(&format!("{two}<path d='M10 90H90'/>"));
+    assert_eq!(labelled.strokes.len(), 1);
+    assert!(
+        labelled.notes[0].starts_with("line 2: <text> is left out beside other strokes"),
+        "{:?}",
+        labelled.notes
+    );
     let edges: Vec<_> = drawing.areas().into_iter().map(|area| area.edges).collect();
     // The hole of this D is drawn first.
     assert_eq!(edges, [vec![0], vec![2, 1]]);
