@@ -156,7 +156,7 @@ impl<F: Fn(&mut Contrast)> Automatic<'_, F> {
         }
         self.compare_thresholds(&mut best);
         let mut found = self.divided(best.attempt?);
-        if self.options.strands.is_none() {
+        if self.options.strands.is_none() && !is_drawn(self.options) {
             leave_out_edges(&mut found);
         }
         select(found, self.options)
