@@ -20,8 +20,9 @@ Writes trajectory.csv (time_s, x_m, y_m, z_m, qw, qx, qy, qz: the poses that a c
 that `rodlab plan joints` reads), trajectory.json, pattern.csv (s_m, x_m, y_m, curvature_per_m,
 friction_demand), deployment.svg and a scenario that simulates the laying, landing.toml with
 rod.csv. With --knot it also writes lift_1.csv and so on, the poses of the gripper that lifts a
-strand, at the same times. Prints the demands of the pattern on the rod and the table. The table is
-z = 0; the gripper's x axis is the tangent of the rod, towards the gripper. See
+strand, at the same times. A drawing of several strokes gets a folder for each, stroke-1 and so on,
+and strokes.svg, which shows them. Prints the demands of the pattern on the rod and the table. The
+table is z = 0; the gripper's x axis is the tangent of the rod, towards the gripper. See
 `rodlab guide deployment`."
 );
 
