@@ -22,7 +22,7 @@ pub struct Part<'a> {
 pub fn drawn_points(path: &Path, part: Part<'_>) -> Result<Option<Vec<Point>>, Failure> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     if extension == "svg" {
-        return svg_points(path, part).map(Some);
+        return chosen(path, joined_drawing(path, part)?, part).map(Some);
     }
     let given = [
         ("--join", part.join.is_some()),
@@ -42,17 +42,22 @@ pub fn drawn_points(path: &Path, part: Part<'_>) -> Result<Option<Vec<Point>>, F
     }
 }
 
-/// The lines of an SVG drawing, m, joined as requested; none if it has filled areas whose edges
-/// come in pairs.
-pub fn drawn_strokes(path: &Path, part: Part<'_>) -> Result<Vec<Vec<Point>>, Failure> {
+/// The lines of an SVG drawing, m, joined as requested. If there are more than `most`, or filled
+/// areas whose edges come in pairs, only the line that the user chooses.
+pub fn drawn_strokes(path: &Path, part: Part<'_>, most: usize) -> Result<Vec<Vec<Point>>, Failure> {
     let drawing = joined_drawing(path, part)?;
-    if drawing.areas().iter().any(|area| area.edges.len() > 1) {
-        return Ok(Vec::new());
+    let has_pairs = drawing.areas().iter().any(|area| area.edges.len() > 1);
+    let drawn = || {
+        drawing
+            .strokes
+            .iter()
+            .filter(|stroke| !stroke.is_background)
+    };
+    if has_pairs || !(1..=most).contains(&drawn().count()) {
+        return Ok(vec![chosen(path, drawing, part)?]);
     }
-    let strokes = drawing.strokes.into_iter();
-    let strokes = strokes.filter(|stroke| !stroke.is_background);
-    let strokes = strokes.inspect(|stroke| warn_of_edge(path, stroke));
-    Ok(strokes.map(|stroke| stroke.points).collect())
+    let strokes = drawn().inspect(|stroke| warn_of_edge(path, stroke));
+    Ok(strokes.map(|stroke| stroke.points.clone()).collect())
 }
 
 /// Number of a strand or a line, if given; `None` for `longest`, which is the default for
@@ -92,9 +97,8 @@ fn warn_of_edge(path: &Path, stroke: &DrawnStroke) {
 
 /// A stroke of an SVG drawing. If there are several strokes and none is selected, a picture of
 /// them is written.
-fn svg_points(path: &Path, part: Part<'_>) -> Result<Vec<Point>, Failure> {
+fn chosen(path: &Path, mut drawing: SvgDrawing, part: Part<'_>) -> Result<Vec<Point>, Failure> {
     let place = path.display();
-    let mut drawing = joined_drawing(path, part)?;
     let choice = part.stroke.cloned().unwrap_or_default();
     let number = match drawing.choose(&choice) {
         Ok(number) => number,

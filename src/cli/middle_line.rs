@@ -3,7 +3,7 @@
 use super::prelude::*;
 use image::{Rgb, RgbImage};
 use rodlab_files::figure::grey_picture;
-use rodlab_planning::plan::pattern::{DrawnStroke, FilledArea, Point, SvgDrawing};
+use rodlab_planning::plan::pattern::{DrawnStroke, FilledArea, Point, SvgDrawing, bounds};
 use rodlab_vision::{ColourRule, Metric, TraceOptions, pattern, trace};
 
 /// Distance between points of a traced line, m, as in `rodlab trace --pattern`.
@@ -97,11 +97,8 @@ impl Filled {
         drawing: &SvgDrawing,
         areas: &[&FilledArea],
     ) -> Result<Vec<(usize, Vec<Point>)>, String> {
-        let edges = || areas.iter().flat_map(|area| &area.edges);
-        let points = || edges().flat_map(|edge| &drawing.strokes[*edge].points);
-        let first = points().next().copied().unwrap_or_default();
-        let low = points().fold(first, |low, point| low.inf(point));
-        let high = points().fold(first, |high, point| high.sup(point));
+        let edges = areas.iter().flat_map(|area| &area.edges);
+        let [low, high] = bounds(edges.flat_map(|edge| &drawing.strokes[*edge].points));
         let side = (high - low).max();
         let (low, high) = (
             low.add_scalar(-MARGIN * side),

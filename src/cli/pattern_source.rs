@@ -7,7 +7,7 @@ use super::prelude::*;
 use super::preset_file::{GivenPattern, pattern_or_preset};
 use rodlab_lab::scenario::metres;
 use rodlab_planning::plan::pattern::{
-    Circle, Drawing, Line, PatternSource, Point, Sine, StrokeChoice,
+    Circle, Drawing, Line, PatternSource, Point, Sine, StrokeChoice, bounds,
 };
 use rodlab_planning::plan::remedy::Changes;
 use rodlab_vision::{
@@ -149,11 +149,7 @@ impl PatternArguments {
         if self.stroke.is_some() || !has_ending(path, &["svg"]) {
             return Ok(vec![self.clone()]);
         }
-        let strokes = drawn_strokes(path, self.part())?;
-        // A message lists too many strokes.
-        if !(1..=MOST_STROKES).contains(&strokes.len()) {
-            return Ok(vec![self.clone()]);
-        }
+        let strokes = drawn_strokes(path, self.part(), MOST_STROKES)?;
         let is_alone = strokes.len() == 1;
         let whole: Vec<Point> = strokes.concat();
         let scale = self
@@ -372,8 +368,6 @@ fn longer_side(points: &[Point]) -> f64 {
 
 /// Width and height of the bounding box of points.
 pub fn extent(points: &[Point]) -> [f64; 2] {
-    let first = points.first().copied().unwrap_or_default();
-    let low = points.iter().fold(first, |low, point| low.inf(point));
-    let high = points.iter().fold(first, |high, point| high.sup(point));
+    let [low, high] = bounds(points);
     (high - low).into()
 }

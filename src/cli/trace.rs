@@ -110,17 +110,13 @@ fn least_length(text: &str) -> Result<f64, String> {
 }
 
 fn options(arguments: &TraceArguments) -> Result<TraceOptions, VisionError> {
-    let rules = arguments.colour.iter().map(|rule| ColourRule::parse(rule));
-    let mut rules = rules.collect::<Result<Vec<_>, _>>()?.into_iter();
     Ok(TraceOptions {
-        colour: rules.next().unwrap_or(ColourRule::Background),
-        more_colours: rules.collect(),
         region: arguments.region.as_deref().map(Region::parse).transpose()?,
         strands: arguments.strands.map(usize::from),
         least_length: arguments.least_length,
         least_area: arguments.least_area,
         has_corners: arguments.pattern.is_some(),
-        ..TraceOptions::default()
+        ..TraceOptions::of_colours(&arguments.colour)?
     })
 }
 

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rodlab::cli;
 use rodlab_lab::run::{RunOptions, StopRequest, run_until};
-use rodlab_vision::{ColourRule, Region, TraceOptions};
+use rodlab_vision::{Region, TraceOptions};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -110,20 +110,14 @@ pub fn trace<'py>(
     let bytes: Vec<u8> = image.as_array().iter().copied().collect();
     let picture = RgbImage::from_raw(width as u32, height as u32, bytes);
     let picture = picture.ok_or_else(|| bad_argument("image: too large"))?;
-    let rules = colours.iter().map(|rule| ColourRule::parse(rule));
-    let rules: Result<Vec<_>, _> = rules.collect();
-    let mut rules = rules
-        .map_err(|error| bad_argument(format!("colour: {error}")))?
-        .into_iter();
+    let coloured = TraceOptions::of_colours(&colours);
     let region = region.as_deref().map(Region::parse).transpose();
     let options = TraceOptions {
-        colour: rules.next().unwrap_or(ColourRule::Background),
-        more_colours: rules.collect(),
         region: region.map_err(|error| bad_argument(error.to_string()))?,
         strands: strands.map(usize::from),
         least_length,
         least_area,
-        ..TraceOptions::default()
+        ..coloured.map_err(|error| bad_argument(format!("colour: {error}")))?
     };
     let trace = py.detach(|| rodlab_vision::trace(&picture, &options));
     let trace = trace.map_err(|error| bad_argument(format!("image: {error}")))?;

@@ -1,5 +1,6 @@
 //! Options of the search for strands.
 
+use super::VisionError;
 use super::colour::ColourRule;
 use super::region::Region;
 
@@ -28,6 +29,24 @@ pub struct TraceOptions {
     pub has_corners: bool,
     /// Least length of a strand, in widths; shorter ones are not lines.
     pub least_slenderness: f64,
+}
+
+impl TraceOptions {
+    /// The default options with colours as in the option `--colour` of `rodlab trace`.
+    ///
+    /// # Errors
+    /// A colour rule cannot be parsed.
+    pub fn of_colours<'a>(
+        rules: impl IntoIterator<Item = &'a String>,
+    ) -> Result<Self, VisionError> {
+        let rules = rules.into_iter().map(|rule| ColourRule::parse(rule));
+        let mut rules = rules.collect::<Result<Vec<_>, _>>()?.into_iter();
+        Ok(Self {
+            colour: rules.next().unwrap_or(ColourRule::Background),
+            more_colours: rules.collect(),
+            ..Self::default()
+        })
+    }
 }
 
 impl Default for TraceOptions {

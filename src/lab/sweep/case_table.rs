@@ -65,7 +65,7 @@ impl<'a> CaseTable<'a> {
     /// Current state of a case, from its own directory.
     pub fn look_up(&self, id: &str) -> Result<CaseRecord, ResultsError> {
         let record = match record_in(&self.directory.case(id)) {
-            Err(ResultsError::Altered { .. }) if self.is_lost(id) => None,
+            Err(ResultsError::Altered { .. }) if self.directory.leases.is_left_by_dead(id) => None,
             record => record?,
         };
         let record = record.unwrap_or_else(|| CaseRecord::new(CaseStatus::Pending));

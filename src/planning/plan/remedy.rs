@@ -3,7 +3,7 @@
 
 use super::deployment::{DeployedRod, DeploymentError, Spare, checked_points, long_enough};
 use super::grasp::{GraspError, GraspProblem};
-use super::pattern::{Drawing, PatternError, PatternSource, Point};
+use super::pattern::{Drawing, PatternError, PatternSource, Point, bounds};
 use super::request::{DeploymentRequest, RequestError};
 use std::fmt;
 
@@ -199,9 +199,7 @@ impl DeploymentRequest<'_> {
 
 /// The longer side of the bounding box of points, m.
 fn longer_side(points: &[Point]) -> f64 {
-    let first = points.first().copied().unwrap_or_default();
-    let low = points.iter().fold(first, |low, point| low.inf(point));
-    let high = points.iter().fold(first, |high, point| high.sup(point));
+    let [low, high] = bounds(points);
     (high - low).max()
 }
 

@@ -1,10 +1,11 @@
 //! The files of a log inside a recording, so that one file is enough to replay it.
 
 use super::RecordingError;
+use super::source::files;
 use mcap::{Attachment, Summary, read::attachment};
 use std::borrow::Cow;
 use std::fs;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Component, Path};
 
 /// Endings of files that are attached, and their media types.
 const KINDS: [(&str, &str); 5] = [
@@ -14,54 +15,30 @@ const KINDS: [(&str, &str); 5] = [
     ("png", "image/png"),
     ("jpg", "image/jpeg"),
 ];
-/// Depth of folders whose files are attached.
-const DEPTH: usize = 4;
 
 /// Tables, descriptions and pictures in a directory and its folders, sorted by their names, which
 /// are paths from the directory with `/`.
 pub fn attached(directory: &Path) -> Result<Vec<Attachment<'static>>, RecordingError> {
-    let mut files = Vec::new();
-    collect(directory, String::new(), DEPTH, &mut files)?;
-    files.sort_by(|(a, ..), (b, ..)| a.cmp(b));
-    let attachment = |(name, media_type, path): (String, &str, PathBuf)| {
-        let data = fs::read(&path).map_err(RecordingError::at(&path))?;
-        Ok(Attachment {
-            log_time: 0,
-            create_time: 0,
-            name,
-            media_type: media_type.to_owned(),
-            data: Cow::Owned(data),
-        })
-    };
-    files.into_iter().map(attachment).collect()
-}
-
-fn collect(
-    folder: &Path,
-    prefix: String,
-    depth: usize,
-    files: &mut Vec<(String, &'static str, PathBuf)>,
-) -> Result<(), RecordingError> {
-    for entry in fs::read_dir(folder).map_err(RecordingError::at(folder))? {
-        let path = entry.map_err(RecordingError::at(folder))?.path();
-        // Names of logs are plain text; others belong to the user.
-        let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
-            continue;
-        };
-        let name = format!("{prefix}{name}");
-        if path.is_dir() && depth > 0 {
-            collect(&path, name + "/", depth - 1, files)?;
-            continue;
-        }
+    let mut attachments = Vec::new();
+    for path in files(directory)? {
         let kind = KINDS.iter().find(|(ending, _)| {
             let found = path.extension();
             found.is_some_and(|found| found.eq_ignore_ascii_case(ending))
         });
-        if let (true, Some((_, media_type))) = (path.is_file(), kind) {
-            files.push((name, *media_type, path));
+        // Names of logs are plain text; others belong to the user.
+        let name = path.strip_prefix(directory).ok().and_then(Path::to_str);
+        if let (Some((_, media_type)), Some(name)) = (kind, name) {
+            attachments.push(Attachment {
+                log_time: 0,
+                create_time: 0,
+                name: name.replace(std::path::MAIN_SEPARATOR, "/"),
+                media_type: (*media_type).to_owned(),
+                data: Cow::Owned(fs::read(&path).map_err(RecordingError::at(&path))?),
+            });
         }
     }
-    Ok(())
+    attachments.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(attachments)
 }
 
 /// Writes the attached files of a recording into a directory.

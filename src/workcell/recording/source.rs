@@ -36,41 +36,49 @@ pub struct Joints {
 
 /// Folders of motions in a directory, in the order of their begin.
 pub fn motions(directory: &Path) -> Result<Vec<MotionLog>, RecordingError> {
-    let mut found = Vec::new();
-    collect(directory, directory, DEPTH, &mut found)?;
+    let tables = files(directory)?.into_iter();
+    let tables = tables.filter(|path| path.ends_with("events.csv"));
+    let found = tables.map(|table| MotionLog::read(directory, table));
+    let mut found = found.collect::<Result<Vec<_>, _>>()?;
     found.sort_by(|a, b| a.opened.total_cmp(&b.opened));
     Ok(found)
 }
 
-fn collect(
-    directory: &Path,
-    folder: &Path,
-    depth: usize,
-    found: &mut Vec<MotionLog>,
-) -> Result<(), RecordingError> {
-    let table = folder.join("events.csv");
-    if table.is_file() {
-        let events = rows::<(f64, String)>(&table)?;
-        let first = events.first();
-        let opened = first.and_then(|(_, event)| event.strip_prefix(OPENED)?.parse().ok());
-        let name = folder.strip_prefix(directory).unwrap_or(folder);
-        found.push(MotionLog {
-            name: name.display().to_string(),
-            folder: folder.to_owned(),
-            opened: opened.ok_or(RecordingError::WithoutTime(table))?,
-            events,
-        });
-    }
+/// Files in a directory and its folders.
+pub fn files(directory: &Path) -> Result<Vec<PathBuf>, RecordingError> {
+    let mut files = Vec::new();
+    collect(directory, DEPTH, &mut files)?;
+    Ok(files)
+}
+
+fn collect(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) -> Result<(), RecordingError> {
     for entry in fs::read_dir(folder).map_err(RecordingError::at(folder))? {
         let path = entry.map_err(RecordingError::at(folder))?.path();
-        if path.is_dir() && depth > 0 {
-            collect(directory, &path, depth - 1, found)?;
+        if path.is_file() {
+            files.push(path);
+        } else if path.is_dir() && depth > 0 {
+            collect(&path, depth - 1, files)?;
         }
     }
     Ok(())
 }
 
 impl MotionLog {
+    /// Reads the log of the motion with a table of events below a directory.
+    fn read(directory: &Path, table: PathBuf) -> Result<Self, RecordingError> {
+        let events = rows::<(f64, String)>(&table)?;
+        let first = events.first();
+        let opened = first.and_then(|(_, event)| event.strip_prefix(OPENED)?.parse().ok());
+        let folder = table.parent().unwrap_or(directory).to_owned();
+        let name = folder.strip_prefix(directory).unwrap_or(&folder);
+        Ok(Self {
+            name: name.display().to_string(),
+            opened: opened.ok_or(RecordingError::WithoutTime(table))?,
+            folder,
+            events,
+        })
+    }
+
     /// The planned motion; `None` if it is not in the log.
     pub fn plan(&self) -> Option<JointTrajectory> {
         JointTrajectory::read(&self.folder.join("trajectory.csv")).ok()

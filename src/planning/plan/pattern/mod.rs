@@ -6,11 +6,13 @@
 //! | `spline` | a smooth curve along drawn points, within a deviation |
 //! | `analytic` | line, circle and sine |
 //! | `curve` | arc length, tangent, curvature and its derivatives |
+//! | `bounds` | the bounding box of points |
 //! | `source` | a formula or a drawing, in its size and direction |
 //! | `lead_in`, `lead_out` | a start whose curvature grows from zero, and an end where it returns to zero |
 //! | `check` | requirements of a pattern, and its self-crossings |
 
 mod analytic;
+mod bounds;
 mod check;
 mod curve;
 mod lead_in;
@@ -20,6 +22,7 @@ mod spline;
 mod svg;
 
 pub use analytic::{Circle, Line, Sine};
+pub use bounds::bounds;
 pub use check::{Crossing, crossings, crossings_of_two};
 pub use curve::{PatternPoint, PlaneCurve};
 pub use lead_in::LeadBend;

@@ -1,6 +1,6 @@
 //! Source of a pattern: a formula or a drawing.
 
-use super::{Circle, Line, Pattern, PatternError, Point, Sine, Stroke};
+use super::{Circle, Line, Pattern, PatternError, Point, Sine, Stroke, bounds};
 
 /// A formula or a drawing, not smoothed yet.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,11 +67,10 @@ impl Drawing {
         if self.reverse {
             points.reverse();
         }
-        let (Some(size), Some(first)) = (self.size, points.first()) else {
+        let (Some(size), false) = (self.size, points.is_empty()) else {
             return Ok(points);
         };
-        let low = points.iter().fold(*first, |low, point| low.inf(point));
-        let high = points.iter().fold(*first, |high, point| high.sup(point));
+        let [low, high] = bounds(&points);
         let side = (high - low).max();
         if !(side > 0.0) {
             return Err(PatternError::Degenerate("it has no length"));

@@ -292,13 +292,11 @@ impl TimeScheme for BackwardDifferences {
     }
 
     fn lagged_factor(&self, ratio: f64, inertia: f64) -> Option<f64> {
+        if ratio <= self.largest_lagged_ratio(inertia) {
+            return Some(1.0);
+        }
         let factor = ((ratio - LAGGED[1] * inertia) / LAGGED[0]).max(1.0);
-        let least = if factor > 1.0 {
-            LEAST_ENLARGED_INERTIA * factor
-        } else {
-            LEAST_INERTIA
-        };
-        (inertia >= least).then_some(factor)
+        (inertia >= LEAST_ENLARGED_INERTIA * factor).then_some(factor)
     }
 
     fn begins_small(&self) -> bool {

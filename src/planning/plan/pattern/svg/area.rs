@@ -1,7 +1,7 @@
 //! Filled areas without lines of their own.
 
 use super::{DrawnStroke, SvgDrawing};
-use crate::plan::pattern::Point;
+use crate::plan::pattern::{Point, bounds};
 
 /// Largest thickness of a narrow area, as a fraction of its longer side.
 const NARROW: f64 = 1.0 / 3.0;
@@ -146,14 +146,6 @@ fn distance_to_edge(edge: &[Point], at: Point) -> f64 {
         (at - nearest).norm()
     };
     edge.windows(2).map(distance).fold(f64::INFINITY, f64::min)
-}
-
-/// Lower left and upper right corner of the bounding box.
-fn bounds(points: &[Point]) -> [Point; 2] {
-    let first = points.first().copied().unwrap_or_default();
-    let low = points.iter().fold(first, |low, point| low.inf(point));
-    let high = points.iter().fold(first, |high, point| high.sup(point));
-    [low, high]
 }
 
 #[cfg(test)]

@@ -123,12 +123,13 @@ impl SvgDrawing {
         if let Some(deep) = shapes.iter().find(is_deep) {
             return Err(fault(*deep, "g", "groups are nested too deeply").into());
         }
-        let visible = Visible::of(text, &document, &shapes, &page)?;
+        let texts = visible::texts(&document);
+        let visible = Visible::of(text, &document, &shapes, &texts, &page)?;
         let mut reader = Reader {
             lines: Lines::new(text),
             page,
             shapes,
-            texts: visible::texts(&document),
+            texts,
             visible,
             strokes: Vec::new(),
             points: 0,

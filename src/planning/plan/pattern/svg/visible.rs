@@ -106,10 +106,10 @@ impl Visible {
         text: &str,
         document: &Document,
         shapes: &[Node],
+        texts: &[Node],
         page: &Page,
     ) -> Result<Self, PatternError> {
-        let texts = texts(document);
-        let copy = copy(text, document, shapes, page);
+        let copy = copy(text, document, shapes, texts, page);
         let names: Vec<String> = texts.iter().enumerate().map(name_of_text).collect();
         let resolve = || {
             let mut options = usvg::Options {
@@ -255,22 +255,13 @@ fn fonts() -> Arc<usvg::fontdb::Database> {
         let family = own.first().and_then(|id| fonts.face(*id));
         let family = family.and_then(|face| face.families.first());
         let family = family.map_or(String::new(), |(name, _)| name.clone());
-        let is_there = |fonts: &usvg::fontdb::Database, family| {
-            let families = [family];
-            let query = usvg::fontdb::Query {
-                families: &families,
-                ..Default::default()
-            };
-            fonts.query(&query).is_some()
+        // The resolver takes the serif family in place of every missing one.
+        let serif = usvg::fontdb::Query {
+            families: &[Family::Serif],
+            ..Default::default()
         };
-        if !is_there(&fonts, Family::Serif) {
-            fonts.set_serif_family(family.clone());
-        }
-        if !is_there(&fonts, Family::SansSerif) {
-            fonts.set_sans_serif_family(family.clone());
-        }
-        if !is_there(&fonts, Family::Monospace) {
-            fonts.set_monospace_family(family);
+        if fonts.query(&serif).is_none() {
+            fonts.set_serif_family(family);
         }
         Arc::new(fonts)
     });
@@ -335,7 +326,7 @@ fn bezier(path: &usvg::Path) -> BezPath {
 }
 
 /// The drawing with squares in place of shapes, on a page in user units.
-fn copy(text: &str, document: &Document, shapes: &[Node], page: &Page) -> String {
+fn copy(text: &str, document: &Document, shapes: &[Node], texts: &[Node], page: &Page) -> String {
     let mut edits: Vec<(usize, usize, String)> = Vec::new();
     let mut edit = |node: &Node, attributes: &[(&str, String)]| {
         let start = node.range().start;
@@ -368,7 +359,7 @@ fn copy(text: &str, document: &Document, shapes: &[Node], page: &Page) -> String
         ("transform", "scale(1)".into()),
     ];
     edit(&document.root_element(), &attributes);
-    for (number, node) in texts(document).iter().enumerate() {
+    for (number, node) in texts.iter().enumerate() {
         edit(node, &[("id", name_of_text((number, node)))]);
     }
     for (index, node) in shapes.iter().enumerate() {
