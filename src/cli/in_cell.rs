@@ -6,7 +6,7 @@ use super::exit_code::NOT_SEEN_WHOLE;
 use super::interruption::watch_for_interruption;
 use super::log_directory::{empty_directory, results_directory};
 use super::prelude::*;
-use super::safety_signals::{open_signals, write_signals};
+use super::safety_signals::{open_diagnostics, open_signals, write_signals};
 use super::status_line::StatusLine;
 use rodlab_files::results::write_whole;
 use rodlab_robot::JointTrajectory;
@@ -140,12 +140,17 @@ impl Work<'_> {
             .confirm(arms, &report, self.directory, self.choice)?;
         let (live, plan) = (&self.choice.live, self.motion.as_slice());
         let page = live.page(cell, plan, &self.speed_override)?;
+        let is_real = !self.chosen.is_virtual;
+        let diagnostics = match is_real {
+            true => open_diagnostics(cell)?,
+            false => None,
+        };
         let interrupted = watch_for_interruption()?;
         let line = StatusLine::new(self.common);
         let mut displays: Vec<&dyn Display> = vec![&line];
         displays.extend(page.iter().map(|page| page as &dyn Display));
+        displays.extend(diagnostics.iter().map(|topic| topic as &dyn Display));
         // A simulated cell has no signals.
-        let is_real = !self.chosen.is_virtual;
         let signals = is_real.then(|| open_signals(cell)).transpose()?;
         let ended = run.carry_out(&Workplace {
             cell,
@@ -184,11 +189,15 @@ impl Work<'_> {
             .or(listed)
             .or_else(|| unrecorded.map(Failure::system));
         let finished = self.finish(&run, failure);
+        let words = match &finished {
+            Ok(()) => format!("finished; the results are in {}", self.directory.display()),
+            Err(failure) => failure.in_words(false),
+        };
+        if let Some(diagnostics) = diagnostics {
+            diagnostics.end(finished.as_ref().map(|()| &*words).map_err(|_| &*words));
+        }
         if let Some(page) = page {
-            page.end(&match &finished {
-                Ok(()) => format!("finished; the results are in {}", self.directory.display()),
-                Err(failure) => failure.in_words(false),
-            });
+            page.end(&words);
         }
         finished
     }

@@ -4,14 +4,14 @@ use super::interruption::{Interruption, watch_for_interruption};
 use super::live_page::LiveArguments;
 use super::log_directory::log_directory;
 use super::prelude::*;
-use super::safety_signals::{open_signals, write_signals};
+use super::safety_signals::{open_diagnostics, open_signals, write_signals};
 use rodlab_files::results::write_whole;
 use rodlab_robot::{
     Ending, JointState, JointTrajectory, StreamLog, StreamState, Supervisor, stream as run,
 };
 use rodlab_workcell::cell::{ArmGuard, Cell, Driver, Signals, StreamReport};
 use rodlab_workcell::live::LivePage;
-use rodlab_workcell::task::{Display, FirstRun, SpeedOverride, write_manifest};
+use rodlab_workcell::task::{Display, Displays, FirstRun, SpeedOverride, write_manifest};
 
 const HELP: [&str; 2] = help!(
     "\
@@ -83,6 +83,7 @@ struct Guarded<'a> {
     interrupted: &'a Interruption,
     speed: &'a SpeedOverride,
     page: Option<&'a LivePage>,
+    display: Displays<'a>,
 }
 
 impl Supervisor for Guarded<'_> {
@@ -99,15 +100,11 @@ impl Supervisor for Guarded<'_> {
     }
 
     fn show(&self, state: &StreamState) {
-        if let Some(page) = self.page {
-            page.motion(state, None);
-        }
+        self.display.motion(state, None);
     }
 
     fn refuses(&self, part: &str, time: f64, state: &JointState) -> Option<String> {
-        if let Some(page) = self.page {
-            page.joints(part, &state.positions);
-        }
+        self.display.joints(part, &state.positions);
         self.guard.fault(part, time, state)
     }
 }
@@ -169,13 +166,17 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     };
     let mut log = StreamLog::open(&directory).map_err(unwritable)?;
     let page = arguments.live.page(&cell, &trajectories, &speed_override)?;
+    let diagnostics = open_diagnostics(&cell)?;
     let interrupted = watch_for_interruption()?;
+    let pages = page.iter().map(|page| page as &dyn Display);
+    let topics = diagnostics.iter().map(|topic| topic as &dyn Display);
     let guarded = Guarded {
         guard: ArmGuard::new(&cell),
         signals: &signals,
         interrupted: &interrupted,
         speed: &speed_override,
         page: page.as_ref(),
+        display: Displays(pages.chain(topics).collect()),
     };
     let ending = run(&mut parts, &cell.streaming, &guarded, &mut log);
     let logged = log.finish().map_err(unwritable);
@@ -188,6 +189,9 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         Ending::Failed(reason) => ("failed", Some(reason.clone())),
     };
     write_manifest(&manifest, &directory)?;
+    if let Some(diagnostics) = diagnostics {
+        diagnostics.end(manifest.error.as_deref().map_or(Ok(manifest.status), Err));
+    }
     if let Some(page) = page {
         page.end(manifest.error.as_deref().unwrap_or(manifest.status));
     }

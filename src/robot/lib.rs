@@ -42,12 +42,13 @@ pub use body::{Body, Hull, Shape};
 pub use chain::{Chain, Follower, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
 pub use collision::{Approach, FAR, Member, StandingBox, Surroundings};
 pub use driver::{
-    Bag, BagError, BagPicture, CameraError, CameraPicture, Driver, DriverError, FileDriver,
-    GripperDriver, Interpolant, JointState, Middleware, PartTrajectory, PictureTopic, Progress,
-    Reading, Ros1Camera, Ros1Driver, Ros1Gripper, Ros2Address, Ros2GripperAddress, Ros2Topic,
-    RosVersion, RosbridgeCamera, RosbridgeDriver, RosbridgeGripper, SerialLine, SignalMessage,
-    SignalShape, SignalTopic, StepperAnswer, StepperDriver, StepperLink, StepperRequest, TopicName,
-    open_camera, open_signal,
+    Bag, BagError, BagPicture, CameraError, CameraPicture, DiagnosticLevel, DiagnosticStatus,
+    DiagnosticTopic, Driver, DriverError, FileDriver, GripperDriver, Interpolant, JointState,
+    Middleware, PartTrajectory, PictureTopic, Progress, Reading, Ros1Camera, Ros1Driver,
+    Ros1Gripper, Ros2Address, Ros2GripperAddress, Ros2Topic, RosVersion, RosbridgeCamera,
+    RosbridgeDriver, RosbridgeGripper, SerialLine, SignalMessage, SignalShape, SignalTopic,
+    StepperAnswer, StepperDriver, StepperLink, StepperRequest, TopicName, open_camera,
+    open_diagnostics, open_signal,
 };
 pub use inverse::{Nearest, REACHED};
 pub use kinematics::Jacobian;

@@ -39,7 +39,7 @@ pub(super) fn is_installed() -> bool {
     ];
     files.iter().all(|file| Path::new(file).exists())
         && Command::new("/usr/bin/python3")
-            .args(["-c", "import actionlib, rospy"])
+            .args(["-c", "import actionlib, diagnostic_msgs, rospy"])
             .output()
             .is_ok_and(|output| output.status.success())
 }
@@ -124,6 +124,63 @@ fn five_hundred_points_are_followed_by_an_actionlib_server() {
     assert!(begin.elapsed() > Duration::from_secs(5));
     assert_followed(&robot.says(1), 500);
     assert!(log(robot.folder.path(), "state.csv").lines().count() > 500);
+}
+
+#[test]
+fn a_monitor_of_ros_reads_the_diagnostics_of_a_motion() {
+    let Some(robot) = Robot::start() else { return };
+    let path = robot.folder.path().join("cell.toml");
+    let cell = fs::read_to_string(&path).unwrap();
+    let topic = format!("ros1://127.0.0.1:{}/diagnostics", robot.port);
+    let streaming = format!("[streaming]\ndiagnostics = \"{topic}\"");
+    fs::write(&path, cell.replace("[streaming]", &streaming)).unwrap();
+    let output = rodlab(robot.folder.path(), &STREAM);
+    assert!(output.status.success(), "{}", said(&output));
+    let lines: Vec<String> = std::iter::from_fn(|| Some(robot.says(5)))
+        .take_while(|line| !line.starts_with("rodlab: task, level 0: finished"))
+        .collect();
+    let moving = lines
+        .iter()
+        .filter(|line| line.starts_with("rodlab: task, level 0: ") && line.contains("of 5.0 s"));
+    assert!(moving.count() > 2, "{lines:#?}");
+    let joints = "rodlab: right, level 0: joints as reported (joints in rad or m: ";
+    assert!(
+        lines.iter().any(|line| line.starts_with(joints)),
+        "{lines:#?}"
+    );
+}
+
+/// `roslaunch` finds the package in the folder, and starts the program as a node.
+#[test]
+fn a_launch_file_starts_a_motion() {
+    let Some(robot) = Robot::start() else { return };
+    let folder = robot.folder.path();
+    let program = Path::new(env!("CARGO_BIN_EXE_rodlab")).parent().unwrap();
+    let path = std::env::var("PATH").unwrap_or_default();
+    let output = Command::new("/usr/bin/roslaunch")
+        .args(["rodlab_cell", "stream.launch"])
+        .arg(format!("cell:={}", folder.join("cell.toml").display()))
+        .arg(format!(
+            "trajectory:={}",
+            folder.join("joints.csv").display()
+        ))
+        .arg(format!("options:=--out {}", folder.join("log").display()))
+        .env("PATH", format!("{}:{path}", program.display()))
+        .env(
+            "ROS_PACKAGE_PATH",
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/ros"),
+        )
+        .env("ROS_MASTER_URI", format!("http://127.0.0.1:{}", robot.port))
+        .envs([("ROS_IP", "127.0.0.1"), ("ROS_HOSTNAME", "127.0.0.1")])
+        .env("ROS_HOME", folder.join("home"))
+        .output()
+        .unwrap();
+    assert_followed(&robot.says(5), 500);
+    assert!(
+        log(folder, "events.csv").contains("finished"),
+        "{}",
+        said(&output)
+    );
 }
 
 #[test]

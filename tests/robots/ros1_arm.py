@@ -1,5 +1,5 @@
 """An arm of two joints behind actionlib's own action server: follows its trajectory, and reports its joints at 100 Hz. A camera
-above it sees a dark rod, 200 pixels long, as pixels and as PNG files. Its safety signals are a latched
+above it sees a dark rod, 200 pixels long, as pixels and as PNG files. It prints the diagnostics of others. Its safety signals are a latched
 emergency stop, a wrench, a heartbeat and a speed in per cent. With ARM_FAULT=false-end in the environment it reports success at once and stands still; with
 ARM_FAULT=false-cancel it confirms a cancellation, but keeps moving; with "pressed", "emergency-stop", "force", "effort" or "silent" its
 signals violate their limits, the first one from the beginning and the others one second after the start of a motion; with "slow" the
@@ -14,6 +14,7 @@ import zlib
 import actionlib
 import rospy
 from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryFeedback, FollowJointTrajectoryResult
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import CompressedImage, Image, JointState
 from std_msgs.msg import Bool, Empty, Float64
@@ -73,6 +74,12 @@ def report():
         message.header.stamp = rospy.Time.now()
         publisher.publish(message)
         rate.sleep()
+
+
+def read_diagnostics(message):
+    for status in message.status:
+        values = "; ".join(f"{pair.key}: {pair.value}" for pair in status.values)
+        print(f"{status.name}, level {ord(status.level) if isinstance(status.level, bytes) else status.level}: {status.message} ({values})", flush=True)
 
 
 def look():
@@ -165,6 +172,7 @@ def at(time, times, points):
 
 rospy.init_node("arm", disable_signals=True)
 arm = Arm()
+diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, read_diagnostics)
 for task in (report, look, signal):
     threading.Thread(target=task, daemon=True).start()
 print("ready", flush=True)

@@ -6,6 +6,8 @@
 mod action_driver;
 mod camera_name;
 mod clocked_reports;
+mod diagnostics;
+mod diagnostics_name;
 mod file;
 mod follow_joint_trajectory;
 mod gripper_goal;
@@ -26,6 +28,8 @@ mod stepper;
 mod topic_name;
 
 pub use camera_name::{CameraError, open_camera};
+pub use diagnostics::{DiagnosticLevel, DiagnosticStatus, DiagnosticTopic};
+pub use diagnostics_name::open_diagnostics;
 pub use file::FileDriver;
 pub use interpolant::Interpolant;
 pub(crate) use interpolant::range_of;

@@ -8,7 +8,7 @@ use super::safety::Safety;
 use super::typed::{self, CellFile};
 use rodlab_lab::scenario::dimension::{Angle, Length, Time};
 use rodlab_lab::scenario::{KeyPath, Quantity, ScenarioError, TypedFile};
-use rodlab_robot::{Limits, StreamBounds, Tolerance};
+use rodlab_robot::{Limits, StreamBounds, Tolerance, TopicName};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -76,6 +76,7 @@ impl Resolver<'_> {
             rod: typed.rod.as_ref().map(|rod| self.rod(rod)),
             safety,
             streaming: self.streaming(),
+            diagnostics: self.diagnostics(),
             warnings: self.warnings.take(),
         }
     }
@@ -241,6 +242,17 @@ impl Resolver<'_> {
             }
         }
         safety
+    }
+
+    fn diagnostics(&self) -> Option<TopicName> {
+        let name = self.file.typed.streaming.as_ref()?.diagnostics.as_ref()?;
+        let message = match TopicName::parse(name, "diagnostics") {
+            Some(Ok(topic @ (TopicName::Ros1 { .. } | TopicName::Ros2(_)))) => return Some(topic),
+            Some(Err(message)) => message,
+            _ => format!("{name}: needed: ros1://host:port/topic or ros2://domain/topic"),
+        };
+        self.fault(&KeyPath::from("streaming").key("diagnostics"), message);
+        None
     }
 
     fn streaming(&self) -> StreamBounds {

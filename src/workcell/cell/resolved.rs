@@ -1,7 +1,9 @@
 //! The cell in SI units.
 
 use super::safety::Safety;
-use rodlab_robot::{Body, Chain, Column, Limits, Pose, Ros2Address, RosVersion, StreamBounds};
+use rodlab_robot::{
+    Body, Chain, Column, Limits, Pose, Ros2Address, RosVersion, StreamBounds, TopicName,
+};
 use std::path::PathBuf;
 
 /// A robot cell. Bases, table and camera are placed in its frame; z is up.
@@ -27,6 +29,8 @@ pub struct Cell {
     pub safety: Safety,
     /// Settings for streaming trajectories.
     pub streaming: StreamBounds,
+    /// Topic of the diagnostics of a task.
+    pub diagnostics: Option<TopicName>,
     /// Warnings about input that was ignored.
     pub warnings: Vec<String>,
 }

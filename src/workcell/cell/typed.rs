@@ -274,6 +274,7 @@ pub struct Streaming {
     pub watchdog: Option<Quantity<Time>>,
     pub longest_pause: Option<Quantity<Time>>,
     pub horizon: Option<Quantity<Time>>,
+    pub diagnostics: Option<String>,
 }
 
 /// Driver of an arm or an axis.

@@ -20,6 +20,7 @@
 //! | `workplace` | the cell, camera and directory of a step |
 //! | `working_arm` | motions and grips of an arm, with the log of each |
 //! | `display` | display of the progress |
+//! | `diagnostics` | the progress for the monitors of ROS |
 //! | `speed_override` | the speed that the user wants at the moment |
 //! | `stage` | name and description of a step |
 //! | `error` | reasons of an early end |
@@ -34,6 +35,7 @@ mod correction;
 mod deploy;
 mod deploy_plan;
 mod deploy_record;
+mod diagnostics;
 mod display;
 mod drawing;
 mod error;
@@ -63,6 +65,7 @@ pub use correction::Correction;
 pub use deploy::DeployTask;
 pub use deploy_plan::DeployPlan;
 pub use deploy_record::{DeployRecord, DeployScore, stroke_folder};
+pub use diagnostics::Diagnostics;
 pub use display::{Display, Displays, Hidden, described};
 pub use drawing::{DrawingRecord, DrawingTask};
 pub use error::{TaskError, WorkError};

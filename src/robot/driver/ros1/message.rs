@@ -2,6 +2,7 @@
 //! arrays after their lengths.
 
 use super::super::Interpolant;
+use super::super::diagnostics::DiagnosticStatus;
 use super::super::picture::RawImage;
 
 /// Type of a topic: name and MD5 sum of its definition.
@@ -75,6 +76,12 @@ pub const COMPRESSED_IMAGE: MessageType = MessageType {
     md5: "8f7a12909da2c9d3332d540a0977563f",
 };
 
+/// Statuses for monitors.
+pub const DIAGNOSTICS: MessageType = MessageType {
+    name: "diagnostic_msgs/DiagnosticArray",
+    md5: "60810da900de1dd6ddd437c3503511da",
+};
+
 /// Writes a message.
 #[derive(Default)]
 struct Writer(Vec<u8>);
@@ -133,6 +140,28 @@ pub fn goal(joints: &[String], motion: &Interpolant, id: &str) -> Vec<u8> {
     writer.u32(0);
     writer.u32(0);
     writer.duration(0.0);
+    writer.0
+}
+
+/// Writes statuses with a time since 1970.
+pub fn diagnostics(time: std::time::Duration, statuses: &[DiagnosticStatus]) -> Vec<u8> {
+    let mut writer = Writer::default();
+    writer.u32(0);
+    writer.u32(time.as_secs() as u32);
+    writer.u32(time.subsec_nanos());
+    writer.text("");
+    writer.u32(statuses.len() as u32);
+    for status in statuses {
+        writer.0.push(status.level as u8);
+        writer.text(&status.name);
+        writer.text(&status.message);
+        writer.text(&status.hardware);
+        writer.u32(status.values.len() as u32);
+        for (key, value) in &status.values {
+            writer.text(key);
+            writer.text(value);
+        }
+    }
     writer.0
 }
 

@@ -3,12 +3,14 @@
 //! A node (`node`) uses XML-RPC (`xmlrpc`) for the master and TCPROS for the action server. The
 //! node sends goals and cancellations, and receives joint states, feedback, results and the clock
 //! of a simulated robot (`message`). A `gripper` uses another action. Pictures come from a `camera`
-//! or from a recording (`bag`), and what ends motions from a `signal`.
+//! or from a recording (`bag`), and what ends motions from a `signal`;
+//! `diagnostics` go to monitors.
 
 mod bag;
 mod bag_record;
 mod bag_topic;
 mod camera;
+mod diagnostics;
 mod gripper;
 mod message;
 mod node;
@@ -17,6 +19,7 @@ mod xmlrpc;
 
 pub use bag::{Bag, BagError, BagPicture};
 pub use camera::Ros1Camera;
+pub use diagnostics::Ros1Diagnostics;
 pub use gripper::Ros1Gripper;
 pub use signal::Ros1Signal;
 

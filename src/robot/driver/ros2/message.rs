@@ -4,17 +4,59 @@
 //! Trailing fields of an answer that are not needed are omitted.
 
 use super::super::Interpolant;
+use super::super::diagnostics::DiagnosticStatus;
 use serde::{Deserialize, Serialize};
 
 /// Identifier of a goal.
 pub type GoalId = [u8; 16];
 
 /// `std_msgs/Header`, including its `builtin_interfaces/Time`.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Header {
     seconds: i32,
     nanoseconds: u32,
     frame: String,
+}
+
+/// `diagnostic_msgs/DiagnosticArray`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DiagnosticArray {
+    header: Header,
+    status: Vec<Status>,
+}
+
+/// `diagnostic_msgs/DiagnosticStatus`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Status {
+    level: u8,
+    name: String,
+    message: String,
+    hardware_id: String,
+    /// `diagnostic_msgs/KeyValue`.
+    values: Vec<(String, String)>,
+}
+
+impl DiagnosticArray {
+    /// Statuses with a time since 1970.
+    pub fn new(time: std::time::Duration, statuses: &[DiagnosticStatus]) -> Self {
+        let status = |status: &DiagnosticStatus| Status {
+            level: status.level as u8,
+            name: status.name.clone(),
+            message: status.message.clone(),
+            hardware_id: status.hardware.clone(),
+            values: (status.values.iter())
+                .map(|(key, value)| ((*key).to_owned(), value.clone()))
+                .collect(),
+        };
+        Self {
+            header: Header {
+                seconds: time.as_secs() as i32,
+                nanoseconds: time.subsec_nanos(),
+                frame: String::new(),
+            },
+            status: statuses.iter().map(status).collect(),
+        }
+    }
 }
 
 /// `builtin_interfaces/Duration`.

@@ -4,7 +4,7 @@
 //! An action of ROS 2 (`action`) consists of three services, send_goal, get_result and cancel_goal
 //! (`service`), and of topics for feedback and status. Their messages (`message`) are encoded in
 //! CDR. Arms use `client` and grippers `gripper`; pictures come from a `camera`, and
-//! what ends motions from a `signal`. All of this needs the cargo feature `ros2`.
+//! what ends motions from a `signal`; `diagnostics` go to monitors. All of this needs the cargo feature `ros2`.
 
 #[cfg(feature = "ros2")]
 mod action;
@@ -12,6 +12,8 @@ mod action;
 mod camera;
 #[cfg(feature = "ros2")]
 mod client;
+#[cfg(feature = "ros2")]
+mod diagnostics;
 #[cfg(feature = "ros2")]
 mod gripper;
 #[cfg(feature = "ros2")]
@@ -21,6 +23,7 @@ mod service;
 #[cfg(feature = "ros2")]
 mod signal;
 
+use super::diagnostics::DiagnosticTopic;
 use super::picture::PictureTopic;
 use super::signal::{SignalMessage, SignalTopic};
 use super::{Driver, DriverError, GripperDriver};
@@ -130,6 +133,25 @@ impl Ros2Topic {
                 DriverError::Lost(format!("ROS 2, domain {}: {reason}", self.domain))
             })?;
             Ok(Box::new(camera))
+        }
+        #[cfg(not(feature = "ros2"))]
+        {
+            let reason = "this program was built without the feature ros2";
+            Err(DriverError::Refused(format!("{}: {reason}", self.topic)))
+        }
+    }
+
+    /// Advertises diagnostics on the topic.
+    ///
+    /// # Errors
+    /// As for [`Self::open_camera`].
+    pub fn open_diagnostics(&self) -> Result<Box<dyn DiagnosticTopic>, DriverError> {
+        #[cfg(feature = "ros2")]
+        {
+            let topic = diagnostics::Ros2Diagnostics::open(self).map_err(|reason| {
+                DriverError::Lost(format!("ROS 2, domain {}: {reason}", self.domain))
+            })?;
+            Ok(Box::new(topic))
         }
         #[cfg(not(feature = "ros2"))]
         {
