@@ -193,6 +193,25 @@ fn faults_name_file_line_and_key() {
 }
 
 #[test]
+fn diagnostics_have_a_topic_of_ros_1_or_ros_2() {
+    let with = |topic: &str| {
+        let streaming = format!("\n[streaming]\ndiagnostics = \"{topic}\"\n");
+        read(&(ONE_JOINT.to_owned() + &streaming))
+    };
+    let cell = with("ros1://10.0.0.1:11311/diagnostics").unwrap();
+    assert_eq!(cell.diagnostics.unwrap().topic(), "/diagnostics");
+    for wrong in [
+        "rosbridge://10.0.0.1:9090/diagnostics",
+        "/diagnostics",
+        "ros1://host",
+    ] {
+        let error = with(wrong).unwrap_err();
+        assert!(error.contains("streaming.diagnostics"), "{error}");
+        assert!(error.contains("ros1://"), "{error}");
+    }
+}
+
+#[test]
 fn a_signal_is_compared_by_the_keys_of_its_message() {
     let with = |keys: &str| {
         let signal = format!("\n[[safety.signals]]\nname = \"s\"\n{keys}\n");
