@@ -131,6 +131,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     }
     let speed_override = arguments.live.speed(&cell)?;
     let signals = open_signals(&cell)?;
+    let diagnostics = open_diagnostics(&cell)?;
     let directory = log_directory("stream", arguments.out.as_deref())?;
     let mut hashes = Vec::new();
     for (k, trajectory) in trajectories.iter().enumerate() {
@@ -166,7 +167,6 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     };
     let mut log = StreamLog::open(&directory).map_err(unwritable)?;
     let page = arguments.live.page(&cell, &trajectories, &speed_override)?;
-    let diagnostics = open_diagnostics(&cell)?;
     let interrupted = watch_for_interruption()?;
     let pages = page.iter().map(|page| page as &dyn Display);
     let topics = diagnostics.iter().map(|topic| topic as &dyn Display);
