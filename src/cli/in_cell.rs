@@ -140,17 +140,17 @@ impl Work<'_> {
             .confirm(arms, &report, self.directory, self.choice)?;
         let (live, plan) = (&self.choice.live, self.motion.as_slice());
         let page = live.page(cell, plan, &self.speed_override)?;
+        // A simulated cell has neither diagnostics nor signals.
         let is_real = !self.chosen.is_virtual;
-        let diagnostics = match is_real {
-            true => open_diagnostics(cell)?,
-            false => None,
-        };
+        let diagnostics = is_real
+            .then(|| open_diagnostics(cell))
+            .transpose()?
+            .flatten();
         let interrupted = watch_for_interruption()?;
         let line = StatusLine::new(self.common);
         let mut displays: Vec<&dyn Display> = vec![&line];
         displays.extend(page.iter().map(|page| page as &dyn Display));
         displays.extend(diagnostics.iter().map(|topic| topic as &dyn Display));
-        // A simulated cell has no signals.
         let signals = is_real.then(|| open_signals(cell)).transpose()?;
         let ended = run.carry_out(&Workplace {
             cell,

@@ -189,11 +189,15 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         Ending::Failed(reason) => ("failed", Some(reason.clone())),
     };
     write_manifest(&manifest, &directory)?;
+    let words = manifest.error.as_deref().unwrap_or(manifest.status);
     if let Some(diagnostics) = diagnostics {
-        diagnostics.end(manifest.error.as_deref().map_or(Ok(manifest.status), Err));
+        diagnostics.end(match ending {
+            Ending::Finished => Ok(words),
+            Ending::Interrupted | Ending::Failed(_) => Err(words),
+        });
     }
     if let Some(page) = page {
-        page.end(manifest.error.as_deref().unwrap_or(manifest.status));
+        page.end(words);
     }
     match ending {
         Ending::Failed(reason) => Err(Failure::System(format!(

@@ -79,7 +79,7 @@ def report():
 def read_diagnostics(message):
     for status in message.status:
         values = "; ".join(f"{pair.key}: {pair.value}" for pair in status.values)
-        print(f"{status.name}, level {ord(status.level) if isinstance(status.level, bytes) else status.level}: {status.message} ({values})", flush=True)
+        print(f"{status.name}, level {status.level}: {status.message} ({values})", flush=True)
 
 
 def look():

@@ -3,7 +3,7 @@
 use super::super::DriverError;
 use super::super::diagnostics::{DiagnosticStatus, DiagnosticTopic};
 use super::message::{self, DIAGNOSTICS};
-use super::node::{Node, Publication, master_uri};
+use super::node::{Node, Publication, master_uri, publisher};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -19,15 +19,8 @@ impl Ros1Diagnostics {
     /// # Errors
     /// The master does not answer.
     pub fn open(master: &str, topic: &str) -> Result<Self, DriverError> {
-        let master = master_uri(master);
-        let lost = |error: std::io::Error| {
-            DriverError::Lost(format!("{topic} of the ROS master {master}: {error}"))
-        };
-        let node = Node::start(&master).map_err(lost)?;
-        Ok(Self {
-            topic: node.advertise(topic, DIAGNOSTICS).map_err(lost)?,
-            _node: node,
-        })
+        let (node, topic) = publisher(&master_uri(master), topic, DIAGNOSTICS)?;
+        Ok(Self { topic, _node: node })
     }
 }
 

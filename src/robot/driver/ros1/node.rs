@@ -82,15 +82,32 @@ pub fn subscriber(
     topic: &str,
     kind: MessageType,
 ) -> Result<(Node, SyncSender<Heard>, Receiver<Heard>), DriverError> {
-    let lost = |error: io::Error| {
-        DriverError::Lost(format!(
-            "ROS master {master}: {error}; is it started, and is this its address?"
-        ))
-    };
+    let lost = |error| without_master(master, &error);
     let (sender, heard) = mailbox();
     let node = Node::start(master).map_err(lost)?;
     node.subscribe(label, topic, kind, &sender).map_err(lost)?;
     Ok((node, sender, heard))
+}
+
+/// A node at a master that publishes one topic.
+///
+/// # Errors
+/// The master does not answer.
+pub fn publisher(
+    master: &str,
+    topic: &str,
+    kind: MessageType,
+) -> Result<(Node, Arc<Publication>), DriverError> {
+    let lost = |error| without_master(master, &error);
+    let node = Node::start(master).map_err(lost)?;
+    let publication = node.advertise(topic, kind).map_err(lost)?;
+    Ok((node, publication))
+}
+
+fn without_master(master: &str, error: &io::Error) -> DriverError {
+    DriverError::Lost(format!(
+        "ROS master {master}: {error}; is it started, and is this its address?"
+    ))
 }
 
 /// The address of a master with a trailing slash.

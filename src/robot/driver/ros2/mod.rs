@@ -121,6 +121,17 @@ pub struct Ros2Topic {
 }
 
 impl Ros2Topic {
+    #[cfg(feature = "ros2")]
+    fn lost(&self, reason: &str) -> DriverError {
+        DriverError::Lost(format!("ROS 2, domain {}: {reason}", self.domain))
+    }
+
+    #[cfg(not(feature = "ros2"))]
+    fn unsupported(&self) -> DriverError {
+        let reason = "this program was built without the feature ros2";
+        DriverError::Refused(format!("{}: {reason}", self.topic))
+    }
+
     /// Subscribes to the pictures of the topic; the camera may start later.
     ///
     /// # Errors
@@ -129,15 +140,12 @@ impl Ros2Topic {
     pub fn open_camera(&self) -> Result<Box<dyn PictureTopic>, DriverError> {
         #[cfg(feature = "ros2")]
         {
-            let camera = camera::Ros2Camera::open(self).map_err(|reason| {
-                DriverError::Lost(format!("ROS 2, domain {}: {reason}", self.domain))
-            })?;
-            Ok(Box::new(camera))
+            let opened = camera::Ros2Camera::open(self);
+            Ok(Box::new(opened.map_err(|reason| self.lost(&reason))?))
         }
         #[cfg(not(feature = "ros2"))]
         {
-            let reason = "this program was built without the feature ros2";
-            Err(DriverError::Refused(format!("{}: {reason}", self.topic)))
+            Err(self.unsupported())
         }
     }
 
@@ -148,15 +156,12 @@ impl Ros2Topic {
     pub fn open_diagnostics(&self) -> Result<Box<dyn DiagnosticTopic>, DriverError> {
         #[cfg(feature = "ros2")]
         {
-            let topic = diagnostics::Ros2Diagnostics::open(self).map_err(|reason| {
-                DriverError::Lost(format!("ROS 2, domain {}: {reason}", self.domain))
-            })?;
-            Ok(Box::new(topic))
+            let opened = diagnostics::Ros2Diagnostics::open(self);
+            Ok(Box::new(opened.map_err(|reason| self.lost(&reason))?))
         }
         #[cfg(not(feature = "ros2"))]
         {
-            let reason = "this program was built without the feature ros2";
-            Err(DriverError::Refused(format!("{}: {reason}", self.topic)))
+            Err(self.unsupported())
         }
     }
 
@@ -167,10 +172,8 @@ impl Ros2Topic {
     pub fn open_signal(&self, message: SignalMessage) -> Result<Box<dyn SignalTopic>, DriverError> {
         #[cfg(feature = "ros2")]
         {
-            let signal = signal::Ros2Signal::open(self, message).map_err(|reason| {
-                DriverError::Lost(format!("ROS 2, domain {}: {reason}", self.domain))
-            })?;
-            Ok(Box::new(signal))
+            let opened = signal::Ros2Signal::open(self, message);
+            Ok(Box::new(opened.map_err(|reason| self.lost(&reason))?))
         }
         #[cfg(not(feature = "ros2"))]
         {
