@@ -296,6 +296,7 @@ fn compare_with_pinocchio(python: &Path, urdf: &Path, chain: &Chain, tolerance: 
         .write_all(lines.as_bytes())
         .unwrap();
     let output = process.wait_with_output().unwrap();
+    assert!(output.status.success(), "pinocchio: {}", output.status);
     let answers = String::from_utf8(output.stdout).unwrap();
     assert_eq!(answers.lines().count(), postures.len());
     for (joints, answer) in postures.iter().zip(answers.lines()) {
