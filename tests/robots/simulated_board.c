@@ -1,9 +1,11 @@
-/* An ATmega328P in simavr, in real time, with its serial line on a pseudo-terminal and a count of the edges of STEP.
+/* An ATmega328P in simavr, with its serial line on a pseudo-terminal and a count of the edges of STEP.
  *
- *   cc simulated_board.c -lsimavr -lutil -o board && ./board stepper.elf counts
+ *   cc simulated_board.c -lsimavr -lutil -o board
+ *   ./board stepper.elf counts             in real time
+ *   ./board stepper.elf counts stepped     a millisecond for each byte of standard input, then prints "ms"
  *
- * Prints the path of the pseudo-terminal, and keeps writing "rising edges, net position" to the file `counts`. Ends
- * when its standard input is closed.
+ * Prints the path of the pseudo-terminal, and keeps writing "rising edges, net position, largest delay in ms" to the
+ * file `counts`; the delay is that of the board behind the wall clock. Ends when its standard input is closed.
  */
 #include <fcntl.h>
 #include <poll.h>
@@ -24,7 +26,7 @@
 #define CYCLES_PER_BYTE 1400 /* 115200 baud at 16 MHz */
 
 static int terminal;
-static long edges, position;
+static long edges, position, late;
 static bool forwards, may_send = true;
 
 static void on_step(struct avr_irq_t *irq, uint32_t value, void *unused)
@@ -61,10 +63,24 @@ static double now(void)
     return time.tv_sec + 1e-9 * time.tv_nsec;
 }
 
+/* A reader finds either the old file or the new one. */
+static void write_counts(const char *path)
+{
+    char part[4096];
+    snprintf(part, sizeof part, "%s.part", path);
+    FILE *counts = fopen(part, "w");
+    if (!counts)
+        return;
+    fprintf(counts, "%ld %ld %ld\n", edges, position, late);
+    fclose(counts);
+    rename(part, path);
+}
+
 int main(int count, char **arguments)
 {
-    if (count != 3)
+    if (count != 3 && count != 4)
         return 2;
+    bool stepped = count == 4, first = true;
     /* A real board has a processor of its own, which no load of this machine slows down. Only root may do this. */
     setpriority(PRIO_PROCESS, 0, -20);
     elf_firmware_t firmware;
@@ -114,20 +130,23 @@ int main(int count, char **arguments)
             next_byte = avr->cycle + CYCLES_PER_BYTE;
         }
         if (avr->cycle >= next_look) {
-            FILE *counts = fopen(arguments[2], "w");
-            if (counts) {
-                fprintf(counts, "%ld %ld\n", edges, position);
-                fclose(counts);
-            }
+            /* Not before the wall clock; a late board stays late by what it has lost. */
+            double ahead = avr->cycle / 16e6 - (now() - start);
+            if (-1e3 * ahead > late)
+                late = -1e3 * ahead;
+            write_counts(arguments[2]);
             struct pollfd input = { 0, POLLIN, 0 };
             char ignored;
-            if (poll(&input, 1, 0) > 0 && read(0, &ignored, 1) <= 0)
+            if (stepped && !first) {
+                printf("ms\n");
+                fflush(stdout);
+            }
+            first = false;
+            if ((stepped || poll(&input, 1, 0) > 0) && read(0, &ignored, 1) <= 0)
                 return 0;
-            /* Do not run faster than the wall clock. */
-            double ahead = avr->cycle / 16e6 - (now() - start);
-            if (ahead > 0)
+            if (!stepped && ahead > 0)
                 usleep(1e6 * ahead);
-            next_look = avr->cycle + 32000; /* 2 ms */
+            next_look = avr->cycle + (stepped ? 16000 : 32000); /* 1 or 2 ms */
         }
     }
 }

@@ -35,21 +35,26 @@ driver = {{ kind = "rosbridge", address = "{address}", action = "/arm", joint_st
 
 #[test]
 fn two_arms_and_a_stepper_keep_one_clock() {
-    let Some(board) = Board::start() else { return };
     let servers = [willing(), willing()];
     let folder = tempfile::tempdir().unwrap();
     // The simulated board may be a second late on a busy machine.
-    let axis = format!(
-        "[streaming]\ntracking_tolerance = 7.0\n\n[[axes]]\nname = \"twister\"\nvelocity = \"60 rpm\"\nacceleration = 20.0\n\
-         driver = {{ kind = \"stepper\", port = \"{}\", steps_per_turn = 3200 }}\n",
-        board.port
-    );
-    let cell = [
-        arm("right", 0.0, &servers[0].0),
-        arm("left", 2.0, &servers[1].0),
-        axis,
-    ];
-    fs::write(folder.path().join("cell.toml"), cell.concat()).unwrap();
+    let axis = |port: &str| {
+        format!(
+            "[streaming]\ntracking_tolerance = 7.0\n\n[[axes]]\nname = \"twister\"\nvelocity = \"60 rpm\"\nacceleration = 20.0\n\
+         driver = {{ kind = \"stepper\", port = \"{port}\", steps_per_turn = 3200 }}\n",
+        )
+    };
+    let write_cell = |port: &str| {
+        let arms = [("right", 0.0), ("left", 2.0)];
+        let mut cell: String = arms
+            .iter()
+            .zip(&servers)
+            .map(|((name, x), server)| arm(name, *x, &server.0))
+            .collect();
+        cell.push_str(&axis(port));
+        fs::write(folder.path().join("cell.toml"), cell).unwrap();
+    };
+    write_cell("/dev/null");
     let right = [("right.right_j0_rad", 1.0), ("right.right_j1_rad", -0.5)];
     let left = [("left.right_j0_rad", -0.8), ("left.right_j1_rad", 0.4)];
     table(folder.path(), "right.csv", &right, 301, 3.0);
@@ -68,7 +73,12 @@ fn two_arms_and_a_stepper_keep_one_clock() {
     assert_eq!(twice.status.code(), Some(2), "{}", said(&twice));
     assert!(said(&twice).contains("right: two trajectories move it"));
 
-    let output = stream(&tables);
+    let moved = Board::moved(|board| {
+        write_cell(&board.port);
+        let _ = fs::remove_dir_all(folder.path().join("log"));
+        stream(&tables)
+    });
+    let Some((board, output)) = moved else { return };
     assert!(output.status.success(), "{}", said(&output));
     assert_eq!(servers[0].1.lock().unwrap().moved, [1.0, -0.5]);
     assert_eq!(servers[1].1.lock().unwrap().moved, [-0.8, 0.4]);

@@ -60,7 +60,6 @@ pub struct Link {
     line: Box<dyn SerialLine>,
     sequence: u8,
     received: Vec<u8>,
-    patience: Duration,
 }
 
 impl Request {
@@ -88,15 +87,7 @@ impl Link {
             line,
             sequence: 0,
             received: Vec::new(),
-            patience: PATIENCE,
         }
-    }
-
-    /// This link with another wait for each answer. A simulated board on a busy machine is slower
-    /// than a real one.
-    #[must_use]
-    pub fn waiting(self, patience: Duration) -> Self {
-        Self { patience, ..self }
     }
 
     /// Repeats a request until an answer arrives. A repeated request keeps its number, so that it
@@ -136,7 +127,7 @@ impl Link {
     fn answer(&mut self) -> io::Result<Option<(u8, Acknowledgement)>> {
         let begin = Instant::now();
         let mut buffer = [0; 64];
-        while begin.elapsed() < self.patience {
+        while begin.elapsed() < PATIENCE {
             match self.line.read(&mut buffer) {
                 Ok(0) => {
                     return Err(io::Error::new(
