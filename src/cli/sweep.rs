@@ -69,7 +69,7 @@ pub fn list(case_set: &CaseSet, options: &SweepOptions) -> Result<(), Failure> {
     if let Some(search) = case_set.search() {
         let _ = writeln!(
             text,
-            "each of them is a search by `{}` and takes several cases",
+            "each case is a search by `{}`, which runs several cases",
             search.objective
         );
     }

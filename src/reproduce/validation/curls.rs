@@ -65,8 +65,8 @@ pub(super) static FOLDED_RING: Benchmark = Benchmark {
     about: "A ring of radius R is closed from a rod with the natural curvature 3/R. Flat it has the bending energy \
             4π EI/R. It folds to three coils of radius R/3, in which the rod is neither bent nor twisted: one coil \
             crosses over and one under, so its writhe is 0. Nothing keeps the rod from passing through itself. \
-            Edges of the length h that meet at the natural angle 2 atan(3 h/2R) close up for no number of edges, so a \
-            part of the energy of the order h⁴ is left.",
+            A polygon with edges of the length h and the natural angle 2 atan(3 h/2R) at its nodes does not close, so \
+            energy of the order h⁴ is left.",
     source: "Goto, Watanabe, Kasugai and Obata 1992, Int. J. Solids Struct. 29, 893; Mouthuy, Coulombier, Pardoen, \
              Raskin and Jonas 2012, Nature Comm. 3, 1290",
     means: "closed form; the error of the energy is over that of the flat ring",

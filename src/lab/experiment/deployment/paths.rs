@@ -89,7 +89,7 @@ pub struct GripperTask {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GripperWork {
-    /// Lays a rod. For the rod that is laid last, the gripper also leads the end on.
+    /// Lays a rod. The gripper of the last rod keeps its end and ties with it.
     Lay,
     /// Lifts a strand, and puts it down again.
     Lift,

@@ -102,7 +102,7 @@ impl SeenKnot {
             .collect();
         if unsure.len() > MOST_UNSURE {
             return Err(format!(
-                "of {} crossings the picture does not show what lies on top",
+                "the picture does not show which strand is on top at {} crossings",
                 unsure.len()
             ));
         }
@@ -118,7 +118,7 @@ impl SeenKnot {
         match knots.as_slice() {
             [only] => Ok(*only),
             _ => Err(format!(
-                "the picture does not show what lies on top at {}",
+                "the picture does not show which strand is on top at {}",
                 self.places_of(&unsure)
             )),
         }
