@@ -2,6 +2,8 @@
 //! it.
 
 use super::Point;
+use super::beside::{Beside, is_double};
+use super::chord::Chord;
 use super::contrast::Contrast;
 use super::path_energy::distorted_pixels;
 use super::skeleton::{Arm, Skeleton, median};
@@ -90,6 +92,8 @@ const PLAUSIBLE_WIDTH: [f64; 2] = [0.7, 1.18];
 /// Length of the straight extension of an end where its width cannot be measured, in widths; beyond
 /// that it follows the skeleton.
 const LONGEST_TAIL: f64 = 1.5;
+/// Length of a branch whose width may be that of the strand, as a part of the path.
+const LONG_BRANCH: f64 = 0.05;
 /// Rounds of measuring across the curve and smoothing it.
 const ROUNDS: usize = 2;
 
@@ -100,17 +104,7 @@ pub(super) fn centreline(
     path: &Path,
     ends: &EndStops<impl Fn(Point) -> [f64; 3]>,
 ) -> Strand {
-    let widths: Vec<f64> = path
-        .entries
-        .iter()
-        .map(|arm| 2.0 * skeleton.branches[arm.branch].half_width())
-        .collect();
-    let lengths = path
-        .entries
-        .iter()
-        .map(|arm| skeleton.branches[arm.branch].pixels.len());
-    let longest = lengths.enumerate().max_by_key(|(_, length)| *length);
-    let mut width = longest.map_or(1.0, |(index, _)| widths[index]).max(1.0);
+    let mut width = usual_width(skeleton, path);
     let step = (width / POINTS_PER_WIDTH).clamp(1.0, 4.0);
     let (mut points, mut weights) = first_guess(skeleton, path, step, ends);
     let lambda = |width: f64| (SMOOTHING * width / step).powi(4);
@@ -126,10 +120,18 @@ pub(super) fn centreline(
         measured = (0..strand.points.len())
             .map(|index| chord(contrast, &strand, index, width))
             .collect();
-        let found: Vec<f64> = measured
-            .iter()
-            .flatten()
-            .map(|chord| chord.width())
+        let tangents = (0..strand.points.len()).map(|index| strand.tangent(index));
+        let beside = Beside {
+            points: &strand.points,
+            tangents: tangents.collect(),
+            step,
+            width,
+            closed: strand.closed,
+        };
+        let separated = beside.separate(&mut measured);
+        let found: Vec<f64> = (0..measured.len())
+            .filter(|index| !separated.iter().any(|run| run.contains(index)))
+            .filter_map(|index| Some(measured[index]?.width()))
             .collect();
         if found.len() >= 3 {
             width = median(&found);
@@ -164,6 +166,23 @@ pub(super) fn centreline(
         widths,
         closed: path.closed,
     }
+}
+
+/// Width of the longest branch of a path, or of another long branch if that one is twice as wide,
+/// since another strand lies beside it.
+fn usual_width(skeleton: &Skeleton, path: &Path) -> f64 {
+    let branches = path.entries.iter().map(|arm| {
+        let branch = &skeleton.branches[arm.branch];
+        (branch.pixels.len(), 2.0 * branch.half_width())
+    });
+    let whole: usize = branches.clone().map(|(length, _)| length).sum();
+    let longest = branches.clone().max_by_key(|(length, _)| *length);
+    let width = longest.map_or(1.0, |(_, width)| width);
+    let singles = branches.filter(|(length, single)| {
+        *length as f64 >= LONG_BRANCH * whole as f64 && is_double(width, *single)
+    });
+    let single = singles.max_by_key(|(length, _)| *length);
+    single.map_or(width, |(_, single)| single).max(1.0)
 }
 
 /// Points along a path of the skeleton, spaced by a step, for later smoothing. Points where the
@@ -235,27 +254,6 @@ fn first_guess(
     (points, weights)
 }
 
-/// The edges of a strand along its normal, from a point of its centreline.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Chord {
-    edges: [f64; 2],
-}
-
-impl Chord {
-    pub fn width(&self) -> f64 {
-        self.edges[1] - self.edges[0]
-    }
-
-    /// Places of both edges along the normal, pixels.
-    pub fn edges(&self) -> [f64; 2] {
-        self.edges
-    }
-
-    fn middle(&self) -> f64 {
-        0.5 * (self.edges[0] + self.edges[1])
-    }
-}
-
 /// Looks for both edges within a width of a point; `None` if the strand is wider or leaves the
 /// image.
 pub(super) fn chord(
@@ -294,9 +292,7 @@ pub(super) fn chord(
         }
         None
     };
-    Some(Chord {
-        edges: [edge(-1.0)?, edge(1.0)?],
-    })
+    Some(Chord::new([edge(-1.0)?, edge(1.0)?]))
 }
 
 /// Indices of the points more than `margin` before the first chord or behind the last one; none

@@ -2,6 +2,7 @@
 //! across a gap under another strand.
 
 use super::Point;
+use super::beside::is_double;
 use super::colour::colour_difference;
 use super::crossing::{Crossing, END_ENERGY};
 use super::mask::Mask;
@@ -9,7 +10,7 @@ use super::path_energy::{Departure, departure, pair_energy};
 use super::skeleton::{Arm, Skeleton};
 use std::collections::BTreeMap;
 
-/// Longest shared stretch, in widths.
+/// Longest shared stretch that is not wide enough for two strands, in widths.
 const LONGEST_SHARED: f64 = 40.0;
 /// Largest number of branches of a shared stretch.
 const MOST_BRANCHES: usize = 4;
@@ -115,6 +116,16 @@ impl<'a> Connections<'a> {
         (2.0 * self.skeleton.branches[arm.branch].half_width()).max(1.0)
     }
 
+    /// Length of a branch without the part that is wide enough for two strands of a width.
+    fn narrow_length(&self, branch: usize, width: f64) -> f64 {
+        let branch = &self.skeleton.branches[branch];
+        let half_widths = &branch.half_widths;
+        let narrow = half_widths
+            .iter()
+            .filter(|half| !is_double(2.0 * **half, width));
+        branch.length() * narrow.count() as f64 / half_widths.len().max(1) as f64
+    }
+
     /// Energy of the direct path from one arm to another.
     pub fn energy(&self, from: Arm, to: Arm) -> f64 {
         let width = self.width(from).max(self.width(to));
@@ -173,7 +184,10 @@ impl<'a> Connections<'a> {
     fn search(&mut self, from: Arm, here: Arm, length: f64, energy: f64, route: &mut Vec<Arm>) {
         for next in self.crossings[self.crossing_of[&here]].clone() {
             let is_used = route.iter().any(|arm| arm.branch == next.branch);
-            if next.branch == here.branch || next.branch == from.branch || is_used {
+            // A closed strand meets itself again.
+            let is_closing = next == from.opposite() && !route.is_empty();
+            let is_own = next.branch == here.branch || next.branch == from.branch;
+            if (is_own && !is_closing) || is_used {
                 continue;
             }
             if route.is_empty() && self.energy(from, next) < MOST_ENERGY {
@@ -195,8 +209,9 @@ impl<'a> Connections<'a> {
                 }
             }
             let far = next.opposite();
-            let length = length + self.skeleton.branches[next.branch].length();
-            if route.len() < MOST_BRANCHES
+            let length = length + self.narrow_length(next.branch, self.width(from));
+            if !is_closing
+                && route.len() < MOST_BRANCHES
                 && length < LONGEST_SHARED * self.width(from)
                 && self.crossing_of.contains_key(&far)
             {
@@ -241,20 +256,6 @@ impl<'a> Connections<'a> {
                 }
             }
         }
-    }
-
-    /// The pixels of the branches between two arms, in the order of the path.
-    pub fn via(&self, pair: [Arm; 2]) -> Vec<Point> {
-        let mut via = Vec::new();
-        for entry in &self.known[&pair].route {
-            let pixels = self.skeleton.branches[entry.branch].pixels.iter();
-            if entry.side == 0 {
-                via.extend(pixels);
-            } else {
-                via.extend(pixels.rev());
-            }
-        }
-        via
     }
 }
 

@@ -15,8 +15,9 @@ pub(super) struct Crossing {
     pub position: Point,
     pub arms: Vec<Arm>,
     pub pairs: Vec<[Arm; 2]>,
-    /// The path of the strand between the arms of the only pair, if known.
-    pub via: Vec<Point>,
+    /// Branches along which the arms of the only pair are joined, each given by the arm at which
+    /// it is entered. Other strands use them, too.
+    pub route: Vec<Arm>,
 }
 
 /// Energy of an end of a strand at a crossing. A path turns by more than about 60° only if there
@@ -46,7 +47,7 @@ pub(super) fn crossings(
                 position: Point::zeros(),
                 arms: Vec::new(),
                 pairs: Vec::new(),
-                via: Vec::new(),
+                route: Vec::new(),
             });
         }
         let crossing = crossing_of[*root];

@@ -197,7 +197,7 @@ impl Pairing<'_> {
                     position: (self.connections.place(*a) + self.connections.place(*b)) * 0.5,
                     arms: pair.to_vec(),
                     pairs: vec![pair],
-                    via: self.connections.via(pair),
+                    route: self.connections.known[&pair].route.clone(),
                 });
             }
         }

@@ -58,12 +58,14 @@ mod attempt;
 mod averages;
 #[cfg(test)]
 mod benchmark_tests;
+mod beside;
 mod calibration;
 mod camera;
 mod camera_file;
 mod centreline;
 mod checkerboard;
 mod choice;
+mod chord;
 mod colour;
 mod connection;
 mod contrast;

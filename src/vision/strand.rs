@@ -16,16 +16,41 @@ pub(super) struct Path {
     pub closed: bool,
 }
 
+/// The pixels of branches in order, each given by the arm at which it is entered.
+fn pixels_along(skeleton: &Skeleton, route: &[Arm]) -> Vec<Point> {
+    let mut along = Vec::new();
+    for entry in route {
+        let pixels = skeleton.branches[entry.branch].pixels.iter();
+        if entry.side == 0 {
+            along.extend(pixels);
+        } else {
+            along.extend(pixels.rev());
+        }
+    }
+    along
+}
+
 /// Follows all strands. Open ones are first, in order of their branches.
 pub(super) fn paths(skeleton: &Skeleton, crossings: &[Crossing], links: &[bool]) -> Vec<Path> {
     let pairs = crossings.iter().flat_map(|crossing| &crossing.pairs);
     let partner: BTreeMap<Arm, Arm> = pairs.flat_map(|[a, b]| [(*a, *b), (*b, *a)]).collect();
     let mut via: BTreeMap<Arm, Vec<Point>> = BTreeMap::new();
-    for crossing in crossings.iter().filter(|crossing| !crossing.via.is_empty()) {
+    let mut used = links.to_vec();
+    for crossing in crossings {
+        let pixels = pixels_along(skeleton, &crossing.route);
         for [a, b] in &crossing.pairs {
-            via.insert(*a, crossing.via.clone());
-            via.insert(*b, crossing.via.iter().rev().copied().collect());
+            via.insert(*a, pixels.clone());
+            via.insert(*b, pixels.iter().rev().copied().collect());
         }
+    }
+    // A branch between two unpaired arms along which two strands are joined is not a third one.
+    let routes = || crossings.iter().flat_map(|crossing| &crossing.route);
+    for entry in routes() {
+        let is_unpaired = |arm: &Arm| !partner.contains_key(arm);
+        let count = routes()
+            .filter(|other| other.branch == entry.branch)
+            .count();
+        used[entry.branch] |= count > 1 && is_unpaired(entry) && is_unpaired(&entry.opposite());
     }
     let bridges = |entries: &[Arm]| {
         let exits = entries.iter().map(|entry| entry.opposite());
@@ -33,7 +58,6 @@ pub(super) fn paths(skeleton: &Skeleton, crossings: &[Crossing], links: &[bool])
             .map(|exit| via.get(&exit).cloned().unwrap_or_default())
             .collect()
     };
-    let mut used = links.to_vec();
     let mut paths = Vec::new();
     let path = |entries: Vec<Arm>, closed| Path {
         bridges: bridges(&entries),

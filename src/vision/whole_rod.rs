@@ -2,12 +2,15 @@
 //!
 //! If a rod returns to its own start, two of its parts run side by side. A strand that enters
 //! there has two possible continuations, and the one with the least bending omits the loop. Since
-//! a rod has two ends, a closed strand that is crossed by an open one must be a part of it.
+//! a rod has two ends, a closed strand that an open one crosses or touches must be a part of it.
 
 use super::Point;
 use super::centreline::Strand;
 use super::order::StrandCrossing;
 use super::passage::Passage;
+
+/// Largest distance of strands that touch, in widths.
+const TOUCH: f64 = 1.3;
 
 /// The rod along the open strand `index`, from its first point or from its last one. Each loop is
 /// inserted where the open strand first meets it.
@@ -44,6 +47,12 @@ pub fn whole_rod(
             }
         }
     }
+    for (number, closed) in strands.iter().enumerate() {
+        let is_known = loops.iter().any(|known| known.0 == number);
+        if closed.closed && !is_known && number != index {
+            loops.extend(touch(strands, [index, number], place));
+        }
+    }
     if is_reversed {
         points.reverse();
     }
@@ -55,6 +64,26 @@ pub fn whole_rod(
         points.splice(at..at, part);
     }
     points
+}
+
+/// The first place, in the order of `place`, at which an open strand touches a closed one.
+fn touch(
+    strands: &[Strand],
+    [open, closed]: [usize; 2],
+    place: impl Fn(&Passage) -> f64,
+) -> Option<(usize, f64, Passage)> {
+    let [own, other] = [&strands[open], &strands[closed]];
+    let reach = TOUCH * 0.5 * (own.width() + other.width());
+    let touching = own.points.iter().enumerate().filter_map(|(at, point)| {
+        let distances = other.points.iter().map(|there| (there - point).norm());
+        let (nearest, distance) = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let passage = |strand: usize, at: usize| Passage {
+            strand,
+            at: at as f64,
+        };
+        (distance <= reach).then(|| (closed, place(&passage(open, at)), passage(closed, nearest)))
+    });
+    touching.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// The points of a closed strand, once around, starting behind a segment of it, in the direction
@@ -125,8 +154,23 @@ mod tests {
     }
 
     #[test]
+    fn a_closed_strand_is_a_part_of_the_open_one_that_touches_it() {
+        let (mut strands, _) = line_and_circle(1.0);
+        for (height, count) in [(-3.0, 601), (-8.0, 201)] {
+            for point in &mut strands[0].points {
+                point.y = height;
+            }
+            for is_reversed in [false, true] {
+                let whole = whole_rod(&strands, &[], 0, is_reversed);
+                assert_eq!(whole.len(), count);
+            }
+        }
+    }
+
+    #[test]
     fn a_rod_without_a_loop_is_its_strand() {
         let (strands, _) = line_and_circle(1.0);
-        assert_eq!(whole_rod(&strands, &[], 0, false), strands[0].points);
+        let line = &strands[..1];
+        assert_eq!(whole_rod(line, &[], 0, false), line[0].points);
     }
 }
