@@ -4,6 +4,7 @@
 use super::rods::run_until;
 use super::scenario::{at_rest, moved, simulation};
 use super::theory::cable::Cable;
+use super::theory::filament::{buckling_growth, buckling_load};
 use super::{Check, Expectation, GroupError};
 use rodlab_engine::mechanics::Vector3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -13,6 +14,10 @@ const ORBIT: Expectation = Expectation::new(
     "T = 2π/γ (r + 1/r), r² = 1 + 2C/S, C φ' + S φ' = −γ (C sin² φ + S/2)",
     "Jeffery 1922, balance of moments",
 );
+const BUCKLED: Expectation = Expectation::new(
+    "λ y = y + ξ y' − r (1/4 − ξ²) y''/2 − (r/η) y'''', η = ξ_∥ ε L⁴/B",
+    "Young and Shelley 2007, Galerkin",
+);
 const CARRIED: Expectation = Expectation::new("x = p + exp(ω t) (x₀ − p)", "rigid rotation");
 const FALL: Expectation = Expectation::new("v² = 2 m g/(ρ d C)", "Morison et al. 1950");
 const CABLE: Expectation = Expectation::new("d(T t)/ds = w z − f(t)", "Berteaux 1976, Runge–Kutta");
@@ -21,6 +26,7 @@ const CABLE: Expectation = Expectation::new("d(T t)/ds = w z − f(t)", "Berteau
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = filaments_in_shear()?;
     checks.push(dumbbell()?);
+    checks.push(buckling()?);
     checks.push(vortex()?);
     checks.extend(falling_rods()?);
     checks.extend(cable()?);
@@ -83,6 +89,42 @@ fn dumbbell() -> Result<Check, GroupError> {
     }
     let name = "two balls on a bar tumble in a shear flow, resistive: half of the period";
     Ok(ORBIT.of(name, "s").relative(half_period, time, 2e-3))
+}
+
+/// A slightly bent filament whose bend grows or decays exponentially.
+fn buckling() -> Result<Check, GroupError> {
+    let (length, radius, modulus): (f64, f64, f64) = (0.01, 1e-4, 20e6);
+    let logarithm = libm::log(2.0 * length / radius);
+    let [along, across] = [2.0 * PI / (logarithm - 1.5), 4.0 * PI / (logarithm - 0.5)];
+    let stiffness = modulus * PI * radius.powi(4) / 4.0;
+    let ratio = along / across;
+    let rate_at = |eta: f64| eta * stiffness / (along * length.powi(4));
+    let load = buckling_load(ratio);
+    // λ of the deflection of the middle from the chord, after higher modes have decayed.
+    let growth = |eta: f64| -> Result<f64, GroupError> {
+        let rate = rate_at(eta);
+        let text = include_str!("scenes/filament_in_extension.toml");
+        let mut simulation = simulation(text, &[format!("fluid.flow.rate = {rate:e}")])?;
+        let mut logarithms = [0.0; 2];
+        for (logarithm, strain) in logarithms.iter_mut().zip([1.0, 3.0]) {
+            run_until(&mut simulation, strain / rate)?;
+            let x = simulation.positions();
+            let bend = x[20] - (x[0] + x[40]) * 0.5;
+            *logarithm = libm::log(bend.norm());
+        }
+        Ok((logarithms[1] - logarithms[0]) / 2.0)
+    };
+    let etas = [0.9 * load, 1.1 * load];
+    let found = [growth(etas[0])?, growth(etas[1])?];
+    let exact = etas.map(|eta| buckling_growth(eta, ratio));
+    // λ changes in proportion to η near the load.
+    let slope = (exact[1] - exact[0]) / (etas[1] - etas[0]);
+    let shift = (found[0] + found[1] - exact[0] - exact[1]) / 2.0;
+    let name =
+        "filament compressed by an extensional flow, resistive, 40 edges: rate at which it buckles";
+    Ok(BUCKLED
+        .of(name, "1/s")
+        .relative(rate_at(load), rate_at(load - shift / slope), 5e-3))
 }
 
 fn vortex() -> Result<Check, GroupError> {

@@ -82,7 +82,7 @@ impl Flow {
         (text, vec![format!("time.scheme = \"{second}\"")])
     }
 
-    /// A flow of the fluid in two of five scenes, chosen by `state` so that the other random
+    /// A flow of the fluid in three of five scenes, chosen by `state` so that the other random
     /// numbers of the scenes are the same with and without it.
     fn flow(&self, state: u64) -> String {
         let time = self.step * STEPS as f64;
@@ -93,6 +93,10 @@ impl Flow {
             ),
             1 => format!(
                 "[fluid.flow]\nkind = \"shear\"\ndirection = [0, 0.6, 0.8]\ngradient = [1, 0, 0]\nrate = {:e}\n",
+                self.way / (self.length * time)
+            ),
+            2 => format!(
+                "[fluid.flow]\nkind = \"extension\"\nstretched = [0, 0.6, 0.8]\nrate = {:e}\n",
                 self.way / (self.length * time)
             ),
             _ => String::new(),

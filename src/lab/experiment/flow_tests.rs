@@ -155,11 +155,13 @@ fn a_rod_that_stands_on_the_wall_moves_as_if_set_into_it() {
 }
 
 /// Tables of flows, and of quadratic drag.
-const FLOWS: [&str; 4] = [
+const FLOWS: [&str; 6] = [
     "kind = \"uniform\"\nvelocity = [\"1 cm/s\", 0, 0]\nschedule = [[0, 0], [1, 2]]\n",
     "kind = \"shear\"\ndirection = [1, 0, 0]\ngradient = [0, 0, 2]\nrate = \"3 1/s\"\n",
     "kind = \"rotation\"\naxis = [0, 0, 1]\nangular_velocity = \"10 rpm\"\npoint = [1, 0, 0]\n",
     "kind = \"profile\"\ndirection = [1, 0, 0]\nalong = [0, 0, 1]\nvelocities = [[0, 0], [\"1 m\", \"2 m/s\"]]\n",
+    "kind = \"extension\"\nrate = \"3 1/s\"\nstretched = [0, 1, 0]\ncompressed = [2, 0, 0]\n",
+    "kind = \"extension\"\nrate = \"3 1/s\"\nstretched = [0, 1, 0]\npoint = [\"1 mm\", 0, 0]\n",
 ];
 const QUADRATIC: &str = "[fluid]\nmodel = \"quadratic\"\ndensity = 1000\nnormal_drag = 1\n";
 
@@ -188,6 +190,10 @@ fn faults_of_flows_name_their_keys() {
         (
             flow("kind = \"shear\"\ndirection = [0, 0, 0]\ngradient = [0, 0, 1]\nrate = 1\n"),
             "fluid.flow.direction",
+        ),
+        (
+            flow(FLOWS[4]).replace("[2, 0, 0]", "[2, 1, 0]"),
+            "`fluid.flow.compressed`: it is not perpendicular",
         ),
         (
             flow(FLOWS[3]).replace("[[0, 0],", "[[2, 0],"),

@@ -3,6 +3,7 @@
 pub mod beam;
 pub mod cable;
 pub mod crawler;
+pub mod filament;
 pub mod friction;
 pub mod localized_buckling;
 pub mod sections;

@@ -4,6 +4,7 @@
 //! uniform    U = s(t) U₀
 //! shear      U = s(t) γ ((x − p)·g) d
 //! rotation   U = s(t) ω × (x − p)
+//! extension  U = s(t) ε (d dᵀ − c cᵀ) (x − p), or with (1 − d dᵀ)/2 for c cᵀ
 //! profile    U = s(t) u(x·g) d
 //! ```
 //!
@@ -49,6 +50,13 @@ pub enum FlowKind {
         /// ω, rad/s.
         angular_velocity: Vector3,
     },
+    /// Stretching without rotation.
+    Extension {
+        /// The stagnation point p, m.
+        point: Vector3,
+        /// Gradient of the velocity, symmetric and without trace, 1/s.
+        gradient: Matrix3,
+    },
     /// Tabulated along a direction.
     Profile {
         /// Unit vector d of the velocity.
@@ -61,6 +69,20 @@ pub enum FlowKind {
 }
 
 impl FlowKind {
+    /// An extension at the rate ε (1/s) along the unit vector d, with compression along the unit
+    /// vector c, perpendicular to d, or in all directions across d.
+    pub fn extension(point: Vector3, rate: f64, d: &Vector3, c: Option<&Vector3>) -> Self {
+        let along = d * d.transpose();
+        let across = match c {
+            Some(c) => c * c.transpose(),
+            None => (Matrix3::identity() - along) * 0.5,
+        };
+        Self::Extension {
+            point,
+            gradient: (along - across) * rate,
+        }
+    }
+
     /// Velocity at a place, m/s.
     fn velocity(&self, x: &Vector3) -> Vector3 {
         match self {
@@ -75,6 +97,7 @@ impl FlowKind {
                 point,
                 angular_velocity,
             } => angular_velocity.cross(&(x - point)),
+            Self::Extension { point, gradient } => gradient * (x - point),
             Self::Profile {
                 direction,
                 along,
@@ -97,6 +120,7 @@ impl FlowKind {
             Self::Rotation {
                 angular_velocity, ..
             } => angular_velocity.cross_matrix(),
+            Self::Extension { gradient, .. } => *gradient,
             Self::Profile {
                 direction,
                 along,
@@ -167,6 +191,7 @@ impl BackgroundFlow {
             FlowKind::Rotation {
                 angular_velocity, ..
             } => *angular_velocity == Vector3::zeros(),
+            FlowKind::Extension { gradient, .. } => *gradient == Matrix3::zeros(),
             FlowKind::Profile {
                 direction,
                 along,
@@ -192,7 +217,7 @@ const ROUNDING: f64 = 1e-9;
 mod tests {
     use super::*;
 
-    fn flows() -> [FlowKind; 4] {
+    fn flows() -> [FlowKind; 6] {
         let [direction, across] = [Vector3::new(0.6, 0.0, 0.8), Vector3::y()];
         [
             FlowKind::Uniform {
@@ -213,6 +238,8 @@ mod tests {
                 along: across,
                 speeds: vec![(-1.0, 0.0), (0.0, 0.5), (2.0, -1.5)],
             },
+            FlowKind::extension(Vector3::new(0.1, 0.2, 0.3), 1.3, &direction, Some(&across)),
+            FlowKind::extension(Vector3::new(0.1, 0.2, 0.3), 1.3, &direction, None),
         ]
     }
 
@@ -248,8 +275,21 @@ mod tests {
     }
 
     #[test]
+    fn an_extension_keeps_volumes_and_spins_nothing() {
+        let [.., planar, axial] = flows().map(BackgroundFlow::steady);
+        let stretched = Vector3::new(0.6, 0.0, 0.8);
+        for (flow, across) in [(&planar, 1.3), (&axial, 0.65)] {
+            let gradient = flow.gradient(&Vector3::x(), 0.0);
+            assert!(gradient.trace().abs() < 1e-15);
+            assert!((gradient * stretched - stretched * 1.3).norm() < 1e-15);
+            assert!((gradient * Vector3::y() + Vector3::y() * across).norm() < 1e-15);
+            assert!(flow.spin(&Vector3::x(), 0.0).norm() < 1e-15);
+        }
+    }
+
+    #[test]
     fn a_rotation_spins_the_fluid_at_its_angular_velocity() {
-        let [_, _, rotation, _] = flows();
+        let [_, _, rotation, ..] = flows();
         let flow = BackgroundFlow::steady(rotation);
         let spin = flow.spin(&Vector3::x(), 0.0);
         assert!((spin - Vector3::new(0.4, -0.5, 0.9)).norm() < 1e-15);
@@ -257,7 +297,7 @@ mod tests {
 
     #[test]
     fn only_flows_along_a_wall_at_rest_there_have_walls() {
-        let [uniform, shear, rotation, profile] = flows();
+        let [uniform, shear, rotation, profile, planar, axial] = flows();
         let rests = |kind: &FlowKind, height: f64, normal: Vector3| {
             BackgroundFlow::steady(kind.clone()).rests_on(&(Vector3::y() * height), &normal)
         };
@@ -269,6 +309,8 @@ mod tests {
         assert!(rests(&profile, 0.5, Vector3::y()));
         assert!(!rests(&profile, 0.0, Vector3::y()));
         assert!(!rests(&uniform, 0.0, Vector3::y()));
-        assert!(!rests(&rotation, 0.0, Vector3::y()));
+        for kind in [rotation, planar, axial] {
+            assert!(!rests(&kind, 0.2, Vector3::y()));
+        }
     }
 }

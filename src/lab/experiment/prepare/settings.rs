@@ -127,6 +127,21 @@ pub(super) fn background_flow(fluid: &Fluid) -> Option<BackgroundFlow> {
             point: Vector3::from(*point),
             angular_velocity: Vector3::from(*axis) * *angular_velocity,
         },
+        scenario::FlowKind::Extension {
+            rate,
+            stretched,
+            compressed,
+            point,
+        } => {
+            let compressed = compressed.map(Vector3::from);
+            let stretched = Vector3::from(*stretched);
+            FlowKind::extension(
+                Vector3::from(*point),
+                *rate,
+                &stretched,
+                compressed.as_ref(),
+            )
+        }
         scenario::FlowKind::Profile {
             direction,
             along,

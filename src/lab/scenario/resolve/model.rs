@@ -126,7 +126,11 @@ pub fn fluid(
     let model = typed.model(&section);
     refuse_foreign_keys(&section, typed, model);
     let spin = typed.spin.unwrap_or(resists_spin);
-    let flow = || typed.flow(&section);
+    let flow = || {
+        let flow = typed.flow(&section)?;
+        flow.check_directions(&section);
+        Some(flow)
+    };
     match model {
         typed::FluidModel::None => Fluid::None,
         typed::FluidModel::Quadratic => Fluid::Quadratic {

@@ -4,6 +4,9 @@ use crate::scenario::declaration::keys;
 use crate::scenario::section::{FINITE, Section};
 use crate::scenario::units::{AngularVelocity, Dimensionless, Frequency, Length, Velocity};
 
+/// Largest cosine of directions that count as perpendicular.
+const PERPENDICULAR: f64 = 1e-6;
+
 keys! {
     /// Flow of the fluid without rods: wind, a current, a shear. Drag acts on the velocity of rods
     /// relative to it.
@@ -36,6 +39,18 @@ keys! {
             /// A point of the axis.
             point: vector(Length) default([0.0; 3]),
         },
+        /// Stretching of the fluid without rotation, about a stagnation point.
+        Extension {
+            /// Rate at which the fluid is stretched.
+            rate: number(Frequency, FINITE) required,
+            /// Direction in which the fluid is stretched.
+            stretched: direction() required,
+            /// Direction, perpendicular to that, in which it is compressed at the same rate: a
+            /// planar flow. Default: all directions across `stretched`, at half the rate.
+            compressed: direction() optional,
+            /// The stagnation point, where the fluid is at rest.
+            point: vector(Length) default([0.0; 3]),
+        },
         /// A velocity in one direction, tabulated along another, such as a wind over its height.
         Profile {
             /// Direction of the velocity.
@@ -56,6 +71,25 @@ keys! {
 }
 
 impl Flow {
+    /// Reports directions of an extension that are not perpendicular.
+    pub fn check_directions(&self, section: &Section<'_>) {
+        if let FlowKind::Extension {
+            stretched,
+            compressed: Some(compressed),
+            ..
+        } = &self.kind
+        {
+            let products = stretched.iter().zip(compressed).map(|(a, b)| a * b);
+            if products.sum::<f64>().abs() > PERPENDICULAR {
+                section.below("flow").fault(
+                    "compressed",
+                    "it is not perpendicular to `stretched`; without this key the fluid is \
+                     compressed in all directions across",
+                );
+            }
+        }
+    }
+
     /// Reports a schedule in a run without time.
     pub fn refuse_schedule(&self, section: &Section<'_>) {
         if !self.schedule.is_empty() {
