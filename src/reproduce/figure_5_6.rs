@@ -171,18 +171,24 @@ fn over_curvature(
         };
         let mut curves: Vec<Curve> = Vec::new();
         let mut marks = Vec::new();
-        for &chosen in &values {
+        for (index, &chosen) in values.iter().enumerate() {
             let of_value = || rows.iter().filter(move |row| value(row) == chosen);
             let exact = |row: &&Row| (row.curvature, exact(row) - first(row.curvature));
             curves.push(curve(name(chosen), of_value(), exact));
             // Only every fourth curve, for readability.
             let seen = of_value().step_by(4);
-            marks.extend(seen.map(|row| {
+            let seen = seen.map(|row| {
                 let learned = network(row).map(|learned| learned - first(row.curvature));
                 (row.curvature, learned)
-            }));
+            });
+            let name = if index == 0 { "network" } else { "" };
+            marks.push(
+                Curve::new(name, seen.collect())
+                    .looking(Look::OpenMarks)
+                    .like(index),
+            );
         }
-        curves.push(Curve::new("network", marks).looking(Look::OpenMarks));
+        curves.extend(marks);
         let label = if is_difference {
             format!("Δ{label}")
         } else {
@@ -211,13 +217,14 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     vec![
         PageFigure::new(
             "fig5.6a",
-            "Grasps over the curvature for five suspended lengths, exact (lines) and by the network (marks)",
+            "Grasps over the curvature for five suspended lengths, exact (lines) and by the network (open marks of the same \
+             colours)",
             by_length,
         ),
         PageFigure::new(
             "fig5.6b",
-            "Effect of stretching on grasps over the curvature: exact grasps (lines) and those of the network (marks) \
-             at five stretching compliances, less the exact grasp of a rod that does not stretch",
+            "Effect of stretching on grasps over the curvature: exact grasps (lines) and those of the network (open \
+             marks of the same colours) at five stretching compliances, less the exact grasp of a rod that does not stretch",
             by_compliance,
         ),
     ]

@@ -30,7 +30,8 @@ impl LinePlot {
 /// A curve and its name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
-    /// Name in the legend; no legend is drawn for a single curve.
+    /// Name in the legend, in which curves without a name are left out; no legend is drawn for a
+    /// single curve.
     pub name: String,
     /// The points; the curve is interrupted at points without a value.
     pub points: Vec<(f64, Option<f64>)>,

@@ -157,11 +157,11 @@ impl LineFigure {
         let mut top = em * MARGIN;
         for (index, plot) in self.plots.iter().enumerate() {
             let above = index.checked_sub(1).map(|above| &self.plots[above]);
-            let listed = names_in_legend(plot, above);
-            let legend = Legend::between(left, paper.width - em * MARGIN, listed, em);
+            let (listed, names): (Vec<usize>, _) = names_in_legend(plot, above).into_iter().unzip();
+            let legend = Legend::between(left, paper.width - em * MARGIN, names, em);
             let styles = styles(&plot.curves);
             legend.draw(top, &mut drawing, |index, ends, height, drawing| {
-                draw_sample(&styles[index], ends, height, em, drawing);
+                draw_sample(&styles[listed[index]], ends, height, em, drawing);
             });
             let room = if ticks[index].factor.is_some() {
                 TEXT
@@ -232,10 +232,15 @@ impl LineFigure {
     }
 }
 
-/// The names of the curves, if there are several and they differ from those of the plot above.
-fn names_in_legend(plot: &LinePlot, above: Option<&LinePlot>) -> Vec<String> {
-    let of = |plot: &LinePlot| -> Vec<String> {
-        plot.curves.iter().map(|curve| curve.name.clone()).collect()
+/// The indices and names of the named curves, if there are several and they differ from those of
+/// the plot above.
+fn names_in_legend(plot: &LinePlot, above: Option<&LinePlot>) -> Vec<(usize, String)> {
+    let of = |plot: &LinePlot| -> Vec<(usize, String)> {
+        let names = plot.curves.iter().map(|curve| curve.name.clone());
+        names
+            .enumerate()
+            .filter(|(_, name)| !name.is_empty())
+            .collect()
     };
     let names = of(plot);
     if names.len() < 2 || above.is_some_and(|above| of(above) == names) {

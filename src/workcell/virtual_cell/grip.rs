@@ -122,7 +122,7 @@ mod tests {
             let (time, way) = motion.translation[1];
             assert_eq!(time, 1.5);
             assert!((way - Vector3::new(0.2, -0.1, lowest - 0.3)).norm() < 1e-15);
-            // Whatever was fixed to the first hand turns into what is fixed to this one.
+            // The rod turns with the second hand.
             let turned = motion.orientation[1].1 * first.rotation;
             assert!(turned.angle_to(&hand.rotation) < 1e-7);
             assert_eq!(motion.pivot, Some(first.translation.vector));
