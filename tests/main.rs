@@ -33,6 +33,7 @@ mod movie;
 mod parts;
 mod passing_through;
 mod piles;
+mod planted_faults;
 mod probes;
 mod random_scenes;
 mod reference_trajectory;
