@@ -89,7 +89,9 @@ mod tests {
     #[test]
     fn a_filament_buckles_above_its_load() {
         let load = buckling_load(0.5);
-        assert!(buckling_growth(load, 0.5).abs() < 1e-9);
+        // Powers are nearly dependent, which costs half of the digits.
+        let growth = buckling_growth(load, 0.5);
+        assert!(growth.abs() < 1e-6, "{growth}");
         assert!(buckling_growth(0.9 * load, 0.5) < 0.0);
         assert!(buckling_growth(1.1 * load, 0.5) > 0.0);
         // With ξ_∥ = 4πμ/c, Young and Shelley (2007) give 8πμ ε L⁴/(c B) = 153.2 for ξ_⊥ = 2 ξ_∥.
