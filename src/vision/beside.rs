@@ -46,9 +46,7 @@ impl Beside<'_> {
             // Positive if the second edge is that of the strand.
             let mut vote = 0.0;
             for (inside, way) in [(run.start, -1), (run.end - 1, 1)] {
-                if let Some((outside, distance)) = self.single(chords, inside, run.len(), way)
-                    && distance <= self.count(APPROACH)
-                {
+                if let Some(outside) = self.single(chords, inside, run.len(), way) {
                     let [first, second] = self.jumps(chords, outside, inside);
                     vote += first - second;
                 }
@@ -89,17 +87,18 @@ impl Beside<'_> {
         runs
     }
 
-    /// The nearest chord over one strand before (`way` is −1) or behind the end of a run of
-    /// `length` points, and its distance in points.
+    /// The nearest chord over one strand, on the approach to the end of a run of `length` points:
+    /// before it (`way` is −1) or behind it.
     fn single(
         &self,
         chords: &[Option<Chord>],
         end: usize,
         length: usize,
         way: isize,
-    ) -> Option<(usize, usize)> {
+    ) -> Option<usize> {
         let count = chords.len();
-        (1..count - length).find_map(|distance| {
+        let farthest = self.count(APPROACH).min(count - length);
+        (1..=farthest).find_map(|distance| {
             let index = end as isize + way * distance as isize;
             let index = if self.closed {
                 index.rem_euclid(count as isize) as usize
@@ -108,7 +107,7 @@ impl Beside<'_> {
             };
             let chord = chords[index]?;
             let is_one = (ONE_STRAND[0]..ONE_STRAND[1]).contains(&(chord.width() / self.width));
-            is_one.then_some((index, distance))
+            is_one.then_some(index)
         })
     }
 
@@ -130,26 +129,16 @@ impl Beside<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::mask::tests::{drawn, strokes};
+    use super::super::mask::tests::{contrast_of, drawn, strokes};
     use super::super::{TraceOptions, trace_contrast};
     use super::*;
     use crate::centreline::Strand;
-    use crate::contrast::Contrast;
     use crate::mask::Mask;
     use image::RgbImage;
 
     fn traced(mask: &Mask) -> Vec<Strand> {
-        let (width, height) = (mask.width(), mask.height());
-        let pixels = (0..height).flat_map(|v| (0..width).map(move |u| (u, v)));
-        let contrast = Contrast {
-            width,
-            height,
-            values: pixels
-                .map(|(u, v)| 255 * u8::from(mask.contains(u, v)))
-                .collect(),
-            threshold: 128,
-        };
-        let picture = RgbImage::new(width as u32, height as u32);
+        let picture = RgbImage::new(mask.width() as u32, mask.height() as u32);
+        let contrast = contrast_of(mask);
         let found = trace_contrast(&picture, &contrast, &TraceOptions::default());
         found.expect("strands").strands
     }

@@ -87,22 +87,14 @@ fn is_met(strands: &[Strand], number: usize, point: Point, width: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::mask::tests::{drawn, strokes};
+    use super::super::mask::tests::{contrast_of, drawn, strokes};
     use super::super::{TraceOptions, trace_contrast};
     use super::*;
     use image::RgbImage;
 
     fn likeness(is_rod: impl Fn(Point) -> bool) -> f64 {
         let mask = drawn(300, 120, is_rod);
-        let contrast = Contrast {
-            width: 300,
-            height: 120,
-            values: (0..120)
-                .flat_map(|v| (0..300).map(move |u| (u, v)))
-                .map(|(u, v)| 255 * u8::from(mask.contains(u, v)))
-                .collect(),
-            threshold: 128,
-        };
+        let contrast = contrast_of(&mask);
         let picture = RgbImage::new(300, 120);
         let found = trace_contrast(&picture, &contrast, &TraceOptions::default());
         let found = found.expect("a strand");

@@ -351,6 +351,19 @@ pub(super) mod tests {
         })
     }
 
+    /// The contrast image of a mask.
+    pub fn contrast_of(mask: &Mask) -> Contrast {
+        let (width, height) = (mask.width(), mask.height());
+        let pixels = (0..height).flat_map(|v| (0..width).map(move |u| (u, v)));
+        let value = |(u, v)| 255 * u8::from(mask.contains(u, v));
+        Contrast {
+            width,
+            height,
+            values: pixels.map(value).collect(),
+            threshold: 128,
+        }
+    }
+
     /// Distance of a point from the line between two ends.
     pub fn distance(ends: [[f64; 2]; 2], point: Point) -> f64 {
         let [from, to] = ends.map(Point::from);

@@ -130,7 +130,7 @@ int main(int count, char **arguments)
             next_byte = avr->cycle + CYCLES_PER_BYTE;
         }
         if (avr->cycle >= next_look) {
-            /* Not before the wall clock; a late board stays late by what it has lost. */
+            /* Not ahead of the wall clock; a late board catches up. */
             double ahead = avr->cycle / 16e6 - (now() - start);
             if (-1e3 * ahead > late)
                 late = -1e3 * ahead;

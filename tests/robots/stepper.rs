@@ -92,18 +92,17 @@ impl Board {
     /// The output of a motion on a board in real time, and the board. Repeated if the motion fails
     /// while the machine is too busy to simulate the board in real time.
     pub fn moved(motion: impl Fn(&Self) -> Output) -> Option<(Self, Output)> {
-        for _ in 1..ATTEMPTS {
+        let mut attempt = 0;
+        loop {
+            attempt += 1;
             let board = Self::in_real_time()?;
             let output = motion(&board);
             let late = 1e-3 * board.numbers()[2] as f64;
-            if output.status.success() || late < TOO_LATE {
+            if output.status.success() || late < TOO_LATE || attempt == ATTEMPTS {
                 return Some((board, output));
             }
             println!("repeated: the machine delayed the board by {late:.2} s");
         }
-        let board = Self::in_real_time()?;
-        let output = motion(&board);
-        Some((board, output))
     }
 
     fn start(mode: &[&str]) -> Option<Self> {

@@ -71,7 +71,7 @@ pub enum FlowKind {
 impl FlowKind {
     /// An extension at the rate ε (1/s) along the unit vector d, with compression along the unit
     /// vector c, perpendicular to d, or in all directions across d.
-    pub fn extension(point: Vector3, rate: f64, d: &Vector3, c: Option<&Vector3>) -> Self {
+    pub fn extension(point: Vector3, rate: f64, d: Vector3, c: Option<Vector3>) -> Self {
         let along = d * d.transpose();
         let across = match c {
             Some(c) => c * c.transpose(),
@@ -238,8 +238,8 @@ mod tests {
                 along: across,
                 speeds: vec![(-1.0, 0.0), (0.0, 0.5), (2.0, -1.5)],
             },
-            FlowKind::extension(Vector3::new(0.1, 0.2, 0.3), 1.3, &direction, Some(&across)),
-            FlowKind::extension(Vector3::new(0.1, 0.2, 0.3), 1.3, &direction, None),
+            FlowKind::extension(Vector3::new(0.1, 0.2, 0.3), 1.3, direction, Some(across)),
+            FlowKind::extension(Vector3::new(0.1, 0.2, 0.3), 1.3, direction, None),
         ]
     }
 

@@ -132,16 +132,12 @@ pub(super) fn background_flow(fluid: &Fluid) -> Option<BackgroundFlow> {
             stretched,
             compressed,
             point,
-        } => {
-            let compressed = compressed.map(Vector3::from);
-            let stretched = Vector3::from(*stretched);
-            FlowKind::extension(
-                Vector3::from(*point),
-                *rate,
-                &stretched,
-                compressed.as_ref(),
-            )
-        }
+        } => FlowKind::extension(
+            Vector3::from(*point),
+            *rate,
+            Vector3::from(*stretched),
+            compressed.map(Vector3::from),
+        ),
         scenario::FlowKind::Profile {
             direction,
             along,
