@@ -2,6 +2,7 @@
 
 use super::check::order;
 use super::scenario::{at_rest, simulation};
+use super::theory::friction::{sliding_acceleration, speed_on_hoop_squared};
 use super::{Check, Expectation, GroupError};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::Simulation;
@@ -14,14 +15,55 @@ const RING: Expectation = Expectation::new(
     "statics, elastica",
 );
 
-/// Checks a shuttle on an incline and a ring on a slack rope.
+const RUBBED: Expectation = Expectation::new("s = ½ g (sin α − μ cos α) t²", "Coulomb");
+const HOOP: Expectation =
+    Expectation::new("dv²/dφ = 2gR (cos φ − μ sin φ) − 2μ v²", "Newton, Coulomb");
+
+/// Checks a shuttle on an incline, beads with friction, and a ring on a slack rope.
 pub fn checks() -> Result<Vec<Check>, GroupError> {
-    let (fall, ring) = (incline()?, ring_on_rope()?);
-    Ok([fall, ring].into_iter().flatten().collect())
+    let mut checks = Vec::from(incline()?);
+    checks.extend([rubbed_incline()?, hoop()?]);
+    checks.extend(ring_on_rope()?);
+    Ok(checks)
+}
+
+const SHUTTLE: &str = include_str!("scenes/shuttle_on_incline.toml");
+const GRAVITY: f64 = 9.81;
+
+fn rubbed_incline() -> Result<Check, GroupError> {
+    let (friction, end) = (0.5, 0.4);
+    let slide = "kind = \"slide\"";
+    let text = SHUTTLE.replace(slide, &format!("{slide}\nfriction = {friction}"));
+    let mut simulation = simulation(&text, &[])?;
+    while simulation.time() < end {
+        simulation.advance(end)?;
+    }
+    let acceleration = sliding_acceleration(GRAVITY, libm::asin(0.8), friction);
+    let place = simulation.positions()[81];
+    let name = "shuttle sliding down a wire with friction 0.5: distance";
+    let expected = 0.5 * acceleration * end * end;
+    Ok(RUBBED
+        .of(name, "m")
+        .relative(expected, place.norm() - 0.05, 1e-9))
+}
+
+fn hoop() -> Result<Check, GroupError> {
+    let mut simulation = simulation(include_str!("scenes/bead_on_hoop.toml"), &[])?;
+    let angle = |simulation: &Simulation| {
+        let place = simulation.positions()[81];
+        libm::atan2(-place.z, -place.x)
+    };
+    while angle(&simulation) < FRAC_PI_2 && simulation.time() < 0.4 {
+        simulation.advance(0.4)?;
+    }
+    let expected = speed_on_hoop_squared(GRAVITY, 0.2, 0.3, angle(&simulation));
+    let found = simulation.velocities()[81].norm();
+    let name = "bead sliding down a quarter of a hoop with friction 0.3: speed";
+    Ok(HOOP.of(name, "m/s").relative(expected.sqrt(), found, 1e-3))
 }
 
 fn incline() -> Result<[Check; 2], GroupError> {
-    let mut simulation = simulation(include_str!("scenes/shuttle_on_incline.toml"), &[])?;
+    let mut simulation = simulation(SHUTTLE, &[])?;
     let energy = |simulation: &Simulation| simulation.energies().total();
     let (start, end) = (energy(&simulation), 0.4);
     let mut worst = 0.0_f64;
@@ -34,7 +76,7 @@ fn incline() -> Result<[Check; 2], GroupError> {
     let name = "shuttle sliding down a wire over fifty of its edges, midpoint rule: distance";
     Ok([
         FALL.of(name, "m")
-            .relative(0.5 * 9.81 * 0.8 * end * end, place.norm() - 0.05, 1e-9),
+            .relative(0.5 * GRAVITY * 0.8 * end * end, place.norm() - 0.05, 1e-9),
         KEPT.of("the same: energy error over its kinetic energy", "J")
             .scaled(0.0, worst, kinetic, 1e-9),
     ])

@@ -251,14 +251,15 @@ pub fn joined(seed: u64) -> Case {
         let middle = flow.edges / 2;
         let x = l * middle as f64 / flow.edges as f64;
         flow.rod(&mut text, "b", &straight([x, 0.0, 0.0], [x, l, 0.0]), "");
-        format!("kind = \"slide\"\nrods = [\"b\", \"a\"]\nat = [\"start\", {middle}]\n")
+        let friction = ["", "friction = 0.2\n", "friction = 2.0\n"][seed as usize % 3];
+        format!("kind = \"slide\"\n{friction}rods = [\"b\", \"a\"]\nat = [\"start\", {middle}]\n")
     } else {
         flow.rod(&mut text, "b", &straight([l, 0.0, 0.0], far), "");
         let rods = "rods = [\"a\", \"b\"]\nat = [\"end\", \"start\"]\n";
         let ties = flow.force * l / (0.1 * l);
         match kind {
             "hinge" => format!("kind = \"hinge\"\naxis = [0, 0, 1]\n{rods}"),
-            // The choice leaves all other random numbers of the scene unchanged.
+            // As with friction, the choice leaves all other random numbers of the scene unchanged.
             "spring" => {
                 let only = match seed % 3 {
                     0 => format!("only = \"tension\"\nrest_length = {:e}\n", 0.02 * l),

@@ -14,7 +14,8 @@ mod yielding;
 pub use actuation::{ActuatedStrain, Actuation, Course, Wave};
 
 pub use joint::{
-    Body, HingeSpring, Joint, JointKind, RodNode, Spring, SpringForce, Strength, TurningStiffness,
+    Body, CoulombFriction, HingeSpring, Joint, JointKind, RodNode, Spring, SpringForce, Strength,
+    TurningStiffness,
 };
 
 pub use node_force::{NodeForce, NodeHessian};
@@ -24,7 +25,7 @@ pub(crate) use super::piecewise::piecewise_turning;
 
 pub use section::{EdgeSection, Section, edge_sections, pieces};
 pub use sheath::Sheath;
-pub use tendon::{Eyelet, EyeletFriction, Pull, Tendon};
+pub use tendon::{Eyelet, Pull, Tendon};
 pub use yielding::{Layer, PlasticBending, Yielding, YieldingMaterial};
 
 use super::contact::{ContactParameters, DirectedFriction};

@@ -48,6 +48,8 @@ fn faults_name_the_joint_and_what_is_allowed() {
         hinge ["end", "start"] => missing key `axis`
         hinge ["end", "start"]; axis = [0, 1, 0]; rest_angle = 1 => missing key `stiffness`
         hinge ["end", "start"]; axis = [0, 1, 0]; stiffness = "1 N m" => but this key takes a turning stiffness
+        slide ["end", "start"]; friction = -0.1 => allowed: at least 0
+        slide ["end", "start"]; presliding = 1e-6 => missing key `friction`
         spring ["end", 4] => missing key `stiffness`
         spring ["end", 4]; stiffness = 0 => allowed: greater than 0
         spring ["end", 4]; stiffness = 1; rest_length = -1 => allowed: at least 0
@@ -196,11 +198,40 @@ fn one_sided_springs_read_back_to_themselves() {
 
 #[test]
 fn slides_read_back_to_themselves() {
-    let text = joint("slide", "[\"end\", \"start\"]") + "break_at = \"3 mN\"\n";
-    let scenario = scenario(&text).unwrap();
-    let joint = &scenario.joints[0];
-    assert_eq!((joint.kind, joint.break_at), (JointKind::Slide, Some(3e-3)));
-    assert_reads_back("rods", &scenario);
+    let slide = joint("slide", "[\"end\", \"start\"]");
+    for (keys, friction, presliding, break_at) in [
+        ("break_at = \"3 mN\"", None, None, Some(3e-3)),
+        ("friction = 0.3", Some(0.3), None, None),
+        (
+            "friction = 0.3\npresliding = \"2 um\"",
+            Some(0.3),
+            Some(2e-6),
+            None,
+        ),
+    ] {
+        let scenario = scenario(&format!("{slide}{keys}\n")).unwrap();
+        let joint = &scenario.joints[0];
+        let kind = JointKind::Slide {
+            friction,
+            presliding,
+        };
+        assert_eq!((joint.kind, joint.break_at), (kind, break_at));
+        assert_reads_back("rods", &scenario);
+    }
+}
+
+#[test]
+fn friction_of_slides_needs_motion() {
+    let slide = joint("slide", "[\"end\", \"start\"]");
+    let text = format!("{RODS}{slide}friction = 0.3\n");
+    for time in ["mode = \"static\"", "end = 1\nbegin = \"equilibrium\""] {
+        let error = loaded("rods", &format!("{text}[time]\n{time}\n"));
+        let error = error.err().unwrap();
+        assert!(
+            error.contains("`joints.0.friction`") && error.contains("\"dynamic\""),
+            "{error}"
+        );
+    }
 }
 
 #[test]

@@ -7,6 +7,18 @@ pub fn sliding_acceleration(gravity: f64, incline: f64, friction: f64) -> f64 {
     gravity * (libm::sin(incline) - friction * libm::cos(incline))
 }
 
+/// Square of the speed of a bead that slides down a hoop of a radius R, in a vertical plane, from
+/// rest at the height of the centre, after the angle φ, (m/s)².
+///
+/// The wire carries g sin φ + v²/R per mass of the bead, so that dv²/dφ = 2gR (cos φ − μ sin φ) −
+/// 2μ v².
+pub fn speed_on_hoop_squared(gravity: f64, radius: f64, friction: f64, angle: f64) -> f64 {
+    let square = friction * friction;
+    let falling = (1.0 - 2.0 * square) * libm::sin(angle);
+    let rubbing = 3.0 * friction * (libm::cos(angle) - libm::exp(-2.0 * friction * angle));
+    2.0 * gravity * radius * (falling + rubbing) / (1.0 + 4.0 * square)
+}
+
 /// Acceleration g sin α/(1 + I/(m h²)) of a solid cylinder that rolls down an incline of angle α.
 pub fn rolling_acceleration(gravity: f64, incline: f64) -> f64 {
     2.0 / 3.0 * gravity * libm::sin(incline)

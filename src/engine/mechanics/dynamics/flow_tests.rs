@@ -190,7 +190,7 @@ fn bead(pulled: f64) -> Scene {
     let foot = Vector3::x() * 4e-3;
     Scene {
         rods: vec![wire, rod("tail", foot, foot + Vector3::z() * 2e-3, 4)],
-        joints: vec![joint("joint", [at(1, 0), at(0, 8)], JointKind::Slide)],
+        joints: vec![joint("joint", [at(1, 0), at(0, 8)], JointKind::FREE_SLIDE)],
         loads: vec![point_force(1, 0, Vector3::x() * pulled)],
         fluid: Some(STOKESLETS),
         ..Scene::default()

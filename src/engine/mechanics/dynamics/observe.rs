@@ -237,7 +237,7 @@ impl Simulation {
             validity: self.validity.memory.clone(),
             contact: self.system.contact().map(|contact| contact.memory()),
             fluid: self.integrator.fluid.memory(),
-            strains: self.system.terms.memory(),
+            strains: self.system.memory(),
             frames: self.system.frame_bases(),
             breaks: self.system.breaks(),
         }
@@ -271,7 +271,7 @@ impl Simulation {
             .fluid
             .restore(state.fluid)
             .map_err(foreign)?;
-        let restored = self.system.terms.restore(state.strains);
+        let restored = self.system.restore(state.strains);
         restored.map_err(|what| foreign(what.to_owned()))?;
         let restored = self.system.restore_frame_bases(&state.frames);
         restored.map_err(|what| foreign(what.to_owned()))?;

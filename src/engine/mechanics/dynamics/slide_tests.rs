@@ -4,11 +4,11 @@ use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::rigid_body::RigidBody;
 use crate::mechanics::scene::{
-    Joint, JointKind, Load, NaturalShape, RodDescription, Scene, Strength,
+    CoulombFriction, Joint, JointKind, Load, NaturalShape, RodDescription, Scene, Strength,
 };
 use crate::mechanics::test_support::{
-    SOFT_MODELS, advance_to, at, at_rest, contact, drag, fixed_steps, gravity, joint, obstacle,
-    pin, point_force, run, section, simulation_of,
+    SOFT_MODELS, advance_to, at, at_rest, body, contact, drag, fixed_steps, gravity, joint,
+    obstacle, pin, point_force, run, section, simulation_of,
 };
 use std::f64::consts::PI;
 
@@ -23,7 +23,7 @@ fn slide(nodes: [[usize; 2]; 2]) -> Joint {
     joint(
         &format!("slide {}", nodes[0][1]),
         nodes.map(|[rod, node]| at(rod, node)),
-        JointKind::Slide,
+        JointKind::FREE_SLIDE,
     )
 }
 
@@ -71,6 +71,102 @@ fn it_falls_along_an_incline_without_friction() {
     assert!((coarse / (1e-2 / end) - 1.0).abs() < 1e-6, "{coarse}");
     assert!((coarse / fine - 2.0).abs() < 1e-6, "{coarse} {fine}");
     assert!(error(Scheme::BackwardDifferences, 1e-2).abs() < 1e-3);
+}
+
+/// A scene whose slides have friction, with a presliding length of 1 µm.
+fn with_friction(mut scene: Scene, coefficient: f64) -> Scene {
+    for joint in &mut scene.joints {
+        joint.kind = JointKind::Slide {
+            friction: Some(CoulombFriction {
+                coefficient,
+                presliding: Some(1e-6),
+            }),
+        };
+    }
+    scene
+}
+
+#[test]
+fn friction_slows_it_down_an_incline() {
+    let (friction, end) = (0.3, 0.5);
+    let expected = 0.5 * GRAVITY * (SLOPE.sin() - friction * SLOPE.cos()) * end * end;
+    let scene = with_friction(incline(), friction);
+    let error = |scheme| {
+        let simulation = run(&scene, scheme, 2e-3, end);
+        (simulation.positions()[41].norm() - 0.05) / expected - 1.0
+    };
+    let euler = error(Scheme::ImplicitEuler);
+    // With implicit Euler the distance is ½ a t (t + h).
+    assert!((euler / (2e-3 / end) - 1.0).abs() < 0.01, "{euler:e}");
+    // Backward differences begin with steps of lower order.
+    for (scheme, bound) in [
+        (Scheme::BackwardDifferences, 3e-3),
+        (Scheme::ImplicitMidpoint, 1e-9),
+    ] {
+        let error = error(scheme);
+        assert!(error.abs() < bound, "{scheme:?}: {error:e}");
+    }
+}
+
+#[test]
+fn friction_holds_it_on_an_incline_below_the_angle_of_friction() {
+    let scene = with_friction(incline(), 0.6);
+    for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
+        let mut simulation = Simulation::new(&scene, &fixed_steps(scheme, 2e-3)).unwrap();
+        let [early, late] = [0.5, 2.0].map(|end| {
+            advance_to(&mut simulation, end);
+            simulation.positions()[41].norm() - 0.05
+        });
+        // It overshoots the presliding length when it is released, and does not creep.
+        assert!((0.0..1e-5).contains(&early), "{scheme:?}: {early:e}");
+        assert!(
+            (late - early).abs() < 1e-12,
+            "{scheme:?}: {early:e} {late:e}"
+        );
+    }
+}
+
+/// Square of the speed of a bead that slides down half a circle of unit radius from rest at the
+/// height of its centre, over twice the acceleration of gravity, after the angle φ: from dv²/dφ =
+/// 2g (cos φ − μ sin φ) − 2μ v².
+fn speed_in_bowl(friction: f64, angle: f64) -> f64 {
+    let (sine, cosine) = angle.sin_cos();
+    let falling = (1.0 - 2.0 * friction * friction) * sine;
+    let rubbing = 3.0 * friction * (cosine - (-2.0 * friction * angle).exp());
+    (falling + rubbing) / (1.0 + 4.0 * friction * friction)
+}
+
+#[test]
+fn the_centripetal_force_of_a_bead_rubs_too() {
+    let (radius, friction) = (0.2, 0.3);
+    let mut scene = with_friction(bowl(), friction);
+    // A heavy bead with a light tail, at the upper end of the wire.
+    let start = scene.rods[0].centreline[1];
+    scene.rods[1] = RodDescription {
+        mass_per_length: 1e-6,
+        ..rod("tail", vec![start, start + Vector3::x() * 2e-3])
+    };
+    scene.joints.truncate(1);
+    scene.joints[0].nodes[1] = at(0, 1);
+    scene.bodies = vec![body("bead", at(1, 0), 0.01, None)];
+    let mut simulation =
+        Simulation::new(&scene, &fixed_steps(Scheme::BackwardDifferences, 2e-4)).unwrap();
+    let began = PI / 40.0;
+    let (mut worst, mut most) = (0.0_f64, 0.0_f64);
+    while simulation.time() < 0.33 {
+        simulation.advance(0.33).unwrap();
+        let [place, velocity] = [simulation.positions()[41], simulation.velocities()[41]];
+        let angle = (-place.z).atan2(-place.x);
+        // The solution from rest at the angle at which it began.
+        let decay = (-2.0 * friction * (angle - began)).exp();
+        let square = speed_in_bowl(friction, angle) - speed_in_bowl(friction, began) * decay;
+        let expected = 2.0 * GRAVITY * radius * square;
+        worst = worst.max((velocity.norm_squared() - expected).abs());
+        most = most.max(angle);
+    }
+    assert!(most > 0.5 * PI, "{most}");
+    let scale = 2.0 * GRAVITY * radius;
+    assert!(worst < 3e-4 * scale, "{worst:e} of {scale}");
 }
 
 /// The shuttle on half a circle of radius 0.2 m; it starts where the wire is near the horizontal
@@ -195,7 +291,7 @@ fn a_run_resumes_from_a_checkpoint_bit_for_bit_and_breaks() {
         Scheme::ImplicitMidpoint,
         Scheme::ImplicitEuler,
     ] {
-        let mut scene = bowl();
+        let mut scene = with_friction(bowl(), 0.02);
         // The joints break at the bottom, where the shuttle presses on the wire with 3 m g at each
         // end.
         let pressed = 1.8 * 0.5 * 0.01 * 0.0157 * GRAVITY;

@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{Eyelet, EyeletFriction, Pull, RodDescription, Scene, Start, Tendon};
+use crate::mechanics::scene::{
+    CoulombFriction, Eyelet, Pull, RodDescription, Scene, Start, Tendon,
+};
 use crate::mechanics::test_support::{
     MODELS, assert_close, assert_close_in, at, at_rest, body, clamp, contact, drag, fixed_steps,
     free_rods, gravity, moved, resumed, run, run_with, section, short_path, straight_rod,
@@ -228,7 +230,7 @@ fn a_rope_over_a_bollard_holds_more_than_its_pull() {
     let fixed = [Vector3::x(), Vector3::zeros()].map(Eyelet::Fixed);
     let moved = |force: f64, end: f64| {
         let mut rope = tendon(vec![fixed[0], fixed[1], on_rod(0)], tension(force));
-        rope.friction = Some(EyeletFriction {
+        rope.friction = Some(CoulombFriction {
             coefficient: friction,
             presliding: Some(1e-6),
         });
@@ -275,7 +277,7 @@ fn friction_leaves_a_backbone_less_bent_and_keeps_it_bent() {
     let curvature = force * OFFSET / BENDING;
     let tip = |course: Vec<(f64, f64)>, edges: usize, end: f64| {
         let mut scene = backbone(edges, 0.0, Pull::Tension(course));
-        scene.tendons[0].friction = Some(EyeletFriction {
+        scene.tendons[0].friction = Some(CoulombFriction {
             coefficient: friction,
             presliding: Some(1e-5),
         });
@@ -335,7 +337,7 @@ fn tendons_between_free_rods_conserve_momenta() {
 #[test]
 fn friction_of_tendons_is_refused_where_it_is_not_determined() {
     let mut scene = backbone(4, 0.0, tension(1.0));
-    let law = EyeletFriction {
+    let law = CoulombFriction {
         coefficient: 0.1,
         presliding: Some(1e-5),
     };

@@ -128,7 +128,30 @@ pub enum JointKind {
     /// All rotations, and sliding along the rod of the second node, between stops at its ends. If
     /// both nodes are on the same rod, the first slides along the part of the rod on the side of
     /// the second.
-    Slide,
+    Slide {
+        /// Friction along that rod; `None` if it slides freely.
+        friction: Option<CoulombFriction>,
+    },
+}
+
+impl JointKind {
+    /// A slide without friction.
+    pub const FREE_SLIDE: Self = Self::Slide { friction: None };
+
+    /// Whether a node slides along a rod.
+    pub fn slides(&self) -> bool {
+        matches!(self, Self::Slide { .. })
+    }
+}
+
+/// Friction of what slides: a node along a rod, or a tendon in its eyelets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoulombFriction {
+    /// Coefficient μ.
+    pub coefficient: f64,
+    /// Distance of motion before it slides, m; `None` is 10⁻⁵ of the length of that rod, or of the
+    /// tendon as placed.
+    pub presliding: Option<f64>,
 }
 
 /// A spring about the axis of a hinge.

@@ -1,6 +1,6 @@
 //! Tendons: cables that run through eyelets.
 
-use super::RodNode;
+use super::{CoulombFriction, RodNode};
 use crate::mechanics::Vector3;
 
 /// A cable without mass and bending stiffness that runs straight from eyelet to eyelet, slides in
@@ -16,7 +16,7 @@ pub struct Tendon {
     pub pull: Pull,
     /// Friction in its eyelets; `None` if it slides freely. Only for a given tension, which acts at
     /// the first eyelet; the tendon is then fixed to the last one.
-    pub friction: Option<EyeletFriction>,
+    pub friction: Option<CoulombFriction>,
 }
 
 impl Tendon {
@@ -24,16 +24,6 @@ impl Tendon {
     pub(crate) fn is_conservative(&self) -> bool {
         matches!(&self.pull, Pull::Stretching { taken_in, .. } if taken_in.is_empty())
     }
-}
-
-/// Friction of a tendon in its eyelets.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EyeletFriction {
-    /// Coefficient μ.
-    pub coefficient: f64,
-    /// Length that the tendon is moved in an eyelet until it slides, m; `None` is 10⁻⁵ of its placed
-    /// length.
-    pub presliding: Option<f64>,
 }
 
 /// A point through which a tendon runs.

@@ -89,7 +89,7 @@ impl Breaking {
         for joint in joints.filter(|joint| joint.strength.may_break()) {
             let strength = joint.strength;
             let nodes = joint.nodes.each_ref().map(number);
-            if joint.kind == JointKind::Slide {
+            if joint.kind.slides() {
                 let mut points = assembly.joints.points.iter();
                 let owner = points.find(|point| point[0] == nodes[0]);
                 links.push(Link {
@@ -175,7 +175,7 @@ fn turning_of(kind: JointKind, nodes: [usize; 2], joints: &Joints) -> Turning {
             .0
     };
     match kind {
-        JointKind::Ball | JointKind::Slide => Turning::Free,
+        JointKind::Ball | JointKind::Slide { .. } => Turning::Free,
         JointKind::Rigid => Turning::Weld(of_frame(&|frame| {
             let welds = &joints.welds;
             welds

@@ -173,7 +173,8 @@ impl Assembly {
         self.unknowns
             .copy_within(STRIDE * node..STRIDE * node + 3, STRIDE * place);
         self.held[STRIDE * place..unknown].fill(true);
-        let slide = Slide::new(node, unknown, track, &self.unknowns);
+        let friction = planned.friction.as_ref();
+        let slide = Slide::new([node, unknown], track, friction, &self.unknowns);
         self.joints.slides.push(slide);
     }
 

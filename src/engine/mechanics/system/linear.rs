@@ -95,6 +95,11 @@ impl System {
         &self.assembly.joints.slides
     }
 
+    /// Whether a node slides along a rod with friction.
+    pub(crate) fn slides_rub(&self) -> bool {
+        self.assembly.joints.rub()
+    }
+
     /// Whether there is friction: the forces of an equilibrium then depend on its history.
     pub(crate) fn rubs(&self) -> bool {
         self.terms.contact.rubs()

@@ -112,8 +112,10 @@ impl Terms {
     ///
     /// # Errors
     /// The difference if the checkpoint belongs to another scene.
-    pub(crate) fn restore(&mut self, memory: Vec<Vec<f64>>) -> Result<(), &'static str> {
-        let mut memory = memory.into_iter();
+    pub(crate) fn restore(
+        &mut self,
+        mut memory: impl Iterator<Item = Vec<f64>>,
+    ) -> Result<(), &'static str> {
         for term in self.all_mut() {
             term.restore(&mut memory)?;
         }

@@ -8,7 +8,7 @@ use crate::mechanics::contact::{
     Proximity, RowOfNodes,
 };
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{JointKind, RodDescription, Scene};
+use crate::mechanics::scene::{RodDescription, Scene};
 use crate::mechanics::{Overlap, Vector3};
 
 /// The contact model of a scene, and the pairs that it ignores.
@@ -157,10 +157,7 @@ fn join(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
             );
         }
     }
-    let slides = scene
-        .joints
-        .iter()
-        .filter(|joint| joint.kind == JointKind::Slide);
+    let slides = scene.joints.iter().filter(|joint| joint.kind.slides());
     for [node, start] in slides.map(|joint| joint.nodes) {
         let arc = arc_length(&scene.rods[node.rod].centreline, node.node);
         surface.add_slide([node.rod, start.rod], arc);

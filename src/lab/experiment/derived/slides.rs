@@ -3,7 +3,7 @@
 
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::{LARGEST_CATCH, apparent_friction};
-use rodlab_engine::mechanics::scene::{JointKind, LoadKind, RodNode, Scene};
+use rodlab_engine::mechanics::scene::{LoadKind, RodNode, Scene};
 use serde::Serialize;
 
 /// A node that slides along a rod.
@@ -42,10 +42,7 @@ impl DerivedSlide {
 
 /// All slides of a scene along rods that can bend.
 pub fn derived_slides(scene: &Scene) -> Vec<DerivedSlide> {
-    let slides = scene
-        .joints
-        .iter()
-        .filter(|joint| joint.kind == JointKind::Slide);
+    let slides = scene.joints.iter().filter(|joint| joint.kind.slides());
     let bent = slides.filter(|joint| !scene.rods[joint.nodes[1].rod].held);
     bent.map(|joint| {
         let [slider, place] = joint.nodes;
@@ -80,7 +77,7 @@ fn force_across(scene: &Scene, slider: RodNode, place: RodNode) -> f64 {
     }
     let mut pulled = group(scene, place.rod);
     for joint in &scene.joints {
-        if joint.kind == JointKind::Slide && joint.nodes[1].rod == place.rod {
+        if joint.kind.slides() && joint.nodes[1].rod == place.rod {
             let other = group(scene, joint.nodes[0].rod);
             if !is_borne(scene, &other) {
                 pulled.extend(other);
@@ -106,11 +103,7 @@ fn group(scene: &Scene, rod: usize) -> Vec<usize> {
     let mut next = 0;
     while let Some(&one) = group.get(next) {
         next += 1;
-        for joint in scene
-            .joints
-            .iter()
-            .filter(|joint| joint.kind != JointKind::Slide)
-        {
+        for joint in scene.joints.iter().filter(|joint| !joint.kind.slides()) {
             let ends = joint.nodes.map(|node| node.rod);
             let other = if ends[0] == one { ends[1] } else { ends[0] };
             if ends.contains(&one) && !group.contains(&other) {

@@ -4,8 +4,8 @@ use crate::experiment::places::find_place;
 use crate::experiment::places::find_rod;
 use crate::scenario::{self, Issue, KeyPath};
 use rodlab_engine::mechanics::scene::{
-    Body, HingeSpring, Joint, JointKind, RodDescription, RodNode, Scene, Spring, SpringForce,
-    Strength, TurningStiffness,
+    Body, CoulombFriction, HingeSpring, Joint, JointKind, RodDescription, RodNode, Scene, Spring,
+    SpringForce, Strength, TurningStiffness,
 };
 use rodlab_engine::mechanics::system::check_joints;
 use rodlab_engine::mechanics::{JointError, SceneError, Vector3};
@@ -35,7 +35,15 @@ pub(super) fn place_joint(
     let kind = match joint.kind {
         scenario::JointKind::Ball => JointKind::Ball,
         scenario::JointKind::Rigid => JointKind::Rigid,
-        scenario::JointKind::Slide => JointKind::Slide,
+        scenario::JointKind::Slide {
+            friction,
+            presliding,
+        } => JointKind::Slide {
+            friction: friction.map(|coefficient| CoulombFriction {
+                coefficient,
+                presliding,
+            }),
+        },
         scenario::JointKind::Hinge {
             axis,
             stiffness,

@@ -135,7 +135,9 @@ pub fn resolve(
             &clamps,
         ));
     }
-    let mut joints = tables::joints(&top, &file.joints, matches!(time, Time::Dynamic { .. }));
+    let is_dynamic = matches!(time, Time::Dynamic { .. });
+    let mut joints = tables::joints(&top, &file.joints, is_dynamic);
+    model::refuse_resting_friction(&top, &joints, &time);
     joints.extend(networks.joints);
     let bodies = tables::bodies(&top, &file.bodies);
     model::refuse_turning_midpoint(&top, &joints, &bodies, &time);

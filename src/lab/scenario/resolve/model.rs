@@ -384,6 +384,18 @@ pub fn refuse_viscous_midpoint(top: &Section<'_>, rods: &[Rod], time: &Time) {
     }
 }
 
+/// Rejects slides with friction in runs that find equilibria.
+pub fn refuse_resting_friction(top: &Section<'_>, joints: &[Joint], time: &Time) {
+    let rubbing = joints
+        .iter()
+        .enumerate()
+        .filter(|(_, joint)| joint.kind.rubs());
+    for (index, _) in rubbing.filter(|_| time.finds_equilibria()) {
+        let section = top.below("joints").below(&index.to_string());
+        section.fault("friction", Time::RESTING_FRICTION);
+    }
+}
+
 /// Rejects frames that turn in schemes that extrapolate from the middle of each step: a rotation
 /// there is not a rotation at the end of the step.
 pub fn refuse_turning_midpoint(top: &Section<'_>, joints: &[Joint], bodies: &[Body], time: &Time) {

@@ -49,6 +49,18 @@ impl Begin {
 }
 
 impl Time {
+    /// Message for friction in a run that finds equilibria.
+    pub const RESTING_FRICTION: &str = "an equilibrium does not determine the direction of \
+        friction; allowed: time.mode = \"dynamic\" with time.begin = \"placed\"";
+
+    /// Whether the run finds equilibria.
+    pub fn finds_equilibria(&self) -> bool {
+        match self {
+            Self::Static | Self::Continuation => true,
+            Self::Dynamic { begin, .. } => !begin.is_placed(),
+        }
+    }
+
     /// Fixed step size (`None` if automatic) and end of a dynamic run, s; `None` for other runs.
     pub fn steps(&self) -> Option<(Option<f64>, f64)> {
         match *self {

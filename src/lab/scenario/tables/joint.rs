@@ -2,7 +2,9 @@
 
 use crate::scenario::declaration::keys;
 use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
-use crate::scenario::units::{Angle, Force, ForcePerLength, Length, Moment, TurningStiffness};
+use crate::scenario::units::{
+    Angle, Dimensionless, Force, ForcePerLength, Length, Moment, TurningStiffness,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -46,9 +48,18 @@ keys! {
             /// moment, measured from the placed orientation. Default: 0.
             rest_angle: number(Angle, FINITE) optional,
         },
-        /// The first node slides without friction along the rod of the second node, between stops
-        /// at its ends.
-        Slide,
+        /// The first node slides along the rod of the second node, between stops at its ends.
+        Slide {
+            /// Coefficient of friction along that rod, in dynamic runs; the normal force is the
+            /// force of the joint across the rod.
+            /// Default: 0.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            friction: number(Dimensionless, NON_NEGATIVE) optional,
+            /// Distance that the node moves before it slides with friction. Default: 1e-5 of the
+            /// length of that rod.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            presliding: number(Length, POSITIVE) optional,
+        },
         /// A spring between the nodes, which need not coincide. A `stiffness` acts on the distance
         /// of the nodes, a `turning_stiffness` on the rotation of the rods relative to each other;
         /// give one or both.
@@ -94,6 +105,11 @@ impl Joint {
 }
 
 impl JointKind {
+    /// Whether a node slides with friction.
+    pub fn rubs(&self) -> bool {
+        matches!(self, Self::Slide { friction: Some(friction), .. } if *friction > 0.0)
+    }
+
     /// Whether it transmits moments between the rods.
     pub fn turns(&self) -> bool {
         let springs_turn =
@@ -105,7 +121,7 @@ impl JointKind {
 /// Resolves all joints; `is_dynamic` is true for a run in time.
 pub fn joints(top: &Section<'_>, typed: &[JointKeys], is_dynamic: bool) -> Vec<Joint> {
     let joint = |(index, (section, typed)): (usize, (Section<'_>, &JointKeys))| {
-        refuse_half_a_spring(&section, typed);
+        refuse_half_a_law(&section, typed);
         let joint = typed.resolve(&section, index);
         check(&section, &joint, is_dynamic);
         joint
@@ -114,8 +130,9 @@ pub fn joints(top: &Section<'_>, typed: &[JointKeys], is_dynamic: bool) -> Vec<J
     joints.map(joint).collect()
 }
 
-/// Reports keys of springs without the stiffness to which they belong.
-fn refuse_half_a_spring(section: &Section<'_>, typed: &JointKeys) {
+/// Reports keys of springs and of friction without the stiffness or coefficient to which they
+/// belong.
+fn refuse_half_a_law(section: &Section<'_>, typed: &JointKeys) {
     match typed {
         JointKeys::Hinge {
             stiffness: None,
@@ -160,6 +177,11 @@ fn refuse_half_a_spring(section: &Section<'_>, typed: &JointKeys) {
                 section.missing("turning_stiffness", help);
             }
         }
+        JointKeys::Slide {
+            friction: None,
+            presliding: Some(_),
+            ..
+        } => section.missing("friction", "needed by `presliding`: the coefficient"),
         _ => {}
     }
 }

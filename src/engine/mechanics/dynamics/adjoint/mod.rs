@@ -301,6 +301,10 @@ fn refuse(
             "derivatives with respect to fields need planes without directed_friction",
         ),
         (
+            system.slides_rub(),
+            "derivatives with respect to fields support no joints of kind \"slide\" with friction",
+        ),
+        (
             matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. })),
             "derivatives with respect to fields need fluid.model = \"resistive\"",
         ),

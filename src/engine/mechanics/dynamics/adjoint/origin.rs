@@ -55,7 +55,7 @@ impl Origin {
         }
         let Simulation { system, state, .. } = simulation;
         system.undamp();
-        let restored = system.terms.restore(at.strains.clone());
+        let restored = system.restore(at.strains.clone());
         restored.map_err(|what| foreign(what.to_owned()))?;
         let restored = system.restore_frame_bases(&at.frames);
         restored.map_err(|what| foreign(what.to_owned()))?;

@@ -197,7 +197,7 @@ pub(in crate::mechanics::dynamics) fn sliding() -> Scene {
     wire.natural_shape = NaturalShape::Straight;
     let start = wire.centreline[2];
     let bead = rod("bead", start, start + Vector3::y() * 0.02, 2);
-    let slide = joint("slide", [at(1, 0), at(0, 2)], JointKind::Slide);
+    let slide = joint("slide", [at(1, 0), at(0, 2)], JointKind::FREE_SLIDE);
     Scene {
         rods: vec![wire, bead],
         clamps: vec![clamp(0, 0), clamp(0, 8)],

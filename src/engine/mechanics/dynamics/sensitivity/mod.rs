@@ -230,6 +230,11 @@ fn sharp(
             "derivatives support no rods that yield",
         ));
     }
+    if simulation.system.slides_rub() {
+        return Err(SensitivityError::Unsuitable(
+            "derivatives support no joints of kind \"slide\" with friction",
+        ));
+    }
     if !scene.tendons.is_empty() || !scene.sheaths.is_empty() {
         return Err(SensitivityError::Unsuitable(
             "derivatives support no tendons and no sheaths",

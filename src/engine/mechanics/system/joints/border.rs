@@ -10,7 +10,8 @@
 //!
 //! where E selects the sliding node and W the nodes that carry it: the first rows of the border
 //! are δx = W δq + X' σ. N is L except in the middle of a step, where the node moves by weights
-//! other than those of its force ([`super::slide`]). So K keeps its pattern wherever a node
+//! other than those of its force ([`super::slide`]), and with friction, which adds to the last row
+//! ([`super::rubbing`]). So K keeps its pattern wherever a node
 //! slides, and a band remains a band. The price is four additional solutions per joint and a small
 //! dense matrix, S = D − Nᵀ K⁻¹ L. The numbers of negative eigenvalues of K and S add up to that
 //! of the whole matrix (Haynsworth 1968); three of them per joint belong to the constraints.
@@ -67,16 +68,15 @@ impl Border {
                 rows.push(constraint(slide, &slide.follow.weights, axis, held.len()));
                 if !slide.is_stopped {
                     schur[(first + axis, first + 3)] = slide.follow.tangent[axis];
-                    schur[(first + 3, first + axis)] = slide.grip.tangent[axis];
+                    schur[(first + 3, first + axis)] = slide.along()[axis];
                 }
             }
-            let along = turning(slide, held.len());
-            columns.push(along.clone());
-            rows.push(along);
+            columns.push(turning(slide, &slide.residual, held.len()));
+            rows.push(turning(slide, &slide.over_tangent(), held.len()));
             schur[(first + 3, first + 3)] = if slide.is_stopped {
                 1.0
             } else {
-                slide.residual.dot(&slide.grip.curvature) + diagonals[number]
+                slide.over_parameter() + diagonals[number]
             };
         }
         for column in columns.iter_mut().chain(&mut rows) {
@@ -208,13 +208,13 @@ fn constraint(slide: &Slide, weights: &Weights, axis: usize, size: usize) -> Vec
     column
 }
 
-/// w' R; zero if a stop holds the node.
-fn turning(slide: &Slide, size: usize) -> Vec<f64> {
+/// w' R with a force R; zero if a stop holds the node.
+fn turning(slide: &Slide, residual: &Vector3, size: usize) -> Vec<f64> {
     let mut column = vec![0.0; size];
     if !slide.is_stopped {
         let weights = &slide.grip.weights;
         for (node, slope) in weights.nodes.iter().zip(&weights.slopes) {
-            let force: Vector3 = slide.residual * *slope;
+            let force: Vector3 = residual * *slope;
             for axis in 0..3 {
                 column[STRIDE * node + axis] += force[axis];
             }

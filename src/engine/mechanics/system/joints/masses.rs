@@ -74,6 +74,12 @@ impl Joints {
                 self.gather_points(&mut column);
                 rates.column_mut(axis).copy_from_slice(&column);
             }
+            // Friction acts on s, but does not move the node.
+            let mut moves = rates.clone();
+            if let Some(rubbing) = slide.rubbing.as_ref().filter(|_| !slide.is_stopped) {
+                let mut along = moves.row_mut(slide.unknown);
+                along -= rubbing.over_force.transpose();
+            }
             let block = matrix.fixed_view::<3, 3>(own, own).clone_owned();
             let mut rows = matrix.rows(own, 3).clone_owned();
             let mut columns = matrix.columns(own, 3).clone_owned();
@@ -81,8 +87,8 @@ impl Joints {
             columns.rows_mut(own, 3).fill(0.0);
             matrix.rows_mut(own, 3).fill(0.0);
             matrix.columns_mut(own, 3).fill(0.0);
-            *matrix += &rates * rows + columns * rates.transpose();
-            *matrix += &rates * block * rates.transpose();
+            *matrix += &rates * rows + columns * moves.transpose();
+            *matrix += &rates * block * moves.transpose();
         }
     }
 }

@@ -21,6 +21,7 @@ mod derivatives;
 pub(crate) mod frame;
 mod masses;
 mod plan;
+mod rubbing;
 pub(crate) mod slide;
 mod span;
 mod spring_ends;
@@ -40,6 +41,7 @@ pub(super) use frame::EccentricMass;
 pub(crate) use frame::TurningFrame;
 pub use plan::joint_unknowns;
 pub(super) use plan::{JointPlan, PlannedFrame, PlannedSlide};
+use rubbing::Rubbing;
 pub(super) use slide::Slide;
 pub use spring_ends::check_joints;
 pub(super) use track::Track;
@@ -47,6 +49,10 @@ pub(super) use turned::TurnedEnd;
 
 const NO_RIGID_CONTACT: SceneError = SceneError::Unsuitable(
     "contact by complementarity does not support joints: use the model `imc` or `ipc`",
+);
+
+const NO_EQUILIBRIUM: SceneError = SceneError::Unsuitable(
+    "an equilibrium does not determine the friction of sliding nodes: run dynamically",
 );
 
 const NO_START: SceneError = SceneError::Unsuitable(
@@ -100,9 +106,17 @@ impl Joints {
         let turn_or_slide = !self.frames.is_empty() || !self.slides.is_empty();
         match demand {
             Demand::Start if turn_or_slide => Err(NO_START),
+            Demand::Equilibrium | Demand::NearbyEquilibrium | Demand::Path if self.rub() => {
+                Err(NO_EQUILIBRIUM)
+            }
             Demand::RigidContact if !self.is_empty() => Err(NO_RIGID_CONTACT),
             _ => Ok(()),
         }
+    }
+
+    /// Whether a node slides with friction.
+    pub(crate) fn rub(&self) -> bool {
+        self.slides.iter().any(|slide| slide.rubbing.is_some())
     }
 
     /// Whether there are none.
@@ -237,6 +251,37 @@ impl Joints {
         for (frame, rotation) in self.frames.iter_mut().zip(&self.rotations) {
             frame.committed = *rotation;
         }
+        self.rubbing_mut().for_each(Rubbing::commit);
+    }
+
+    /// Frictions of sliding nodes.
+    fn rubbing_mut(&mut self) -> impl Iterator<Item = &mut Rubbing> {
+        let slides = self.slides.iter_mut();
+        slides.filter_map(|slide| slide.rubbing.as_mut())
+    }
+
+    /// State of the friction of sliding nodes, for a checkpoint.
+    pub(super) fn memory(&self) -> Vec<f64> {
+        let rubbing = self
+            .slides
+            .iter()
+            .filter_map(|slide| slide.rubbing.as_ref());
+        rubbing.flat_map(Rubbing::memory).collect()
+    }
+
+    /// Restores what [`Self::memory`] returned.
+    ///
+    /// # Errors
+    /// The difference if the checkpoint belongs to another scene.
+    pub(super) fn restore(&mut self, memory: &[f64]) -> Result<(), &'static str> {
+        let (pairs, rest) = memory.as_chunks::<2>();
+        if pairs.len() != self.rubbing_mut().count() || !rest.is_empty() {
+            return Err("friction of sliding nodes");
+        }
+        self.rubbing_mut()
+            .zip(pairs)
+            .for_each(|(one, pair)| one.restore(*pair));
+        Ok(())
     }
 
     /// Sets the dependent values: positions of joined nodes, and tips of the principal axes of
@@ -333,17 +378,18 @@ impl Joints {
         self.reduce(matrix);
         for slide in &self.slides {
             let weights = &slide.grip.weights;
-            matrix[(slide.unknown, slide.unknown)] += slide.residual.dot(&slide.grip.curvature);
-            let mut turning = vec![0.0; held.len()];
-            for (node, slope) in weights.nodes.iter().zip(&weights.slopes) {
-                for axis in 0..3 {
-                    turning[STRIDE * node + axis] += slope * slide.residual[axis];
+            matrix[(slide.unknown, slide.unknown)] += slide.over_parameter();
+            let turning = [slide.over_tangent(), slide.residual].map(|force| {
+                let mut turning = vec![0.0; held.len()];
+                for (node, slope) in weights.nodes.iter().zip(&weights.slopes) {
+                    add_to_node(&mut turning, *node, &(force * *slope));
                 }
-            }
-            self.gather_points(&mut turning);
-            for (k, entry) in turning.iter().enumerate() {
-                matrix[(slide.unknown, k)] += entry;
-                matrix[(k, slide.unknown)] += entry;
+                self.gather_points(&mut turning);
+                turning
+            });
+            for k in 0..held.len() {
+                matrix[(slide.unknown, k)] += turning[0][k];
+                matrix[(k, slide.unknown)] += turning[1][k];
             }
             for axis in 0..3 {
                 let own = STRIDE * slide.node + axis;
@@ -488,6 +534,23 @@ impl System {
         for &number in frames {
             self.assembly.joints.frames[number].begin_anew(motions);
         }
+    }
+
+    /// Data of sliding nodes and of all terms for a checkpoint.
+    pub(crate) fn memory(&self) -> Vec<Vec<f64>> {
+        let of_slides = std::iter::once(self.assembly.joints.memory());
+        of_slides.chain(self.terms.memory()).collect()
+    }
+
+    /// Restores the data of a checkpoint.
+    ///
+    /// # Errors
+    /// The difference if the checkpoint belongs to another scene.
+    pub(crate) fn restore(&mut self, memory: Vec<Vec<f64>>) -> Result<(), &'static str> {
+        let mut memory = memory.into_iter();
+        let of_slides = memory.next().unwrap_or_default();
+        self.assembly.joints.restore(&of_slides)?;
+        self.terms.restore(memory)
     }
 
     /// The base rotations of the frames, for a checkpoint.

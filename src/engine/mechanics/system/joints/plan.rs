@@ -6,7 +6,7 @@ use super::frame::TurningFrame;
 use super::span::span;
 use super::turned::turned_nodes;
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{HingeSpring, Joint, JointKind, RodNode, Scene};
+use crate::mechanics::scene::{CoulombFriction, HingeSpring, Joint, JointKind, RodNode, Scene};
 use crate::mechanics::{JointError, SceneError, Vector3};
 use std::collections::BTreeMap;
 
@@ -32,6 +32,8 @@ pub(in crate::mechanics::system) struct PlannedSlide {
     pub nodes: [RodNode; 2],
     /// First and last node of that rod along which it may slide.
     pub rail: [usize; 2],
+    /// Friction along it.
+    pub friction: Option<CoulombFriction>,
 }
 
 /// A hinge whose frames are not determined yet.
@@ -99,10 +101,17 @@ impl JointPlan {
                 reason,
             };
             check_places(scene, &joint.nodes).map_err(wrong)?;
-            if joint.kind == JointKind::Slide {
+            if let JointKind::Slide { friction } = joint.kind {
                 let rail = rail_of(scene, joint.nodes).map_err(wrong)?;
                 let nodes = joint.nodes;
-                slides.push((joint.name.clone(), PlannedSlide { nodes, rail }));
+                slides.push((
+                    joint.name.clone(),
+                    PlannedSlide {
+                        nodes,
+                        rail,
+                        friction,
+                    },
+                ));
                 continue;
             }
             if joint.strength.may_break() && !is_alone(scene, joint) {
@@ -110,7 +119,7 @@ impl JointPlan {
             }
             points.join(joint.nodes);
             match joint.kind {
-                JointKind::Ball | JointKind::Slide => {}
+                JointKind::Ball | JointKind::Slide { .. } => {}
                 JointKind::Rigid if joint.strength.may_break() => {
                     joint.nodes.into_iter().for_each(|node| rigid.add(node));
                     welds.push(joint.nodes);

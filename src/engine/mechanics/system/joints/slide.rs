@@ -1,4 +1,4 @@
-//! A node that slides along a rod without friction.
+//! A node that slides along a rod.
 //!
 //! The position of the node is that of a point on the rod's curve ([`Track`]), whose parameter s
 //! replaces the position as the unknown:
@@ -7,18 +7,20 @@
 //! x = X(s, q) = Σ wⱼ(s) xⱼ,    what acts on x, R:   wⱼ R on xⱼ,   R·X' on s
 //! ```
 //!
-//! So the force of the joint is normal to the rod, momentum is conserved, and for every s the node
-//! is exactly on the curve. At the ends of an open rod, stops carry the force that pushes s
-//! outwards.
+//! So without friction ([`super::rubbing`]) the force of the joint is normal to the rod, momentum
+//! is conserved, and for every s the node is exactly on the curve. At the ends of an open rod,
+//! stops carry the force that pushes s outwards.
 //!
 //! **From the middle of a step.** The implicit midpoint rule extrapolates from the middle to the
 //! end. At the middle the position is x = ½ (xₙ + X(2s − sₙ, 2q − qₙ)), so that the step ends on
 //! the curve; forces are transmitted at the middle, at (s, q). For a straight rod at rest this
 //! conserves energy exactly.
 
+use super::rubbing::Rubbing;
 use super::track::{Track, Weights};
 use crate::mechanics::Vector3;
 use crate::mechanics::rod::{STRIDE, topology::position};
+use crate::mechanics::scene::CoulombFriction;
 
 /// A sliding node, at the configuration of the last [`Slide::place`].
 #[derive(Clone, Debug)]
@@ -36,6 +38,8 @@ pub struct Slide {
     pub(super) residual: Vector3,
     /// Whether a stop carries the force along the rod.
     pub(super) is_stopped: bool,
+    /// Friction along the rod.
+    pub(super) rubbing: Option<Rubbing>,
 }
 
 /// A place on the curve.
@@ -65,13 +69,20 @@ fn sum(factors: &[f64; 4], nodes: &[usize; 4], of: impl Fn(usize) -> Vector3) ->
 }
 
 impl Slide {
-    /// Creates a slide with the node at the point given by the unknown.
-    pub(crate) fn new(node: usize, unknown: usize, track: Track, unknowns: &[f64]) -> Self {
-        let weights = track.at(unknowns[unknown]);
+    /// Creates the slide of a node at the point given by the unknown.
+    pub(crate) fn new(
+        [node, unknown]: [usize; 2],
+        track: Track,
+        friction: Option<&CoulombFriction>,
+        unknowns: &[f64],
+    ) -> Self {
+        let start = unknowns[unknown];
+        let weights = track.at(start);
         let grip = Grip::new(weights, |node| position(unknowns, node));
         Self {
             node,
             unknown,
+            rubbing: friction.map(|law| Rubbing::new(law, [track.length(), track.edge], start)),
             track,
             follow: grip.clone(),
             grip,
@@ -135,8 +146,12 @@ impl Slide {
 
     /// Sets the configuration from `unknowns`, in the middle of a step from `start`.
     pub(super) fn place(&mut self, unknowns: &[f64], start: Option<&[f64]>) {
-        let weights = self.track.at(unknowns[self.unknown]);
+        let parameter = unknowns[self.unknown];
+        let weights = self.track.at(parameter);
         self.grip = Grip::new(weights, |node| position(unknowns, node));
+        if let Some(rubbing) = &mut self.rubbing {
+            rubbing.place(parameter);
+        }
         self.follow = match start {
             None => self.grip.clone(),
             Some(_) => {
@@ -150,14 +165,39 @@ impl Slide {
     /// the rod.
     pub(super) fn note(&mut self, residual: &[f64], unknowns: &[f64], start: Option<&[f64]>) {
         self.residual = position(residual, self.node);
-        let along = residual[self.unknown] + self.residual.dot(&self.grip.tangent);
+        if let Some(rubbing) = &mut self.rubbing {
+            rubbing.note(&self.residual, &self.grip.tangent);
+        }
+        let along = residual[self.unknown] + self.residual.dot(&self.along());
         let place = unknowns[self.unknown];
         self.is_stopped = self.ends(start).is_some_and(|[least, largest]| {
             place <= least && along >= 0.0 || place >= largest && along <= 0.0
         });
     }
 
-    /// Transfers the forces on the node to the rod and to s.
+    /// What a force on the node adds to the force on s, per force, m: X', and with friction
+    /// X' + ∂f/∂R.
+    pub(super) fn along(&self) -> Vector3 {
+        let rubbing = self.rubbing.as_ref().map(|rubbing| rubbing.over_force);
+        self.grip.tangent + rubbing.unwrap_or_default()
+    }
+
+    /// What a change of X' adds to the force on s, N: R, and with friction R + ∂f/∂X'.
+    pub(super) fn over_tangent(&self) -> Vector3 {
+        let rubbing = self.rubbing.as_ref().map(|rubbing| rubbing.over_tangent);
+        self.residual + rubbing.unwrap_or_default()
+    }
+
+    /// Derivative of the force on s with respect to s at fixed R, N m.
+    pub(super) fn over_parameter(&self) -> f64 {
+        let rubbing = self
+            .rubbing
+            .as_ref()
+            .map_or(0.0, |rubbing| rubbing.over_parameter);
+        self.over_tangent().dot(&self.grip.curvature) + rubbing
+    }
+
+    /// Transfers the forces on the node to the rod and to s, including the friction.
     pub(super) fn gather(&self, forces: &mut [f64]) {
         let own = STRIDE * self.node;
         let force = position(forces, self.node);
@@ -168,7 +208,7 @@ impl Slide {
                 forces[STRIDE * node + axis] += weight * force[axis];
             }
         }
-        forces[self.unknown] += force.dot(&self.grip.tangent);
+        forces[self.unknown] += force.dot(&self.along());
         if self.is_stopped {
             forces[self.unknown] = 0.0;
         }

@@ -1,8 +1,12 @@
 //! Residual and Jacobian of sliding nodes against finite differences, and invalid slides.
 
-use super::tests::{compare_jacobian, compare_residual, own, perturbed, stage_at};
+use super::tests::{
+    compare_jacobian, compare_residual, compare_to_differences, own, perturbed, stage_at,
+};
 use super::*;
-use crate::mechanics::scene::{Clamp, Joint, JointKind, RodDescription, RodNode, Scene, Spring};
+use crate::mechanics::scene::{
+    Clamp, CoulombFriction, Joint, JointKind, RodDescription, RodNode, Scene, Spring,
+};
 use crate::mechanics::test_support::{at, body, clamp, curved, joint, section, spring};
 use crate::mechanics::{JointError, SceneError};
 
@@ -17,7 +21,7 @@ fn rod(name: &str, nodes: Vec<Vector3>, closed: bool) -> RodDescription {
 }
 
 fn slide(name: &str, nodes: [RodNode; 2]) -> Joint {
-    joint(name, nodes, JointKind::Slide)
+    joint(name, nodes, JointKind::FREE_SLIDE)
 }
 
 /// A clamped arc with a strut that slides along it at one end, to which the last rod is joined.
@@ -105,6 +109,64 @@ fn the_residual_of_sliding_nodes_is_the_gradient_of_the_energy() {
 #[test]
 fn the_jacobian_of_sliding_nodes_is_exact_and_symmetric() {
     compare_jacobian(&frame(), &[(0.0, false), (0.1, false), (0.1, true)], 2e-8);
+}
+
+/// The scene with friction at all slides, which stick up to a distance.
+fn rubbing_frame(presliding: f64) -> Scene {
+    let mut scene = frame();
+    let slides = scene.joints.iter_mut().filter(|joint| joint.kind.slides());
+    slides.for_each(|joint| {
+        joint.kind = JointKind::Slide {
+            friction: Some(CoulombFriction {
+                coefficient: 0.4,
+                presliding: Some(presliding),
+            }),
+        };
+    });
+    scene
+}
+
+#[test]
+fn the_jacobian_of_sliding_nodes_with_friction_is_exact() {
+    // All nodes slide, or all stick.
+    for (presliding, part) in [(1e-9, 1.0), (3.0, 0.5)] {
+        let mut system = System::new(&rubbing_frame(presliding)).unwrap();
+        let stage = stage_at(&system);
+        let asymmetry = compare_to_differences(&mut system, Some(&stage), 0.1, 2e-8);
+        assert!(asymmetry > 1e-4, "{asymmetry:e}");
+        for slide in &system.assembly.joints.slides {
+            let Some([_, state]) = slide.rubbing.as_ref().map(Rubbing::state) else {
+                panic!("a slide has no friction");
+            };
+            assert!(
+                state != 0.0 && (state.abs() == 1.0) == (part == 1.0),
+                "{state}"
+            );
+        }
+    }
+}
+
+#[test]
+fn newtons_direction_with_friction_is_that_of_the_dense_matrix() {
+    for presliding in [1e-9, 3.0] {
+        let mut system = System::new(&rubbing_frame(presliding)).unwrap();
+        let stage = stage_at(&system);
+        let unknowns = perturbed(&mut system, 0.05);
+        system.linearize(&unknowns, Some(&stage));
+        let jacobian = system.dense_matrix();
+        system.factor().unwrap();
+        let mut direction = vec![0.0; unknowns.len()];
+        system.direction(&mut direction).unwrap();
+        let free = own(&system);
+        for row in &free {
+            let product: f64 = free
+                .iter()
+                .map(|k| jacobian[(*row, *k)] * direction[*k])
+                .sum();
+            let error = (product + system.residual[*row]).abs();
+            assert!(error < 1e-9 * jacobian.amax(), "{row}: {error:e}");
+        }
+    }
 }
 
 #[test]
@@ -221,7 +283,7 @@ fn slides_that_cannot_be_are_named() {
     assert_eq!((name.as_str(), reason), ("foot", JointError::JoinedToRail));
     // The strut, whose ends slide, is not a rail.
     let (name, reason) = refused(&|scene| {
-        scene.joints[1].kind = JointKind::Slide;
+        scene.joints[1].kind = JointKind::FREE_SLIDE;
         scene.joints[1].nodes.swap(0, 1);
     });
     let rod = "strut".into();

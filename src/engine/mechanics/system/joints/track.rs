@@ -79,6 +79,11 @@ impl Track {
         (!self.closed).then(|| [0.0, self.knots[self.knots.len() - 1]])
     }
 
+    /// Natural length, m.
+    pub(crate) fn length(&self) -> f64 {
+        self.edge * self.knots[self.knots.len() - 1]
+    }
+
     /// The curve at a parameter.
     pub(crate) fn at(&self, parameter: f64) -> Weights {
         let edges = self.knots.len() - 1;

@@ -27,7 +27,7 @@
 
 use super::StraightPart;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::EyeletFriction;
+use crate::mechanics::scene::CoulombFriction;
 
 /// ε, rad.
 const ROUNDING: f64 = 1e-5;
@@ -41,7 +41,7 @@ const PRESLIDING: f64 = 1e-5;
 /// Friction in the inner eyelets of a tendon.
 #[derive(Clone, Debug)]
 pub(super) struct Capstans {
-    law: EyeletFriction,
+    law: CoulombFriction,
     /// δ, m.
     presliding: f64,
     /// Those of the inner eyelets, from the first on.
@@ -62,7 +62,7 @@ struct Capstan {
 }
 
 impl Capstans {
-    pub(super) fn new(law: EyeletFriction, eyelets: usize) -> Self {
+    pub(super) fn new(law: CoulombFriction, eyelets: usize) -> Self {
         Self {
             law,
             presliding: f64::NAN,

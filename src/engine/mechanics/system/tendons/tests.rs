@@ -1,7 +1,7 @@
 //! Forces and Jacobians of tendons against differences.
 
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{Eyelet, EyeletFriction, Pull, RodDescription, Scene, Tendon};
+use crate::mechanics::scene::{CoulombFriction, Eyelet, Pull, RodDescription, Scene, Tendon};
 use crate::mechanics::system::System;
 use crate::mechanics::test_support::{at, clamp, section};
 
@@ -123,7 +123,7 @@ fn forces_and_jacobians_of_tendons_are_derivatives_of_their_energy() {
 fn jacobians_of_tendons_with_friction_are_derivatives_of_their_forces() {
     for presliding in [10.0, 0.05] {
         let mut scene = scene(Pull::Tension(vec![(0.0, 1.3)]));
-        scene.tendons[0].friction = Some(EyeletFriction {
+        scene.tendons[0].friction = Some(CoulombFriction {
             coefficient: 0.4,
             presliding: Some(presliding),
         });

@@ -109,16 +109,14 @@ impl Part for Tendon {
     }
 
     fn judge(array: &Section<'_>, all: &[Self], time: &Time) {
+        for (index, _) in (all.iter().enumerate()).filter(|(_, tendon)| tendon.friction > 0.0) {
+            let refused = [("friction", time.finds_equilibria())];
+            (array.below(&index.to_string())).refuse(&refused, Time::RESTING_FRICTION);
+        }
         if *time != Time::Static {
             return;
         }
         for (index, tendon) in all.iter().enumerate() {
-            if tendon.friction > 0.0 {
-                array.below(&index.to_string()).fault(
-                    "friction",
-                    "a static run does not determine the direction of friction; use mode = \"dynamic\"",
-                );
-            }
             for (key, corners) in [("tension", &tendon.tension), ("taken_in", &tendon.taken_in)] {
                 if corners.len() > 1 {
                     array.below(&index.to_string()).fault(
@@ -276,7 +274,7 @@ impl ScenePart for Tendon {
         scene.tendons.push(scene::Tendon {
             name: self.name.clone(),
             eyelets,
-            friction: (self.friction > 0.0).then_some(scene::EyeletFriction {
+            friction: (self.friction > 0.0).then_some(scene::CoulombFriction {
                 coefficient: self.friction,
                 presliding: self.presliding,
             }),
