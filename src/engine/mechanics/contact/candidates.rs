@@ -16,6 +16,7 @@ use super::contacts::CandidatePair;
 use super::placed_obstacles::PlacedObstacles;
 use super::surface::ContactSurface;
 use crate::mechanics::Vector3;
+use crate::mechanics::rigid_body::RigidBody;
 
 /// Margin of the candidates in radii of the thickest rod that moves.
 ///
@@ -24,6 +25,13 @@ use crate::mechanics::Vector3;
 /// per step: with a margin of 2 every fourth step begins with a rebuild, with a margin of 1 every
 /// second.
 const MARGIN: f64 = 2.0;
+
+/// Least margin beside meshes, in the same unit.
+///
+/// A rod beside a mesh whose triangles are small compared with the margin has hundreds of candidates
+/// an edge, and frequent rebuilds are cheaper. There the margin is the typical side of a triangle,
+/// and at least this one.
+const MARGIN_AT_MESHES: f64 = 0.2;
 
 /// Part of the margin that the nodes may have used up at the start of a step.
 const REBUILD_FRACTION: f64 = 0.25;
@@ -69,12 +77,25 @@ pub(crate) fn carried_over<T: Copy + Default>(
     carried.chain(rest.iter().copied()).collect()
 }
 
+/// Margin of the candidates, m.
+fn margin_of(surface: &ContactSurface) -> f64 {
+    let radius = surface.largest_moving_radius();
+    let meshes = surface
+        .obstacles()
+        .iter()
+        .filter(|obstacle| !obstacle.faces.is_empty());
+    let finest = meshes
+        .map(RigidBody::triangle_size)
+        .fold(f64::INFINITY, f64::min);
+    finest.clamp(MARGIN_AT_MESHES * radius, MARGIN * radius)
+}
+
 impl Candidates {
     /// Creates an empty set for a potential that reaches `reach` (m) beyond the surfaces.
     pub(crate) fn new(surface: &ContactSurface, reach: f64) -> Self {
         Self {
             reach,
-            margin: MARGIN * surface.largest_moving_radius(),
+            margin: margin_of(surface),
             pairs: Vec::new(),
             coupled: Vec::new(),
             earlier_pairs: Vec::new(),
@@ -214,4 +235,40 @@ pub(super) fn approach(pair: &CandidatePair, motion: &[f64]) -> f64 {
     let of_node = |node: usize| motion.get(node).copied().unwrap_or(0.0);
     let [a, b, c, d] = pair.nodes.map(of_node);
     a.max(b) + c.max(d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A flat sheet of square cells of a side, m, each of two triangles.
+    fn sheet(side: f64) -> RigidBody {
+        let corner = |k: usize| Vector3::new((k % 3) as f64, (k / 3) as f64, 0.0) * side;
+        let cells = [0, 1, 3, 4].map(|k| [[k, k + 1, k + 4], [k, k + 4, k + 3]]);
+        RigidBody::of_mesh((0..9).map(corner).collect(), cells.concat(), false).unwrap()
+    }
+
+    #[test]
+    fn the_margin_follows_the_triangles_of_fine_meshes() {
+        let margin = |bodies: &[RigidBody]| {
+            let mut surface = ContactSurface::new();
+            let nodes = [1.0, 2.0].map(|height| Vector3::z() * height);
+            surface.add_rod(0, &nodes, false, 0.1, false);
+            for body in bodies {
+                surface.add_obstacle(body.clone(), 0.0);
+            }
+            margin_of(&surface)
+        };
+        let ball = RigidBody::sphere(Vector3::zeros(), 0.3);
+        for (bodies, expected) in [
+            (vec![], 0.2),
+            (vec![ball.clone()], 0.2),
+            (vec![sheet(0.5)], 0.2),
+            (vec![sheet(0.05), ball, sheet(0.5)], 0.05),
+            (vec![sheet(0.001)], 0.02),
+        ] {
+            let found = margin(&bodies);
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
 }

@@ -155,6 +155,16 @@ impl RigidBody {
             .unwrap_or_default()
     }
 
+    /// Typical side of a triangle, m: √(2A) of the mean area A; not a number without triangles.
+    pub(crate) fn triangle_size(&self) -> f64 {
+        let twice_area = |corners: &[usize; 3]| {
+            let [a, b, c] = corners.map(|corner| self.vertices[corner]);
+            (b - a).cross(&(c - a)).norm()
+        };
+        let sum: f64 = self.faces.iter().map(twice_area).sum();
+        (sum / self.faces.len() as f64).sqrt()
+    }
+
     /// Creates the body of a mesh. A `closed` mesh encloses a body that is touched from outside;
     /// otherwise it is a sheet that is touched from both sides. Vertices without a triangle are
     /// omitted.
