@@ -86,37 +86,42 @@ impl PlaneCurve for SmoothCurve {
         let mut control: [Point; DEGREE + 1] =
             std::array::from_fn(|index| self.control[piece + index]);
         let mut scale = 1.0;
-        let values: [Point; 3] = std::array::from_fn(|order| {
-            let weights = basis(DEGREE - order, t);
+        let weights = bases(t);
+        std::array::from_fn(|order| {
             let mut value = Point::zeros();
             for index in 0..=DEGREE - order {
-                value += scale * weights[index] * control[index];
+                value += scale * weights[DEGREE - order][index] * control[index];
             }
             for index in 0..DEGREE - order {
                 control[index] = control[index + 1] - control[index];
             }
             scale /= self.step;
             value
-        });
-        values
+        })
     }
 }
 
-/// Values of the non-zero uniform B-splines of a degree at t in a piece [0, 1] (de Boor's
-/// recursion).
-fn basis(degree: usize, t: f64) -> [f64; DEGREE + 1] {
-    let mut values = [0.0; DEGREE + 1];
-    values[0] = 1.0;
-    for d in 1..=degree {
-        let lower = values;
-        let of = |index: Option<usize>| index.map_or(0.0, |index| lower[index]);
+/// Values of the non-zero uniform B-splines at t in a piece [0, 1], for each degree up to
+/// [`DEGREE`] (de Boor's recursion).
+fn bases(t: f64) -> [[f64; DEGREE + 1]; DEGREE + 1] {
+    let mut values = [[0.0; DEGREE + 1]; DEGREE + 1];
+    values[0][0] = 1.0;
+    for d in 1..=DEGREE {
+        let lower = values[d - 1];
         for j in 0..=d {
-            let rising = (t + (d - j) as f64) * of(j.checked_sub(1));
-            let falling = ((j + 1) as f64 - t) * if j < d { lower[j] } else { 0.0 };
-            values[j] = (rising + falling) / d as f64;
+            let before = if j > 0 { lower[j - 1] } else { 0.0 };
+            let rising = (t + (d - j) as f64) * before;
+            let falling = ((j + 1) as f64 - t) * lower[j];
+            values[d][j] = (rising + falling) / d as f64;
         }
     }
     values
+}
+
+/// The piece of a sample, and the number of the sample in it.
+fn place_of(sample: usize, pieces: usize) -> (usize, usize) {
+    let piece = (sample / POINTS_PER_PIECE).min(pieces - 1);
+    (piece, sample - piece * POINTS_PER_PIECE)
 }
 
 /// The resampled points, and the matrices of least squares and of the penalty.
@@ -128,6 +133,8 @@ struct Fit {
     normal: Vec<[f64; DEGREE + 1]>,
     penalty: Vec<[f64; DEGREE + 1]>,
     right: Vec<Point>,
+    /// Splines at the samples of a piece, and at its end.
+    weights: [[f64; DEGREE + 1]; POINTS_PER_PIECE + 1],
 }
 
 impl Fit {
@@ -146,10 +153,13 @@ impl Fit {
             })
             .collect();
         let controls = pieces + DEGREE;
+        let weights =
+            std::array::from_fn(|sample| bases(sample as f64 / POINTS_PER_PIECE as f64)[DEGREE]);
         let mut normal = vec![[0.0; DEGREE + 1]; controls];
         let mut right = vec![Point::zeros(); controls];
         for (index, sample) in samples.iter().enumerate() {
-            let (piece, weights) = Self::weights(index, pieces);
+            let (piece, sample_in_piece) = place_of(index, pieces);
+            let weights: &[f64; DEGREE + 1] = &weights[sample_in_piece];
             for row in 0..=DEGREE {
                 right[piece + row] += weights[row] * sample;
                 for column in row..=DEGREE {
@@ -173,13 +183,8 @@ impl Fit {
             normal,
             penalty,
             right,
+            weights,
         }
-    }
-
-    fn weights(sample: usize, pieces: usize) -> (usize, [f64; DEGREE + 1]) {
-        let piece = (sample / POINTS_PER_PIECE).min(pieces - 1);
-        let t = (sample - piece * POINTS_PER_PIECE) as f64 / POINTS_PER_PIECE as f64;
-        (piece, basis(DEGREE, t))
     }
 
     /// Solves penalised least squares by LDLᵀ of a band matrix. Returns the curve and its largest
@@ -212,7 +217,8 @@ impl Fit {
         }
         let pieces = self.controls - DEGREE;
         let deviations = self.samples.iter().enumerate().map(|(index, sample)| {
-            let (piece, weights) = Self::weights(index, pieces);
+            let (piece, sample_in_piece) = place_of(index, pieces);
+            let weights = &self.weights[sample_in_piece];
             let mut place = -sample;
             for row in 0..=DEGREE {
                 place += weights[row] * control[piece + row];
