@@ -15,8 +15,9 @@ const RADII: [f64; 2] = [0.04, 0.01];
 fn ring(around: usize, across: usize) -> RigidBody {
     let vertex = |i: usize, j: usize| {
         let [a, b] = [(i, around), (j, across)].map(|(k, n)| TAU * k as f64 / n as f64);
-        let reach = RADII[0] + RADII[1] * b.cos();
-        Vector3::new(reach * a.cos(), -RADII[1] * b.sin(), reach * a.sin())
+        let reach = RADII[0] + RADII[1] * libm::cos(b);
+        let height = RADII[1] * libm::sin(b);
+        Vector3::new(reach * libm::cos(a), -height, reach * libm::sin(a))
     };
     let index = |i: usize, j: usize| i % around * across + j % across;
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());

@@ -92,8 +92,11 @@ pub struct Start {
     /// Rate at which the edge that starts at each node spins about itself, rad/s; of the same
     /// length as `velocities`.
     pub spins: Vec<f64>,
-    /// Tangent and first director of the clamp that held the frame at each node.
+    /// Tangent and first director of the clamp that held the frame at each node, or of the joint or
+    /// body to which the rod is clamped there.
     pub walls: Vec<Option<[Vector3; 2]>>,
+    /// Angular velocity of that joint or body, rad/s; of the same length as `velocities`.
+    pub turning: Vec<Option<Vector3>>,
 }
 
 /// One rod as placed at time zero.

@@ -35,6 +35,12 @@ pub struct EndRow {
     pub wall_director_x: Option<f64>,
     pub wall_director_y: Option<f64>,
     pub wall_director_z: Option<f64>,
+    #[serde(default)]
+    pub wall_spin_x_rad_per_s: Option<f64>,
+    #[serde(default)]
+    pub wall_spin_y_rad_per_s: Option<f64>,
+    #[serde(default)]
+    pub wall_spin_z_rad_per_s: Option<f64>,
 }
 
 /// Writes the final state of a run.
@@ -74,6 +80,9 @@ impl EndRow {
             ("wall_director_x", self.wall_director_x),
             ("wall_director_y", self.wall_director_y),
             ("wall_director_z", self.wall_director_z),
+            ("wall_spin_x_rad_per_s", self.wall_spin_x_rad_per_s),
+            ("wall_spin_y_rad_per_s", self.wall_spin_y_rad_per_s),
+            ("wall_spin_z_rad_per_s", self.wall_spin_z_rad_per_s),
         ];
         let optional = optional
             .into_iter()

@@ -18,6 +18,7 @@ pub(super) fn rows_of(start: &Start, rods: &[RodRecord]) -> Vec<EndRow> {
         let wall = start.walls[index];
         let component =
             |vector: Option<Vector3>, axis: usize| vector.map(|vector: Vector3| vector[axis]);
+        let spin = start.turning[index];
         let (tangent, across) = (wall.map(|wall| wall[0]), wall.map(|wall| wall[1]));
         EndRow {
             rod,
@@ -39,6 +40,9 @@ pub(super) fn rows_of(start: &Start, rods: &[RodRecord]) -> Vec<EndRow> {
             wall_director_x: component(across, 0),
             wall_director_y: component(across, 1),
             wall_director_z: component(across, 2),
+            wall_spin_x_rad_per_s: component(spin, 0),
+            wall_spin_y_rad_per_s: component(spin, 1),
+            wall_spin_z_rad_per_s: component(spin, 2),
         }
     });
     rows.collect()
@@ -71,8 +75,13 @@ pub fn start_from(rows: &[EndRow], rods: &[RodRecord]) -> Result<Start, String> 
         let wall = tangent
             .zip(across)
             .map(|(tangent, across)| [tangent, across]);
+        let turning = vector(
+            row.wall_spin_x_rad_per_s,
+            row.wall_spin_y_rad_per_s,
+            row.wall_spin_z_rad_per_s,
+        );
         let vectors = [position, velocity, director.unwrap_or_default()];
-        let walls = wall.into_iter().flatten();
+        let walls = wall.into_iter().flatten().chain(turning);
         let all = vectors.into_iter().chain(walls);
         let mut numbers = all.flat_map(|vector| [vector.x, vector.y, vector.z]);
         let finite = numbers.all(f64::is_finite);
@@ -88,6 +97,7 @@ pub fn start_from(rows: &[EndRow], rods: &[RodRecord]) -> Result<Start, String> 
         start.velocities.push(velocity);
         start.spins.push(row.spin_rad_per_s);
         start.walls.push(wall);
+        start.turning.push(turning);
     }
     Ok(start)
 }

@@ -94,6 +94,8 @@ mod inertia_tests;
 #[cfg(test)]
 mod intervene_tests;
 #[cfg(test)]
+mod joint_start_tests;
+#[cfg(test)]
 mod joint_tests;
 #[cfg(test)]
 mod lockstep_tests;

@@ -210,6 +210,17 @@ impl Simulation {
             let frame = drive.ghosts.first().map(|&ghost| system.ghosts[ghost]);
             walls[drive.node] = frame.map(|frame| [frame.tangent, frame.director]);
         }
+        let mut turning = vec![None; rods.nodes];
+        let joints = &system.assembly.joints;
+        for (number, frame) in joints.frames.iter().enumerate() {
+            let spin = joints.turn_of_frame(number, &self.state.unknowns, &self.state.velocity);
+            for (ghost, _) in &frame.ghosts {
+                let node = system.assembly.node_of_ghost(*ghost);
+                let now = system.ghosts[*ghost];
+                walls[node] = Some([now.tangent, now.director]);
+                turning[node] = Some(spin);
+            }
+        }
         for range in rods.rods.iter().filter(|range| !range.closed) {
             directors[range.first_node + range.nodes - 1] = Vector3::zeros();
         }
@@ -221,6 +232,7 @@ impl Simulation {
             velocities: self.velocities().to_vec(),
             spins: spins.copied().collect(),
             walls,
+            turning,
         }
     }
 

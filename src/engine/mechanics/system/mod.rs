@@ -39,6 +39,7 @@ mod grasp;
 mod immersion;
 mod inertia;
 mod joined_rods;
+mod joined_start;
 mod joints;
 mod linear;
 mod linear_drag;

@@ -36,6 +36,7 @@ impl Assembly {
         for index in 0..self.drives.len() {
             self.take_hold(index, start);
         }
+        self.begin_joints(start)?;
         self.count_turns(start);
         Ok(())
     }

@@ -60,12 +60,16 @@ pub(super) const END_STATE: &[Column] = columns! {
     "velocity_y_m_per_s": "Velocity along y, m/s.",
     "velocity_z_m_per_s": "Velocity along z, m/s.",
     "spin_rad_per_s": "Rate at which the edge that starts at the node spins about itself, rad/s.",
-    "wall_tangent_x": "Tangent of the clamp at the node, along x; empty if no clamp held the frame of the rod.",
+    "wall_tangent_x": "Tangent of the clamp at the node, or of the rigid joint, hinge or body to which the rod is clamped there, \
+        along x; empty if nothing held the frame of the rod.",
     "wall_tangent_y": "Its component along y.",
     "wall_tangent_z": "Its component along z.",
-    "wall_director_x": "First material director of the clamp, along x.",
+    "wall_director_x": "First material director there, along x.",
     "wall_director_y": "Its component along y.",
     "wall_director_z": "Its component along z.",
+    "wall_spin_x_rad_per_s": "Angular velocity of the joint or body about x, rad/s; empty at clamps.",
+    "wall_spin_y_rad_per_s": "Its component about y.",
+    "wall_spin_z_rad_per_s": "Its component about z.",
 };
 
 pub(super) const SUMMARY: &[Column] = columns! {

@@ -220,6 +220,9 @@ fn names_of_own_files() -> Vec<&'static str> {
     of_kinds.flat_map(|file| file.names).copied().collect()
 }
 
+/// Largest distance of joined nodes in a state, in edges.
+const LARGEST_JOINT_GAP: f64 = 1e-3;
+
 /// Starts the scene from the end of another run.
 ///
 /// # Errors
@@ -227,12 +230,41 @@ fn names_of_own_files() -> Vec<&'static str> {
 fn begin_at(prepared: &mut PreparedRun, start: &scenario::Start) -> Result<(), String> {
     let rows = read_end_state(&start.contents)?;
     let mut state = start_from(&rows, &rod_records(prepared))?;
+    refuse_broken_joints(&prepared.scene, &state)?;
     if !start.velocities {
         state.velocities.clear();
         state.spins.clear();
+        state.turning.clear();
     }
     prepared.scene.start = Some(state);
     prepared.start = Some(start.contents.clone());
+    Ok(())
+}
+
+/// Checks that nodes that are joined in the scene coincide in the state.
+///
+/// # Errors
+/// The joint whose nodes are apart.
+fn refuse_broken_joints(scene: &mechanics::Scene, state: &mechanics::Start) -> Result<(), String> {
+    let first_node = |rod: usize| -> usize {
+        let before = scene.rods[..rod].iter();
+        before.map(|rod| rod.centreline.len()).sum()
+    };
+    for joint in scene.joints.iter().filter(|joint| !joint.kind.slides()) {
+        let [one, other] = joint
+            .nodes
+            .map(|at| state.positions[first_node(at.rod) + at.node]);
+        let centreline = &scene.rods[joint.nodes[0].rod].centreline;
+        let edge = (centreline[1] - centreline[0]).norm();
+        let distance = (one - other).norm();
+        if distance > LARGEST_JOINT_GAP * edge {
+            return Err(format!(
+                "the nodes of joint `{}` are {distance:.2e} m apart at the end of that run: \
+                 was it broken there, or not a joint?",
+                joint.name
+            ));
+        }
+    }
     Ok(())
 }
 

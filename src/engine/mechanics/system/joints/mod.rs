@@ -55,10 +55,6 @@ const NO_EQUILIBRIUM: SceneError = SceneError::Unsuitable(
     "an equilibrium does not determine the friction of sliding nodes: run dynamically",
 );
 
-const NO_START: SceneError = SceneError::Unsuitable(
-    "a scene with rigid joints, hinges, sliding nodes or bodies with inertia cannot start from the end of another run, because its results do not contain their rotation or the position at which they slide",
-);
-
 /// Joints and bodies of a scene, with its unknowns numbered.
 #[derive(Clone, Debug, Default)]
 pub struct Joints {
@@ -103,9 +99,7 @@ impl Joints {
     /// # Errors
     /// The reason why it does not.
     pub(crate) fn admit(&self, demand: Demand) -> Result<(), SceneError> {
-        let turn_or_slide = !self.frames.is_empty() || !self.slides.is_empty();
         match demand {
-            Demand::Start if turn_or_slide => Err(NO_START),
             Demand::Equilibrium | Demand::NearbyEquilibrium | Demand::Path if self.rub() => {
                 Err(NO_EQUILIBRIUM)
             }

@@ -61,6 +61,11 @@ impl Rubbing {
         }
     }
 
+    /// Begins at s with no part of it mobilised.
+    pub(super) fn begin(&mut self, parameter: f64) {
+        self.restore([parameter, 0.0]);
+    }
+
     /// Sets s.
     pub(super) fn place(&mut self, parameter: f64) {
         let [start, state] = self.committed;

@@ -22,6 +22,11 @@ use crate::mechanics::Vector3;
 use crate::mechanics::rod::{STRIDE, topology::position};
 use crate::mechanics::scene::CoulombFriction;
 
+/// Points of an edge among which the nearest one to a node is sought, and iterations of Newton's
+/// method from there.
+const SAMPLES_PER_EDGE: f64 = 4.0;
+const NEAREST_ITERATIONS: usize = 8;
+
 /// A sliding node, at the configuration of the last [`Slide::place`].
 #[derive(Clone, Debug)]
 pub struct Slide {
@@ -104,6 +109,50 @@ impl Slide {
     /// Mean edge length of that rod, m: the unit of s.
     pub(crate) fn edge(&self) -> f64 {
         self.track.edge
+    }
+
+    /// The parameter at which the curve is nearest to the node, and their distance, m.
+    pub(crate) fn nearest(&self, unknowns: &[f64]) -> (f64, f64) {
+        let target = position(unknowns, self.node);
+        let at = |parameter: f64| {
+            let weights = self.track.at(parameter);
+            let of = |node: usize| position(unknowns, node);
+            let place = sum(&weights.values, &weights.nodes, of);
+            (target - place, Grip::new(weights, of).tangent)
+        };
+        let length = self.track.length() / self.track.edge;
+        let count = (SAMPLES_PER_EDGE * length).ceil() as usize;
+        let samples = (0..=count).map(|sample| length * sample as f64 / count as f64);
+        let mut nearest = (0.0, f64::INFINITY);
+        for parameter in samples {
+            let distance = at(parameter).0.norm();
+            if distance < nearest.1 {
+                nearest = (parameter, distance);
+            }
+        }
+        for _ in 0..NEAREST_ITERATIONS {
+            let (apart, tangent) = at(nearest.0);
+            let moved = nearest.0 + apart.dot(&tangent) / tangent.norm_squared();
+            let moved = (self.track.ends()).map_or(moved, |[from, to]| moved.clamp(from, to));
+            nearest = (moved, at(moved).0.norm());
+        }
+        nearest
+    }
+
+    /// Rate of s in a motion with these velocities of the node and the rod.
+    pub(crate) fn rate_of(&self, velocity: &[f64]) -> f64 {
+        let Weights { nodes, values, .. } = &self.grip.weights;
+        let carried = sum(values, nodes, |node| position(velocity, node));
+        let relative = position(velocity, self.node) - carried;
+        relative.dot(&self.grip.tangent) / self.grip.tangent.norm_squared()
+    }
+
+    /// Begins at a configuration with no part of the friction mobilised.
+    pub(crate) fn begin(&mut self, unknowns: &[f64]) {
+        if let Some(rubbing) = &mut self.rubbing {
+            rubbing.begin(unknowns[self.unknown]);
+        }
+        self.place(unknowns, None);
     }
 
     /// Force of the joint at the last evaluation, N.
