@@ -1,4 +1,4 @@
-//! Tendons: a backbone that they bend and twist, and a movable pulley.
+//! Tendons: a backbone that they bend and twist, and movable pulleys.
 
 use super::rods::run_until;
 use super::scenario::{at_rest, simulation};
@@ -12,6 +12,11 @@ const HELIX: Expectation = Expectation::new(
 );
 const PULLEY: Expectation =
     Expectation::new("a = g (m₁ − 2 m₂)/(m₁ + 4 m₂)", "Newton, massless pulley");
+
+const WINCH: Expectation = Expectation::new(
+    "T = W/(1 + e^(−μφ)), φ = π; lowering, W/(1 + e^(μφ))",
+    "Euler, Eytelwein",
+);
 
 const BACKBONE: &str = include_str!("scenes/tendon_backbone.toml");
 /// Length of the backbone and distance of the tendon, m; tension, N; EI and GJ, N m².
@@ -27,7 +32,7 @@ const MIDDLE: usize = 60;
 
 const GRAVITY: f64 = 9.81;
 
-/// Checks an arc, a helix, and two weights on a rope.
+/// Checks an arc, a helix, two weights on a rope, and a winch.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let [curvature, _] = bent(0.0)?;
     let mut checks = vec![
@@ -47,6 +52,11 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
             .relative(expected_twist, twist, 1e-3),
     );
     checks.push(movable_pulley()?);
+    checks.push(winch(
+        "winch that lifts by a pulley with friction 0.15: its pull",
+        0.02,
+    )?);
+    checks.push(winch("the same, as it lowers", -0.02)?);
     Ok(checks)
 }
 
@@ -85,4 +95,23 @@ fn movable_pulley() -> Result<Check, GroupError> {
     Ok(PULLEY
         .of("weight on a movable pulley: acceleration", "m/s²")
         .relative(down, found, 1e-5))
+}
+
+/// Pull of a winch that takes in at a rate, m/s.
+fn winch(name: &str, rate: f64) -> Result<Check, GroupError> {
+    let (friction, stiffness) = (0.15, 500.0);
+    let weight = GRAVITY * (0.2 + 1000.0 * PI * 1e-6 * 0.02);
+    // At the start each part carries half of it.
+    let rest_length = 2.0 / (1.0 + 0.5 * weight / stiffness);
+    let set = [
+        format!("parameters.rest_length={rest_length:?}"),
+        format!("parameters.rate={rate:?}"),
+    ];
+    let mut simulation = simulation(include_str!("scenes/winch_with_friction.toml"), &set)?;
+    run_until(&mut simulation, 2.0)?;
+    let ratio = libm::exp(-friction * PI * rate.signum());
+    let found = simulation.tendon_tension(0);
+    Ok(WINCH
+        .of(name, "N")
+        .relative(weight / (1.0 + ratio), found, 1e-4))
 }

@@ -27,7 +27,7 @@ pub struct SweepDirectory {
 impl SweepDirectory {
     /// Opens the directory of a sweep and writes `manifest` if there is none; the hash in the
     /// manifest identifies the sweep of an old directory. With `force`, old results are removed,
-    /// including the listed files of its kind of experiment.
+    /// and with them the files that the kind of experiment lists.
     ///
     /// # Errors
     /// Those of [`ResultsDirectory::open`](super::ResultsDirectory::open); with `force` also

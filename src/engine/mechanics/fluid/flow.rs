@@ -229,9 +229,9 @@ impl Stations {
 }
 
 /// Degree of the expansions for a relative error of the drag. For helices 3 mm and 3 cm apart the
-/// velocities have errors of about 0.015 · 0.37ᵖ at degree p, and the forces ten times as much. The
-/// errors of the expansions vary from node to node, and such velocities take larger forces than
-/// smooth ones.
+/// velocities have errors of about 0.015 · 0.37ᵖ at degree p, and the forces ten times as much: the
+/// errors vary from node to node, and a velocity that varies so takes a larger force than a smooth
+/// one.
 fn order_for(far_field_error: f64) -> usize {
     (libm::log(far_field_error / 0.2) / libm::log(0.38f64)).ceil() as usize
 }

@@ -14,8 +14,8 @@ pub struct Tendon {
     pub eyelets: Vec<Eyelet>,
     /// What determines its tension.
     pub pull: Pull,
-    /// Friction in its eyelets; `None` if it slides freely. Only for a given tension, which acts at
-    /// the first eyelet; the tendon is then fixed to the last one.
+    /// Friction in its eyelets; `None` if it slides freely. A given tension acts at the first
+    /// eyelet, where a winch takes in, too; the tendon is fixed to the last one.
     pub friction: Option<CoulombFriction>,
 }
 

@@ -1,6 +1,6 @@
-//! Friction of a tendon under a given tension in its eyelets.
+//! Friction of a tendon in its eyelets.
 //!
-//! The tension T acts in the first part, and the tendon is fixed to its last eyelet. Where it turns
+//! The tendon is pulled or taken in at its first eyelet and fixed to its last. Where it turns
 //! by the angle φₖ in the eyelet k, the tension falls or rises by Euler's formula for belts,
 //!
 //! ```text
@@ -12,14 +12,19 @@
 //! of the tendon beyond the eyelet, whose decrease is what has moved through it,
 //!
 //! ```text
-//! zₖ = clamp(zₖ⁰ + (Λₖ⁰ − Λₖ)/δ, −1, 1)
+//! zₖ = clamp(zₖ⁰ + (Λₖ⁰ − Λₖ)/δ, −1, 1),     Λₖ = Σ_{j>k} rⱼ/(1 + Tⱼ/EA)
 //! ```
 //!
-//! with the values z⁰ and Λ⁰ at the start of the step and the presliding length δ. So a tendon that
-//! rests keeps its differences of tension. Forces have no potential; their Jacobian is not symmetric:
+//! with the values z⁰ and Λ⁰ at the start of the step and the presliding length δ; Λ is counted
+//! without stretch. So a tendon that rests keeps its differences of tension.
+//!
+//! **Tensions** follow from that in the last part, τ: each Λₖ depends on the tensions after it only.
+//! τ is such that T in the first part is that given, or that Σ rₖ/(1 + Tₖ/EA) is the rest length L.
+//! The sum falls as τ grows. Forces have no potential, and their Jacobian is not symmetric: with
+//! the derivatives at constant τ and those over τ, from the last part to the first,
 //!
 //! ```text
-//! ∂Tₖ/∂q = −μ Tₖ Σ_{j<k} (zⱼ ∂φⱼ/∂q − φⱼ ∂Λⱼ/∂q/δ),     the last summand where |zⱼ| < 1
+//! ∂Tₖ = Tₖ/Tₖ₊₁ ∂Tₖ₊₁ + μ Tₖ (z ∂φ − φ ∂Λ/δ),     the last summand where |z| < 1
 //! ```
 //!
 //! The angle is rounded at zero, φ → √(φ² + ε²) − ε, since it has a corner where the tendon is
@@ -70,17 +75,31 @@ impl Capstans {
         }
     }
 
-    /// Sets angles and states for the straight parts of the tendon.
-    pub(super) fn update(&mut self, parts: &[StraightPart]) {
-        let mut beyond = 0.0;
-        for (capstan, parts) in self.inner.iter_mut().zip(parts.windows(2)).rev() {
+    /// Number of inner eyelets.
+    pub(super) fn count(&self) -> usize {
+        self.inner.len()
+    }
+
+    /// Sets the angles between the straight parts of the tendon.
+    pub(super) fn turn(&mut self, parts: &[StraightPart]) {
+        for (capstan, parts) in self.inner.iter_mut().zip(parts.windows(2)) {
             let [before, after] = [&parts[0], &parts[1]];
-            beyond += after.length;
-            capstan.beyond = beyond;
-            let [start, state] = capstan.committed;
-            capstan.state = (state + (start - beyond) / self.presliding).clamp(-1.0, 1.0);
             (capstan.angle, capstan.slopes) = rounded_angle(&before.direction, &after.direction);
         }
+    }
+
+    /// Sets the length beyond an inner eyelet, m, and with it its state.
+    pub(super) fn slide(&mut self, inner: usize, beyond: f64) {
+        let capstan = &mut self.inner[inner];
+        capstan.beyond = beyond;
+        let [start, state] = capstan.committed;
+        capstan.state = (state + (start - beyond) / self.presliding).clamp(-1.0, 1.0);
+    }
+
+    /// Largest ratio of two tensions, e^(μ Σ φ).
+    pub(super) fn largest_ratio(&self) -> f64 {
+        let turn: f64 = self.inner.iter().map(|capstan| capstan.angle).sum();
+        libm::exp(self.law.coefficient * turn)
     }
 
     /// Begins at the present state.

@@ -20,6 +20,7 @@
 mod capstan;
 mod entries;
 mod eyelet;
+mod friction;
 #[cfg(test)]
 mod tests;
 
@@ -29,7 +30,7 @@ use super::demand::Demand;
 use super::events::Event;
 use super::newton_matrix::Entries;
 use super::term::{Configuration, Kind, Term};
-use crate::linalg::{Element, ElementMatrix};
+use crate::linalg::Element;
 use crate::mechanics::rod::{ElasticEnergy, ElasticRods, RodGeometry};
 use crate::mechanics::scene::{Eyelet, Pull, Scene, Tendon, piecewise_linear};
 use crate::mechanics::{Matrix3, SceneError, Vector3};
@@ -121,9 +122,6 @@ impl PlacedTendon {
         let placed = placed.filter(|placed| placed.len() > 1);
         let placed = placed.ok_or_else(invalid)?;
         let rubs = tendon.friction.is_some();
-        if rubs && tendon.pull.stretches() {
-            return Err(invalid());
-        }
         let unknowns = |(eyelet, _): &(Option<RodEyelet>, Vector3)| {
             let own = eyelet.iter().flat_map(RodEyelet::unknowns);
             own.collect::<Vec<usize>>()
@@ -168,16 +166,19 @@ impl PlacedTendon {
         self.parts.clear();
         self.parts.extend(parts);
         self.length = self.parts.iter().map(|part| part.length).sum();
-        if let Some(capstans) = &mut self.capstans {
-            capstans.update(&self.parts);
+        let tension = self.tension();
+        self.parts
+            .iter_mut()
+            .for_each(|part| part.tension = tension);
+        let Some(mut capstans) = self.capstans.take() else {
+            return;
+        };
+        capstans.turn(&self.parts);
+        match self.pull {
+            Pull::Tension(_) => self.pass_tension(&mut capstans),
+            Pull::Stretching { stiffness, .. } => self.find_tensions(stiffness, &mut capstans),
         }
-        let mut tension = self.tension();
-        for (number, part) in self.parts.iter_mut().enumerate() {
-            if let (Some(capstans), Some(inner)) = (&self.capstans, number.checked_sub(1)) {
-                tension *= capstans.ratio(inner);
-            }
-            part.tension = tension;
-        }
+        self.capstans = Some(capstans);
     }
 
     /// Takes the present length as rest length if the scene has none. Returns whether some is left
@@ -243,6 +244,13 @@ impl PlacedTendon {
     fn energy(&self) -> f64 {
         match self.pull {
             Pull::Tension(_) => 0.0,
+            Pull::Stretching { stiffness, .. } if self.capstans.is_some() => {
+                let of_part = |part: &StraightPart| {
+                    let strain = part.tension / stiffness;
+                    0.5 * part.tension * strain * part.length / (1.0 + strain)
+                };
+                self.parts.iter().map(of_part).sum()
+            }
             Pull::Stretching { .. } => 0.5 * self.tension() * (self.length - self.given),
         }
     }
@@ -277,6 +285,10 @@ impl PlacedTendon {
                 });
             }
         }
+        if let Some(capstans) = &self.capstans {
+            self.add_friction(capstans, matrices);
+            return;
+        }
         let stiffness = self.stiffness();
         if stiffness > 0.0 {
             for (column, slope) in self.slopes() {
@@ -284,9 +296,6 @@ impl PlacedTendon {
                     (self.entries).add(matrices, row, column, stiffness * slope * other);
                 }
             }
-        }
-        if let Some(capstans) = &self.capstans {
-            self.add_friction(capstans, matrices);
         }
     }
 
@@ -303,43 +312,6 @@ impl PlacedTendon {
         let direction = self.parts[part].direction;
         self.span(part)
             .map(move |(slot, rate)| (slot, direction.dot(&rate)))
-    }
-
-    /// Adds Σ ∂ℓₖ/∂q ∂Tₖ/∂qᵀ of friction over the straight parts.
-    fn add_friction(&self, capstans: &Capstans, matrices: &mut [ElementMatrix]) {
-        // ∂Λ/∂q beyond the present eyelet, and Σ (z ∂φ/∂q − φ ∂Λ/∂q/δ) up to it.
-        let mut beyond = vec![0.0; self.entries.unknowns()];
-        let mut fall = beyond.clone();
-        let parts = 1..self.parts.len();
-        for (slot, slope) in parts.clone().flat_map(|part| self.lengthening(part)) {
-            beyond[slot] += slope;
-        }
-        for number in parts {
-            let (state, slopes, sticks) = capstans.slopes(number - 1);
-            for (side, slope) in [number - 1, number].into_iter().zip(slopes) {
-                let StraightPart {
-                    direction, length, ..
-                } = self.parts[side];
-                if length == 0.0 {
-                    continue;
-                }
-                let across = (slope - direction * direction.dot(&slope)) * (state / length);
-                for (slot, rate) in self.span(side) {
-                    fall[slot] += across.dot(&rate);
-                }
-            }
-            for (fall, beyond) in fall.iter_mut().zip(&beyond) {
-                *fall -= sticks * beyond;
-            }
-            let factor = -capstans.coefficient() * self.parts[number].tension;
-            for (row, slope) in self.lengthening(number) {
-                beyond[row] -= slope;
-                for (column, fall) in fall.iter().enumerate() {
-                    let value = factor * slope * fall;
-                    self.entries.add(matrices, row, column, value);
-                }
-            }
-        }
     }
 
     /// Σ w ∂r/∂p over the straight parts at an eyelet, with weights w of the parts.
@@ -420,9 +392,7 @@ impl Term for Tendons {
                 return Err(SceneError::Tendon(tendon.name.clone()));
             }
             placed.drive(0.0);
-            if let Some(capstans) = &mut placed.capstans {
-                capstans.begin(placed.length);
-            }
+            placed.begin_friction();
             tendons.push(placed);
         }
         tendons.iter().for_each(|tendon| tendon.round(assembly));

@@ -18,9 +18,9 @@ keys! {
         /// Tension at given times, [[time, tension], ...], linear between them and constant
         /// outside: a tendon that a force pulls.
         tension: raw(Vec<(Quantity<Time>, Quantity<Force>)>) raw,
-        /// Coefficient of friction μ in the inner eyelets of a tendon with a given `tension`, which
-        /// acts at the first eyelet: where the tendon turns by φ and slides, the tension changes by
-        /// the factor e^(−μφ) or e^(μφ). It is fixed to the last eyelet. Not in static runs.
+        /// Coefficient of friction μ in the inner eyelets of a tendon that is pulled or taken in at
+        /// the first eyelet and fixed to the last: where the tendon turns by φ and slides, the
+        /// tension changes by the factor e^(−μφ) or e^(μφ). Not in runs that find equilibria.
         friction: number(Dimensionless, NON_NEGATIVE) default(0.0),
         /// Length that the tendon is moved in an eyelet until it slides. Default: a
         /// hundred-thousandth of its placed length.

@@ -143,19 +143,13 @@ impl Tendon {
             Some(_) if !self.tension.is_empty() => {
                 section.fault("tension", format!("give {pull}, not both"));
             }
+            Some(_) => {}
             None => section.refuse(
                 &[
                     ("rest_length", self.rest_length.is_some()),
                     ("taken_in", !self.taken_in.is_empty()),
                 ],
                 "this key belongs to tendons with `stretching_stiffness`",
-            ),
-            Some(_) => section.refuse(
-                &[
-                    ("friction", self.friction > 0.0),
-                    ("presliding", self.presliding.is_some()),
-                ],
-                "this key belongs to tendons with a given `tension`",
             ),
         }
         if self.presliding.is_some() && self.friction == 0.0 {
@@ -361,10 +355,6 @@ TENDON
                     "stretching_stiffness = 9\nrest_length = 1\ntaken_in = [[0, 0], [1, 2]]\n{through}"
                 ),
                 "less than `rest_length`",
-            ),
-            (
-                format!("stretching_stiffness = 2\nfriction = 0.1\n{through}"),
-                "belongs to tendons with a given `tension`",
             ),
             (
                 format!("tension = [[0, 1]]\npresliding = 0.1\n{through}"),
