@@ -196,6 +196,14 @@ fn faults_of_flows_name_their_keys() {
             "`fluid.flow.compressed`: it is not perpendicular",
         ),
         (
+            flow("kind = \"shear\"\ndirection = [1, 0, 0]\ngradient = [1, 0, 1]\nrate = 1\n"),
+            "`fluid.flow.gradient`: it is not perpendicular",
+        ),
+        (
+            flow(FLOWS[3]).replace("along = [0, 0, 1]", "along = [0.1, 0, 1]"),
+            "`fluid.flow.along`: it is not perpendicular",
+        ),
+        (
             flow(FLOWS[3]).replace("[[0, 0],", "[[2, 0],"),
             "positions must grow",
         ),

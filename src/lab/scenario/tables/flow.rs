@@ -23,7 +23,8 @@ keys! {
         Shear {
             /// Direction of the velocity.
             direction: direction() required,
-            /// Direction in which the velocity grows: the normal of the plane.
+            /// Direction in which the velocity grows: the normal of the plane, perpendicular to
+            /// `direction`.
             gradient: direction() required,
             /// Velocity per distance from the plane.
             rate: number(Frequency, FINITE) required,
@@ -55,7 +56,8 @@ keys! {
         Profile {
             /// Direction of the velocity.
             direction: direction() required,
-            /// Direction along which positions are measured, from the origin.
+            /// Direction along which positions are measured, from the origin; perpendicular to
+            /// `direction`.
             along: direction() required,
             /// Velocity at given positions, [[position, velocity], ...], linear between them and
             /// constant beyond.
@@ -71,22 +73,42 @@ keys! {
 }
 
 impl Flow {
-    /// Reports directions of an extension that are not perpendicular.
+    /// Reports directions that are not perpendicular, for which the fluid would be compressible.
     pub fn check_directions(&self, section: &Section<'_>) {
-        if let FlowKind::Extension {
-            stretched,
-            compressed: Some(compressed),
-            ..
-        } = &self.kind
-        {
-            let products = stretched.iter().zip(compressed).map(|(a, b)| a * b);
-            if products.sum::<f64>().abs() > PERPENDICULAR {
-                section.below("flow").fault(
-                    "compressed",
-                    "it is not perpendicular to `stretched`; without this key the fluid is \
-                     compressed in all directions across",
-                );
-            }
+        let (key, pair, fault) = match &self.kind {
+            FlowKind::Shear {
+                direction,
+                gradient,
+                ..
+            } => (
+                "gradient",
+                [direction, gradient],
+                "it is not perpendicular to `direction`; a velocity that grows along itself would \
+                 compress the fluid",
+            ),
+            FlowKind::Profile {
+                direction, along, ..
+            } => (
+                "along",
+                [direction, along],
+                "it is not perpendicular to `direction`; a velocity that changes along itself \
+                 would compress the fluid",
+            ),
+            FlowKind::Extension {
+                stretched,
+                compressed: Some(compressed),
+                ..
+            } => (
+                "compressed",
+                [stretched, compressed],
+                "it is not perpendicular to `stretched`; without this key the fluid is \
+                 compressed in all directions across",
+            ),
+            _ => return,
+        };
+        let cosine: f64 = pair[0].iter().zip(pair[1]).map(|(a, b)| a * b).sum();
+        if cosine.abs() > PERPENDICULAR {
+            section.below("flow").fault(key, fault);
         }
     }
 
