@@ -4,8 +4,8 @@ use crate::test_support::{advance_to, prepared, ran, simulation};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::Simulation;
 
-/// A stick that flies and tumbles, and whose end is turned about its axis.
-const FLYING: &str = r#"
+/// A stick; the keys of its rod continue.
+const STICK: &str = r#"
 experiment = "scene"
 material = { youngs_modulus = "1 MPa", poissons_ratio = 0.5, density = 1000.0 }
 time = { end = "20 ms", step = "1 ms" }
@@ -15,6 +15,10 @@ name = "stick"
 radius = "5 mm"
 edges = 6
 shape = { kind = "straight", start = [0, 0, 0], end = [0.3, 0, 0] }
+"#;
+
+/// A stick that flies and tumbles, and whose end is turned about its axis.
+const FLYING: &str = r#"
 velocity = [0.5, 0, 0.2]
 angular_velocity = [0, 1, 2]
 [[loads]]
@@ -26,12 +30,13 @@ moment = [1e-4, 0, 0]
 
 #[test]
 fn rods_keep_the_velocities_that_they_had_or_start_with_their_own() {
-    let (_, directory) = ran(&prepared("flying", FLYING).unwrap()).unwrap();
+    let flying = format!("{STICK}{FLYING}");
+    let (_, directory) = ran(&prepared("flying", &flying).unwrap()).unwrap();
     let starting = |more: &str| {
         let from = directory.path();
         simulation(
             "next",
-            &format!("start = {{ from = {from:?}{more} }}\n{FLYING}"),
+            &format!("start = {{ from = {from:?}{more} }}\n{flying}"),
         )
         .unwrap()
     };
@@ -43,8 +48,8 @@ fn rods_keep_the_velocities_that_they_had_or_start_with_their_own() {
         let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         farthest < 1e-12 && off < 1e-9
     };
-    let placed = simulation("flying", FLYING).unwrap();
-    let mut flown = simulation("flying", FLYING).unwrap();
+    let placed = simulation("flying", &flying).unwrap();
+    let mut flown = simulation("flying", &flying).unwrap();
     advance_to(&mut flown, 0.02);
     assert!(!same(&placed, &flown));
     let spins = flown.as_start().spins;
@@ -56,15 +61,6 @@ fn rods_keep_the_velocities_that_they_had_or_start_with_their_own() {
 
 /// A stick with a flap on a hinge, a rod welded to both, a weight, and a ring that slides on it.
 const JOINED: &str = r#"
-experiment = "scene"
-material = { youngs_modulus = "1 MPa", poissons_ratio = 0.5, density = 1000.0 }
-time = { end = "20 ms", step = "1 ms" }
-output = { interval = "10 ms" }
-[[rods]]
-name = "stick"
-radius = "5 mm"
-edges = 6
-shape = { kind = "straight", start = [0, 0, 0], end = [0.3, 0, 0] }
 [[rods]]
 name = "flap"
 radius = "5 mm"
@@ -108,11 +104,12 @@ acceleration = [0, 50, -98.1]
 
 #[test]
 fn joined_rods_and_bodies_continue_where_they_were() {
-    let (_, directory) = ran(&prepared("joined", JOINED).unwrap()).unwrap();
+    let joined = format!("{STICK}{JOINED}");
+    let (_, directory) = ran(&prepared("joined", &joined).unwrap()).unwrap();
     let from = directory.path();
     let next = |text: &str| simulation("next", &format!("start = {{ from = {from:?} }}\n{text}"));
-    let started = next(JOINED).unwrap();
-    let mut whole = simulation("joined", JOINED).unwrap();
+    let started = next(&joined).unwrap();
+    let mut whole = simulation("joined", &joined).unwrap();
     let placed = whole.as_start();
     advance_to(&mut whole, 0.02);
     let [now, ended] = [started.as_start(), whole.as_start()];
@@ -134,6 +131,6 @@ fn joined_rods_and_bodies_continue_where_they_were() {
     assert!(ended.turning.iter().flatten().any(|spin| spin.norm() > 0.1));
     // A joint that the earlier run did not have.
     let more = "[[joints]]\nkind = \"ball\"\nrods = [\"ring\", \"post\"]\nat = [\"end\", 1]\n";
-    let refused = next(&format!("{JOINED}{more}")).err().unwrap();
+    let refused = next(&format!("{joined}{more}")).err().unwrap();
     assert!(refused.contains("apart"), "{refused}");
 }
