@@ -105,33 +105,20 @@ impl Piece {
             sine_by[0] = cosine[0] * by.angle;
             cosine_by[0] = -sine[0] * by.angle;
         }
-        // j θ_j.
+        // j θ_j, and cos θ beside sin θ: the sums below are of pairs.
         let mut weighted = [0.0; TERMS + 2];
+        let mut pairs = [[0.0; 2]; TERMS + 2];
+        pairs[0] = [cosine[0], sine[0]];
         for k in 0..TERMS {
             if k > 0 {
-                // Three separate sums: a single one would wait for its last addition.
                 weighted[k] = k as f64 * angle[k];
-                let [mut of_sine, mut of_cosine] = [0.0; 2];
-                let factors = sine[..k].iter().zip(&cosine[..k]).rev();
-                for (weighted, (sine, cosine)) in weighted[1..=k].iter().zip(factors) {
-                    of_sine += weighted * cosine;
-                    of_cosine += weighted * sine;
-                }
+                let [of_sine, of_cosine] = convolved(&weighted[1..=k], &pairs[..k]);
                 (sine[k], cosine[k]) = (of_sine / k as f64, -(of_cosine / k as f64));
-                let [
-                    [by_h, sine_by_h, cosine_by_h],
-                    [by_v, sine_by_v, cosine_by_v],
-                ] = &mut tangents;
-                let mut sums = [0.0; 4];
-                let factors = sine[..=k].iter().zip(&cosine[..=k]).rev();
-                for ((by_h, by_v), (sine, cosine)) in by_h.iter().zip(&*by_v).zip(factors) {
-                    sums[0] += by_h * cosine;
-                    sums[1] += by_h * sine;
-                    sums[2] += by_v * cosine;
-                    sums[3] += by_v * sine;
+                pairs[k] = [cosine[k], sine[k]];
+                for [angle_by, sine_by, cosine_by] in &mut tangents {
+                    let [of_sine, of_cosine] = convolved(&angle_by[..=k], &pairs[..=k]);
+                    (sine_by[k], cosine_by[k]) = (of_sine, -of_cosine);
                 }
-                (sine_by_h[k], cosine_by_h[k]) = (sums[0], -sums[1]);
-                (sine_by_v[k], cosine_by_v[k]) = (sums[2], -sums[3]);
             }
             let before = |series: &Series| {
                 if k > 0 {
@@ -190,6 +177,16 @@ impl Piece {
             by_vertical: by(&self.start.by_vertical, &self.tangents[1]),
         }
     }
+}
+
+/// Σ aⱼ b₋₁₋ⱼ over series of one length, the second one of pairs.
+fn convolved(factors: &[f64], pairs: &[[f64; 2]]) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for (factor, pair) in factors.iter().zip(pairs.iter().rev()) {
+        sums[0] += factor * pair[0];
+        sums[1] += factor * pair[1];
+    }
+    sums
 }
 
 impl Elastica {
