@@ -7,7 +7,8 @@
 //! smallest at which the solution is still accurate. At the second one, the resistance to
 //! separating two nodes is about that to moving each of them alone, which is also the resistance
 //! of tied nodes. At smaller distances it would be many times as large, and the force would jump
-//! when the tie is released.
+//! when the tie is released. Nodes that return are one point again below [`AGAIN`] ε: two separate
+//! nodes of rods that overlap so far are unstable.
 //!
 //! Only nodes that are joined, or that start so close, are ever tied. A node that slides along a
 //! filament is not a point of its own while it is on the filament. Its velocity follows from that
@@ -25,6 +26,8 @@ use std::ops::Range;
 pub(super) const CLOSE: f64 = 0.1;
 /// Distance above which they are two points again, relative to the smaller ε.
 const APART: f64 = 1.0;
+/// Distance below which such points are one again, relative to the smaller ε.
+const AGAIN: f64 = 0.5;
 /// Length along a filament, relative to ε, below which its own nodes are never tied, because they
 /// are neighbours.
 const NEIGHBOURS: f64 = 1.0;
@@ -174,7 +177,7 @@ impl Ties {
         let mut changed = false;
         for tie in &mut self.pairs {
             let [a, b] = tie.stations;
-            let limit = if tie.holds { APART } else { CLOSE };
+            let limit = if tie.holds { APART } else { AGAIN };
             let distance = (positions[a] - positions[b]).norm();
             let holds = distance < limit * smaller_regularization(links, [a, b]);
             changed |= holds != tie.holds;
