@@ -39,10 +39,12 @@ pub(super) fn place_joint(
             friction,
             presliding,
         } => JointKind::Slide {
-            friction: friction.map(|coefficient| CoulombFriction {
-                coefficient,
-                presliding,
-            }),
+            friction: friction
+                .filter(|coefficient| *coefficient > 0.0)
+                .map(|coefficient| CoulombFriction {
+                    coefficient,
+                    presliding,
+                }),
         },
         scenario::JointKind::Hinge {
             axis,
