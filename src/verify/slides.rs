@@ -1,6 +1,7 @@
 //! Nodes that slide along rods, from scenario files, against closed forms.
 
 use super::check::order;
+use super::rods::run_until;
 use super::scenario::{at_rest, simulation};
 use super::theory::friction::{sliding_acceleration, speed_on_hoop_squared};
 use super::{Check, Expectation, GroupError};
@@ -35,9 +36,7 @@ fn rubbed_incline() -> Result<Check, GroupError> {
     let slide = "kind = \"slide\"";
     let text = SHUTTLE.replace(slide, &format!("{slide}\nfriction = {friction}"));
     let mut simulation = simulation(&text, &[])?;
-    while simulation.time() < end {
-        simulation.advance(end)?;
-    }
+    run_until(&mut simulation, end)?;
     let acceleration = sliding_acceleration(GRAVITY, libm::asin(0.8), friction);
     let place = simulation.positions()[81];
     let name = "shuttle sliding down a wire with friction 0.5: distance";

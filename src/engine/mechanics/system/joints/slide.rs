@@ -87,7 +87,8 @@ impl Slide {
         Self {
             node,
             unknown,
-            rubbing: friction.map(|law| Rubbing::new(law, [track.length(), track.edge], start)),
+            rubbing: friction
+                .map(|law| Rubbing::new(law, [track.edge * track.span(), track.edge], start)),
             track,
             follow: grip.clone(),
             grip,
@@ -120,9 +121,9 @@ impl Slide {
             let place = sum(&weights.values, &weights.nodes, of);
             (target - place, Grip::new(weights, of).tangent)
         };
-        let length = self.track.length() / self.track.edge;
-        let count = (SAMPLES_PER_EDGE * length).ceil() as usize;
-        let samples = (0..=count).map(|sample| length * sample as f64 / count as f64);
+        let span = self.track.span();
+        let count = (SAMPLES_PER_EDGE * span).ceil() as usize;
+        let samples = (0..=count).map(|sample| span * sample as f64 / count as f64);
         let mut nearest = (0.0, f64::INFINITY);
         for parameter in samples {
             let distance = at(parameter).0.norm();

@@ -76,12 +76,12 @@ impl Track {
 
     /// Range of the parameter; `None` for a ring.
     pub(crate) fn ends(&self) -> Option<[f64; 2]> {
-        (!self.closed).then(|| [0.0, self.knots[self.knots.len() - 1]])
+        (!self.closed).then(|| [0.0, self.span()])
     }
 
-    /// Natural length, m.
-    pub(crate) fn length(&self) -> f64 {
-        self.edge * self.knots[self.knots.len() - 1]
+    /// The largest parameter, or that at which a ring closes.
+    pub(crate) fn span(&self) -> f64 {
+        self.knots[self.knots.len() - 1]
     }
 
     /// The curve at a parameter.

@@ -34,11 +34,7 @@ impl Slope {
 impl PlacedTendon {
     /// Sets the tensions under that given in the first part. Such a tendon does not stretch.
     pub(super) fn pass_tension(&mut self, capstans: &mut Capstans) {
-        let mut beyond = 0.0;
-        for inner in (0..self.parts.len() - 1).rev() {
-            beyond += self.parts[inner + 1].length;
-            capstans.slide(inner, beyond);
-        }
+        self.stretch_evenly(0.0, capstans);
         let mut tension = self.given;
         for (number, part) in self.parts.iter_mut().enumerate() {
             if let Some(inner) = number.checked_sub(1) {
@@ -66,17 +62,15 @@ impl PlacedTendon {
                 high = tension;
             }
             let next = tension - excess / slope;
-            let next = match low < next && next < high {
+            // Before the range: a root that is one of its ends is not inside of it.
+            if (next - tension).abs() <= 2.0 * f64::EPSILON * tension {
+                break;
+            }
+            tension = match low < next && next < high {
                 true => next,
                 false => 0.5 * (low + high),
             };
-            let moved = (next - tension).abs();
-            tension = next;
-            if moved <= 2.0 * f64::EPSILON * tension {
-                break;
-            }
         }
-        self.try_tension(tension, stiffness, capstans);
     }
 
     /// Sets the tensions for one in the last part, N. Returns by how much the length without
@@ -106,14 +100,18 @@ impl PlacedTendon {
             return;
         };
         // Without friction the tension is even.
-        let even = self.tension();
-        let mut beyond = 0.0;
-        for inner in (0..capstans.count()).rev() {
-            beyond += self.parts[inner + 1].length / (1.0 + even * self.compliance());
-            capstans.slide(inner, beyond);
-        }
+        self.stretch_evenly(self.tension() * self.compliance(), &mut capstans);
         capstans.begin(self.length);
         self.capstans = Some(capstans);
+    }
+
+    /// Sets the lengths beyond the inner eyelets for one strain of all parts.
+    fn stretch_evenly(&self, strain: f64, capstans: &mut Capstans) {
+        let mut beyond = 0.0;
+        for inner in (0..capstans.count()).rev() {
+            beyond += self.parts[inner + 1].length / (1.0 + strain);
+            capstans.slide(inner, beyond);
+        }
     }
 
     /// 1/EA, 1/N; zero under a given tension.
