@@ -4,6 +4,7 @@
 //! [`super::statics`] run it. Node indices in a scene are counted along each rod.
 
 mod actuation;
+mod free_body;
 mod joint;
 mod node_force;
 mod section;
@@ -12,6 +13,7 @@ mod tendon;
 mod yielding;
 
 pub use actuation::{ActuatedStrain, Actuation, Course, Wave};
+pub use free_body::FreeBody;
 
 pub use joint::{
     Body, CoulombFriction, HingeSpring, Joint, JointKind, RodNode, Spring, SpringForce, Strength,
@@ -52,6 +54,8 @@ pub struct Scene {
     pub sheaths: Vec<Sheath>,
     /// Point masses and rigid bodies on rods.
     pub bodies: Vec<Body>,
+    /// Rigid bodies that no rod carries.
+    pub free_bodies: Vec<FreeBody>,
     /// Forces between nodes, or on nodes, that are defined in code.
     pub forces: Vec<Arc<dyn NodeForce>>,
     /// External loads.

@@ -143,7 +143,7 @@ mod tests {
             nodes: 2,
             closed: false,
             radius: 1e-3,
-            radii: Vec::new(),
+            ..RodRecord::default()
         }];
         let velocities = vec![Vector3::new(0.1, -0.2, 1.0 / 3.0), Vector3::zeros()];
         let frame = Frame {

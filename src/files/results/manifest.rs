@@ -58,8 +58,8 @@ pub struct Manifest {
     pub files: FileMarks,
 }
 
-/// Data of a rod for readers of `nodes.csv`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Data of a rod, or of a free body, for readers of `nodes.csv`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RodRecord {
     /// Name of the rod.
     pub name: String,
@@ -72,9 +72,19 @@ pub struct RodRecord {
     /// Radius at each node, m, if it varies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub radii: Vec<f64>,
+    /// Triangles of a free body, as its nodes: node 0 is its centre of mass, the others are the
+    /// vertices of its shape. The surface is at the distance of the radius from them. Empty for a
+    /// rod.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub faces: Vec<[usize; 3]>,
 }
 
 impl RodRecord {
+    /// Whether it is a free body, whose nodes are not joined by edges.
+    pub fn is_body(&self) -> bool {
+        !self.faces.is_empty()
+    }
+
     /// Radius at a node, m.
     pub fn radius_at(&self, node: usize) -> f64 {
         self.radii.get(node).copied().unwrap_or(self.radius)
@@ -220,7 +230,7 @@ pub(super) mod tests {
                 nodes: 51,
                 closed: false,
                 radius: 5e-3,
-                radii: Vec::new(),
+                ..RodRecord::default()
             }],
             host: Some("bench".into()),
             threads: 4,

@@ -95,7 +95,7 @@ mod tests {
             nodes: 2,
             closed: false,
             radius: 1e-3,
-            radii: Vec::new(),
+            ..RodRecord::default()
         };
         let rods = [rod("one"), rod("two")];
         let frame = |time: f64| Frame {

@@ -183,7 +183,7 @@ mod tests {
             nodes,
             closed,
             radius: 1e-3,
-            radii: Vec::new(),
+            ..RodRecord::default()
         };
         vec![rod("beam", 2, false), rod("ring, \"red\"", 3, true)]
     }

@@ -89,7 +89,9 @@ pub(super) fn write_collection(
 }
 
 fn poly_data(rods: &[RodRecord], frame: &Frame) -> Vec<u8> {
-    let mut file = PolyData::new(frame.positions.len(), rods.len(), 0);
+    let count = rods.iter().filter(|rod| !rod.is_body()).count();
+    let triangles = triangles(rods);
+    let mut file = PolyData::new(frame.positions.len(), count, triangles.len());
     file.section("PointData", |file| {
         file.floats(
             "radius",
@@ -105,7 +107,10 @@ fn poly_data(rods: &[RodRecord], frame: &Frame) -> Vec<u8> {
             file.floats(name, 3, components(values));
         }
     });
-    file.section("CellData", |file| file.integers("rod", 0..rods.len()));
+    file.section("CellData", |file| {
+        let of_triangles = triangles.iter().map(|(rod, _)| *rod);
+        file.integers("rod", (0..count).chain(of_triangles));
+    });
     file.section("Points", |file| {
         file.floats("points", 3, components(&frame.positions));
     });
@@ -114,7 +119,26 @@ fn poly_data(rods: &[RodRecord], frame: &Frame) -> Vec<u8> {
         file.integers("connectivity", connectivity.into_iter());
         file.integers("offsets", offsets.into_iter());
     });
+    if !triangles.is_empty() {
+        file.section("Polys", |file| {
+            let corners = triangles.iter().flat_map(|(_, corners)| *corners);
+            file.integers("connectivity", corners);
+            let offsets = (1..=triangles.len()).map(|triangle| 3 * triangle);
+            file.integers("offsets", offsets);
+        });
+    }
     file.finish()
+}
+
+/// Triangles of free bodies, with the index of the body among all rods.
+fn triangles(rods: &[RodRecord]) -> Vec<(usize, [usize; 3])> {
+    let (mut first, mut triangles) = (0, Vec::new());
+    for (index, rod) in rods.iter().enumerate() {
+        let placed = rod.faces.iter().map(|face| face.map(|node| first + node));
+        triangles.extend(placed.map(|face| (index, face)));
+        first += rod.nodes;
+    }
+    triangles
 }
 
 /// A surface of triangles.
@@ -170,9 +194,11 @@ fn polylines(rods: &[RodRecord]) -> (Vec<usize>, Vec<usize>) {
     let (mut connectivity, mut offsets) = (Vec::new(), Vec::new());
     let mut first = 0;
     for rod in rods {
-        connectivity.extend(first..first + rod.nodes);
-        connectivity.extend(rod.closed.then_some(first));
-        offsets.push(connectivity.len());
+        if !rod.is_body() {
+            connectivity.extend(first..first + rod.nodes);
+            connectivity.extend(rod.closed.then_some(first));
+            offsets.push(connectivity.len());
+        }
         first += rod.nodes;
     }
     (connectivity, offsets)
@@ -310,7 +336,7 @@ mod tests {
             nodes,
             closed,
             radius,
-            radii: Vec::new(),
+            ..RodRecord::default()
         };
         vec![
             rod("a <b> & \"c\"", 3, false, 1e-3),

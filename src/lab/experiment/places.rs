@@ -1,7 +1,7 @@
 //! Lookup of rods by name, and of nodes and edges on them by place.
 
 use crate::scenario::{Issue, KeyPath, Place, did_you_mean};
-use rodlab_engine::mechanics::scene::RodDescription;
+use rodlab_engine::mechanics::scene::{RodDescription, Scene};
 
 /// The index of a place among the `count` nodes or edges of a rod; faults name the key.
 pub fn find_place(
@@ -34,6 +34,12 @@ pub fn find_rod(name: &str, rods: &[RodDescription], key: &KeyPath) -> Result<us
             .unwrap_or_else(|| format!("the rods are: {}", listed(&names)));
         Issue::new(key.clone(), format!("no rod is called `{name}`")).with_help(help)
     })
+}
+
+/// The free body with a name, counted after the rods.
+pub fn body_called(name: &str, scene: &Scene) -> Option<usize> {
+    let body = scene.free_bodies.iter().position(|body| body.name == name);
+    body.map(|body| scene.rods.len() + body)
 }
 
 /// Names as text, only the first ones of a long list.

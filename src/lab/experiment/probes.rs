@@ -1,6 +1,6 @@
 //! Resolves the probes of a scenario: names and places become rods, nodes and edges of the scene.
 
-use super::places::find_place;
+use super::places::{body_called, find_place};
 use crate::run::probes::{
     ContactPartner, Limit, Probe, Probes, Quantity, STOPPED_BY, StopWhen, Summary,
 };
@@ -144,11 +144,13 @@ fn resolve(probe: &scenario::Probe, scene: &Scene, key: &KeyPath) -> Result<Prob
             from_obstacle,
         } => {
             let from = rods.partner(from_rod.as_ref(), *from_plane, from_obstacle.as_ref())?;
-            Quantity::ContactForce {
-                rod: rods.rod(rod.as_ref())?,
-                from,
-            }
+            let rod = match rod {
+                Some(name) => rods.rod_or_body(name, "rod")?,
+                None => rods.rod(None)?,
+            };
+            Quantity::ContactForce { rod, from }
         }
+        ProbeKind::Body { body } => rods.body(body)?,
         ProbeKind::Energy { rod } => Quantity::Energy {
             rod: rods.rod(rod.as_ref())?,
         },
@@ -292,6 +294,18 @@ impl Rods<'_> {
             })
     }
 
+    /// A rod, or a free body, which is counted after the rods.
+    fn rod_or_body(&self, name: &str, key: &str) -> Result<usize, Issue> {
+        let body = body_called(name, self.scene);
+        body.map_or_else(|| self.named(name, key), Ok)
+    }
+
+    fn body(&self, name: &str) -> Result<Quantity, Issue> {
+        let names: Vec<&str> = names_of(&self.scene.free_bodies, |body| &body.name);
+        let body = self.part("body", "free bodies", name, &names)?;
+        Ok(Quantity::Body { body })
+    }
+
     fn tendon(&self, name: &str) -> Result<Quantity, Issue> {
         let names: Vec<&str> = names_of(&self.scene.tendons, |tendon| &tendon.name);
         let tendon = self.part("tendon", "tendons", name, &names)?;
@@ -375,7 +389,7 @@ impl Rods<'_> {
             return Ok(ContactPartner::Obstacle(obstacle));
         }
         Ok(match (rod, plane) {
-            (Some(name), _) => ContactPartner::Rod(self.named(name, "from_rod")?),
+            (Some(name), _) => ContactPartner::Rod(self.rod_or_body(name, "from_rod")?),
             (None, Some(plane)) if plane < planes => ContactPartner::Plane(plane),
             (None, Some(plane)) => {
                 let message = match planes {

@@ -55,6 +55,7 @@ impl CarriedBody {
         Body {
             triangles: self.triangles.iter().map(placed).collect(),
             hollow: false,
+            convex: false,
         }
     }
 

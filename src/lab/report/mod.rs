@@ -6,6 +6,7 @@ mod carried_bodies;
 mod case_folders;
 mod export;
 mod film;
+mod free_bodies;
 mod labels;
 mod mjcf;
 mod motion;

@@ -101,6 +101,7 @@ pub fn bodies_at(obstacles: &[Obstacle], surfaces: &[Surface], time: f64) -> Vec
                 .map(|corners| corners.map(|corner| pose.of(&corner)))
                 .collect(),
             hollow: surface.hollow,
+            convex: false,
         })
         .collect()
 }

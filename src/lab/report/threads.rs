@@ -130,6 +130,7 @@ impl Thread {
                 .map(|corners| corners.map(placed))
                 .collect(),
             hollow: false,
+            convex: false,
         }
     }
 

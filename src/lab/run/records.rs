@@ -4,7 +4,7 @@ use super::RunOptions;
 use super::participants::columns;
 use crate::run::PreparedRun;
 use rodlab_engine::mechanics::rigid_body::neighbourhood;
-use rodlab_engine::mechanics::scene::{Obstacle, RodDescription, Scene};
+use rodlab_engine::mechanics::scene::{FreeBody, Obstacle, RodDescription, Scene};
 use rodlab_files::origin::{VERSION, commit};
 use rodlab_files::results::{
     CaseRecord, CaseStatus, MAIN_CASE, Manifest, ObstacleSurfaces, RecorderPlan, ResultsError,
@@ -13,7 +13,7 @@ use rodlab_files::results::{
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Data of the rods for readers of the results.
+/// Data of the rods and free bodies for readers of the results.
 pub fn rod_records(prepared: &PreparedRun) -> Vec<RodRecord> {
     let record = |rod: &RodDescription| RodRecord {
         name: rod.name.clone(),
@@ -26,8 +26,21 @@ pub fn rod_records(prepared: &PreparedRun) -> Vec<RodRecord> {
                 .collect(),
             false => Vec::new(),
         },
+        faces: Vec::new(),
     };
-    prepared.scene.rods.iter().map(record).collect()
+    let body = |body: &FreeBody| RodRecord {
+        name: body.name.clone(),
+        nodes: body.nodes(),
+        radius: body.shape.radius,
+        // Its first node is its centre of mass.
+        faces: (body.shape.faces.iter())
+            .map(|face| face.map(|vertex| vertex + 1))
+            .collect(),
+        ..RodRecord::default()
+    };
+    let scene = &prepared.scene;
+    let rods = scene.rods.iter().map(record);
+    rods.chain(scene.free_bodies.iter().map(body)).collect()
 }
 
 /// Copies the start state of the run beside its scenario, which names it.

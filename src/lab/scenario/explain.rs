@@ -446,9 +446,9 @@ clamps.at
         insta::assert_snapshot!(explain(*EXPERIMENTS, "").unwrap(), @r###"
 A rodlab scenario. Numbers are in SI units; text may carry a unit, such as "1.6 mm".
 keys: actuation, bodies, clamps, contact, continuation, experiment, extends, flagella, fluid,
-  helix_stability, include, joints, knot, loads, material, networks, obstacles, output,
-  parameters, planes, probes, rod, rods, sheaths, solver, start, stop_when, sweep, tendons, time,
-  title, unset
+  free_bodies, helix_stability, include, joints, knot, loads, material, networks, obstacles,
+  output, parameters, planes, probes, rod, rods, sheaths, solver, start, stop_when, sweep,
+  tendons, time, title, unset
 "###);
     }
 

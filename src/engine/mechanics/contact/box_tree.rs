@@ -36,7 +36,7 @@ impl AlignedBox {
     }
 
     /// Whether two boxes have a point in common.
-    fn meets(&self, other: &Self) -> bool {
+    pub(crate) fn meets(&self, other: &Self) -> bool {
         (0..3).all(|axis| {
             self.lower[axis] <= other.upper[axis] && other.lower[axis] <= self.upper[axis]
         })

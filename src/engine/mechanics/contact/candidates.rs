@@ -159,7 +159,9 @@ impl Candidates {
             let clearance = self.reach + self.margin;
             self.broad_phase
                 .find(surface, positions, clearance, &mut self.found);
-            if !surface.obstacles().is_empty() {
+            let others = !surface.obstacles().is_empty() || !surface.body_faces().is_empty();
+            if others {
+                surface.find_at_bodies(positions, clearance, &mut self.found);
                 obstacles.find(surface, positions, clearance, &mut self.found);
                 self.found.sort_unstable_by_key(|(pair, _)| *pair);
             }
@@ -232,9 +234,10 @@ impl Candidates {
 /// Largest approach of the edges of a pair for given motions of all nodes, m. Vertices of
 /// obstacles do not move.
 pub(super) fn approach(pair: &CandidatePair, motion: &[f64]) -> f64 {
-    let of_node = |node: usize| motion.get(node).copied().unwrap_or(0.0);
-    let [a, b, c, d] = pair.nodes.map(of_node);
-    a.max(b) + c.max(d)
+    pair.approach(
+        pair.nodes
+            .map(|node| motion.get(node).copied().unwrap_or(0.0)),
+    )
 }
 
 #[cfg(test)]

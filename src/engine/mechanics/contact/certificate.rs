@@ -54,6 +54,7 @@ impl ContactSystem {
         let mut pairs = std::mem::take(&mut self.swept_pairs);
         self.broad_phase
             .find_swept(&self.surface, start, end, &mut pairs);
+        self.surface.find_swept_at_bodies(start, end, &mut pairs);
         self.obstacles
             .find_swept(&self.surface, start, end, &mut pairs);
         let passing = pairs

@@ -108,6 +108,15 @@ impl CandidatePair {
         matches!(self.side, -1 | 1)
     }
 
+    /// Largest approach of its two bodies if each of its nodes moves by this distance, m.
+    pub(super) fn approach(&self, [a, b, c, d]: [f64; 4]) -> f64 {
+        if self.is_with_face() {
+            a + b.max(c).max(d)
+        } else {
+            a.max(b) + c.max(d)
+        }
+    }
+
     /// Whether the second body is the rim of a tube.
     pub(super) fn is_with_rim(&self) -> bool {
         (RIM..=RIM_NODE).contains(&self.side)

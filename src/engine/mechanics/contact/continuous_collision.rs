@@ -25,13 +25,13 @@ use crate::mechanics::Vector3;
 /// to return. A larger part would need more steps when a force rises by orders of magnitude.
 pub(super) const KEPT_GAP: f64 = 0.1;
 /// The search ends after an advance that leaves at most this fraction of the kept gap as slack.
-const USED_UP: f64 = 0.1;
+pub(super) const USED_UP: f64 = 0.1;
 /// Maximum number of advances. After these the search returns the path so far, which is safe.
 ///
 /// Usually a few are enough. A pair of edges of length L that turn together by an angle θ needs θL
 /// divided by the gap, since the slabs do not turn: hundreds in the largest steps of a turning
 /// bundle.
-const ADVANCES: usize = 1000;
+pub(super) const ADVANCES: usize = 1000;
 
 /// The largest fraction t of the path `displacements`, at most `longest`, along which the
 /// centrelines of the edges (`nodes[0]`, `nodes[1]`) and (`nodes[2]`, `nodes[3]`) stay farther

@@ -1,5 +1,6 @@
 //! Forces and Jacobians of all contacts at one configuration.
 
+use super::body_faces::motion_jacobian;
 use super::candidates::approach;
 use super::closest_points::edge_distance;
 use super::contact_system::ContactSystem;
@@ -325,6 +326,11 @@ impl ContactSystem {
                 turns,
                 is_at_obstacle,
             ),
+            NearestPoints::Face(foot) if !is_at_obstacle => {
+                let sliding = sliding.map(|sliding| (sliding, friction.slip));
+                let motion = foot.motion_with(&pair.nodes, turns);
+                motion_jacobian(&motion, &pressure.tangent, sliding)
+            }
             NearestPoints::Face(_) => {
                 let sliding = sliding.map(|sliding| NodeSliding {
                     law: sliding.law,

@@ -17,7 +17,8 @@ impl ContactSurface {
         let distances = faces.filter_map(|(index, face)| {
             let [a, b, c] = points.of(face.vertices);
             let foot = Foot::of(&[*point, a, b, c], 1.0)?;
-            (face.obstacle == obstacle).then_some((self.edges().len() + index, foot.distance.abs()))
+            (face.obstacle == Some(obstacle))
+                .then_some((self.edges().len() + index, foot.distance.abs()))
         });
         distances.min_by(|a, b| a.1.total_cmp(&b.1))
     }
@@ -25,7 +26,10 @@ impl ContactSurface {
     /// Whether a point is within a closed obstacle, from the solid angle that its faces subtend at
     /// the point (van Oosterom and Strackee 1983): 4π inside, 0 outside.
     pub(super) fn is_inside(&self, obstacle: usize, point: &Vector3, points: &Points) -> bool {
-        let faces = self.faces().iter().filter(|face| face.obstacle == obstacle);
+        let faces = self
+            .faces()
+            .iter()
+            .filter(|face| face.obstacle == Some(obstacle));
         let seen: f64 = faces
             .map(|face| {
                 let [a, b, c] = points.of(face.vertices).map(|vertex| vertex - point);

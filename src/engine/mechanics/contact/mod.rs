@@ -8,6 +8,7 @@
 //! | `surface` | edges as capsules, planes, obstacles, which pairs are neighbours |
 //! | `placed_obstacles`, `foot` | rigid obstacles: positions, parts near a rod, and the foot of a node on a face |
 //! | `box_tree` | boxes around the parts of an obstacle, and which of them are near |
+//! | `body_faces` | faces of free bodies, which move |
 //! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
 //! | `inside` | points inside a closed obstacle |
@@ -43,6 +44,7 @@
 mod active_law;
 mod active_set;
 mod barrier;
+mod body_faces;
 mod box_tree;
 mod broad_phase;
 mod candidates;

@@ -70,6 +70,7 @@ impl NearestPoints {
 
     /// Motion of the contact with its nodes at these positions; normal and contact points are
     /// fixed unless it `turns`.
+    /// Corners of a face are at rest: see [`Foot::motion_with`] for those of a free body.
     pub(crate) fn motion(&self, nodes: &[Vector3; 4], turns: bool) -> ContactMotion {
         let mut motion = ContactMotion {
             weights: self.weights(),

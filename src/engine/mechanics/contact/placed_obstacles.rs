@@ -53,7 +53,8 @@ impl PlacedObstacles {
         if surface.obstacles().iter().any(|obstacle| obstacle.hollow) {
             all.pieces = pieces_of(surface);
         }
-        let (mut first_edge, mut first_face) = (surface.rod_edges().len(), 0);
+        let mut first_edge = surface.rod_edges().len();
+        let mut first_face = surface.body_faces().len();
         for obstacle in surface.obstacles() {
             let box_of = |corners: &[usize]| {
                 let corners = corners.iter().map(|&corner| obstacle.vertices[corner]);

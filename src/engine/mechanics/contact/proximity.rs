@@ -178,8 +178,12 @@ impl ContactSystem {
         };
         let mut found = Vec::new();
         BroadPhase::default().find(self.surface(), positions, clearance, &mut found);
+        self.surface
+            .find_at_bodies(positions, clearance, &mut found);
         self.obstacles
             .find(self.surface(), positions, clearance, &mut found);
+        let within = self.surface.within_bodies(positions).into_iter();
+        found.extend(within.map(|(pair, depth)| (pair, -depth)));
         // A rim does not act on rods that pass outside the tube, though they may be near it.
         let is_felt = |pair: &CandidatePair| {
             !pair.is_with_rim() || self.separation(pair, positions).is_some()

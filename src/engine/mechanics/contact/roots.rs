@@ -115,7 +115,7 @@ impl ContactSystem {
         });
         let faces = self.surface.faces().iter();
         let faces = faces
-            .filter(|face| face.obstacle == obstacle)
+            .filter(|face| face.obstacle == Some(obstacle))
             .filter_map(|face| {
                 let [a, b, c] = points.of(face.vertices);
                 let foot = Foot::of(&[*point, a, b, c], 1.0)?;

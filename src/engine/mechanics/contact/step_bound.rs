@@ -1,5 +1,6 @@
 //! Bound on a step so that it does not cross the barrier of incremental potential contact.
 
+use super::body_faces::safe_fraction_at_triangle;
 use super::candidates::approach;
 use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
@@ -105,6 +106,9 @@ impl ContactSystem {
                         let rim = self.surface.rim_of(pair, &points);
                         let bounds = [touch, KEPT_GAP];
                         safe_fraction_at_rim(side, &nodes, &moves, &rim, bounds, fraction)
+                    }
+                    _ if self.is_of_rod(pair.nodes[3]) => {
+                        safe_fraction_at_triangle(&nodes, &moves, touch, fraction)
                     }
                     side => {
                         let side = f64::from(side);

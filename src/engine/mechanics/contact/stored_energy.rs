@@ -108,10 +108,8 @@ impl ContactSystem {
         let reach = self.parameters.reach();
         if self.is_of_rod(pair.nodes[3]) {
             let built = self.candidates.positions();
-            let [a, b, c, d] = pair
-                .nodes
-                .map(|node| (points.at(node) - built[node]).norm());
-            if earlier - (a.max(b) + c.max(d)) >= reach {
+            let moved = (pair.nodes).map(|node| (points.at(node) - built[node]).norm());
+            if earlier - pair.approach(moved) >= reach {
                 return None;
             }
         }

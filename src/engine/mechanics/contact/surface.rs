@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 pub struct ContactEdge {
     /// The two nodes, indices into the positions of all rods; the vertices of obstacles are numbered after them.
     pub nodes: [usize; 2],
-    /// Index of the rod; balls and obstacles are numbered after the rods.
+    /// Index of the rod; balls, free bodies and obstacles are numbered after the rods.
     pub rod: usize,
     /// Radius h of the surface, m.
     pub radius: f64,
@@ -37,13 +37,18 @@ pub(super) struct ContactNode {
     pub radius: f64,
 }
 
-/// A triangle of an obstacle; nodes of rods may touch its interior.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A triangle of an obstacle or of a free body; nodes of rods may touch its interior.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ContactFace {
-    /// The vertices, numbered after the nodes of the rods, anticlockwise as seen from outside.
+    /// The vertices, anticlockwise as seen from outside; those of obstacles are numbered after the
+    /// nodes of the rods.
     pub vertices: [usize; 3],
-    /// Index of the obstacle.
-    pub obstacle: usize,
+    /// Index of the obstacle; `None` for a free body.
+    pub obstacle: Option<usize>,
+    /// Index of the body, counted like [`ContactEdge::rod`].
+    pub rod: usize,
+    /// Distance of the surface from the triangle, m.
+    pub radius: f64,
 }
 
 impl ContactFace {
@@ -56,8 +61,8 @@ impl ContactFace {
 
 /// The contact surfaces of all rods and obstacles.
 ///
-/// Bodies that may touch are numbered in this order: edges of rods, balls, edges of obstacles,
-/// faces of obstacles.
+/// Bodies that may touch are numbered in this order: edges of rods, balls, edges of free bodies,
+/// edges of obstacles, faces of free bodies, faces of obstacles.
 #[derive(Clone, Debug, Default)]
 pub struct ContactSurface {
     edges: Vec<ContactEdge>,
@@ -67,8 +72,10 @@ pub struct ContactSurface {
     faces: Vec<ContactFace>,
     /// Nodes of all rods.
     rod_nodes: usize,
-    /// Number of edges of all rods and of balls, which come first.
+    /// Number of edges of all rods, balls and free bodies, which come first.
     rod_edges: usize,
+    /// Number of faces of free bodies, which come before those of obstacles.
+    body_faces: usize,
     obstacles: Vec<RigidBody>,
     /// Friction coefficient between each obstacle and rods.
     frictions: Vec<f64>,
@@ -244,6 +251,43 @@ impl ContactSurface {
         ball
     }
 
+    /// Adds a free body with the nodes `first_node`, `first_node + 1`, ..., its vertices, after all
+    /// rods and balls. Its segments touch like edges of rods, its vertices like nodes, and its faces
+    /// like those of obstacles.
+    pub(crate) fn add_body(&mut self, first_node: usize, body: &RigidBody) {
+        debug_assert!(self.obstacles.is_empty(), "obstacles come last");
+        let rod = self.closed_lengths.len();
+        let first_edge = self.edges.len();
+        self.rod_nodes = self.rod_nodes.max(first_node + body.vertices.len());
+        self.note_least_radius(body.radius, false);
+        self.edges
+            .extend(body.segments.iter().map(|segment| ContactEdge {
+                nodes: segment.map(|vertex| first_node + vertex),
+                rod,
+                radius: body.radius,
+                arc_length: [0.0; 2],
+                held: false,
+            }));
+        self.nodes.extend((0..body.vertices.len()).map(|vertex| {
+            let mut segments = body.segments.iter();
+            let own = segments.position(|segment| segment.contains(&vertex));
+            ContactNode {
+                node: first_node + vertex,
+                edge: first_edge + own.unwrap_or(0),
+                radius: body.radius,
+            }
+        }));
+        self.faces.extend(body.faces.iter().map(|face| ContactFace {
+            vertices: face.map(|vertex| first_node + vertex),
+            obstacle: None,
+            rod,
+            radius: body.radius,
+        }));
+        self.closed_lengths.push(None);
+        self.rod_edges = self.edges.len();
+        self.body_faces = self.faces.len();
+    }
+
     /// Whether a body is a ball around a node.
     pub(crate) fn is_ball(&self, body: usize) -> bool {
         body < self.rod_edges && self.edges[body].nodes[0] == self.edges[body].nodes[1]
@@ -372,7 +416,9 @@ impl ContactSurface {
         for face in &obstacle.faces {
             self.faces.push(ContactFace {
                 vertices: face.map(|vertex| first + vertex),
-                obstacle: self.obstacles.len(),
+                obstacle: Some(self.obstacles.len()),
+                rod: self.closed_lengths.len(),
+                radius: obstacle.radius,
             });
         }
         self.closed_lengths.push(None);
@@ -396,7 +442,20 @@ impl ContactSurface {
         self.opposite.get(segment).copied().flatten()
     }
 
-    /// The faces of obstacles.
+    /// The faces of free bodies.
+    pub(super) fn body_faces(&self) -> &[ContactFace] {
+        &self.faces[..self.body_faces]
+    }
+
+    /// A node of a body, which for a rod is the first of an edge.
+    pub(crate) fn first_node_of(&self, body: usize) -> usize {
+        match self.edges.get(body) {
+            Some(edge) => edge.nodes[0],
+            None => self.faces[body - self.edges.len()].vertices[0],
+        }
+    }
+
+    /// The faces of free bodies and of obstacles.
     pub(super) fn faces(&self) -> &[ContactFace] {
         &self.faces
     }
@@ -428,7 +487,7 @@ impl ContactSurface {
     /// The obstacle to which a body belongs.
     pub(crate) fn obstacle_of(&self, body: usize) -> Option<usize> {
         if body >= self.edges.len() {
-            return Some(self.faces[body - self.edges.len()].obstacle);
+            return self.faces[body - self.edges.len()].obstacle;
         }
         let rods = self.closed_lengths.len() - self.obstacles.len();
         self.edges[body].rod.checked_sub(rods)
@@ -457,12 +516,16 @@ impl ContactSurface {
     /// obstacles the distance is that of their surface, see [`Self::core`], and the threshold is
     /// the radius h of the rod.
     pub(super) fn threshold(&self, [i, j]: [usize; 2]) -> f64 {
-        let first = self.edges[i].radius;
-        if j < self.rod_edges {
-            first + self.edges[j].radius
-        } else {
-            first
+        self.edges[i].radius + self.moving_radius(j).unwrap_or(0.0)
+    }
+
+    /// Radius of a body that is not part of an obstacle, m.
+    fn moving_radius(&self, body: usize) -> Option<f64> {
+        if body < self.rod_edges {
+            return Some(self.edges[body].radius);
         }
+        let face = self.faces.get(body.checked_sub(self.edges.len())?)?;
+        face.obstacle.is_none().then_some(face.radius)
     }
 
     /// Offset of the surface of an obstacle, m: subtract it from the distance of the edges or
@@ -481,10 +544,9 @@ impl ContactSurface {
     /// a rod at an obstacle.
     pub(super) fn law_scale(&self, pair: [usize; 2]) -> f64 {
         let threshold = self.threshold(pair);
-        if pair[1] < self.rod_edges {
-            0.5 * threshold
-        } else {
-            threshold
+        match self.moving_radius(pair[1]) {
+            Some(_) => 0.5 * threshold,
+            None => threshold,
         }
     }
 

@@ -4,7 +4,7 @@ use super::Simulation;
 use super::report::Energies;
 use crate::mechanics::contact::{ContactPlane, PlaneContact};
 use crate::mechanics::rod::{RodRange, STRIDE};
-use crate::mechanics::system::Resultants;
+use crate::mechanics::system::{BodyMotion, Resultants};
 use crate::mechanics::{UnitQuaternion, Vector3};
 use std::borrow::Cow;
 
@@ -26,6 +26,15 @@ pub struct HeldPose {
 }
 
 impl Simulation {
+    /// Motion of a free body of the scene.
+    ///
+    /// # Panics
+    /// If the body does not exist.
+    pub fn body_motion(&self, body: usize) -> BodyMotion {
+        self.system
+            .body_motion(body, &self.state.unknowns, &self.state.velocity)
+    }
+
     /// Number of clamps, including released ones: first those of the scene, then those that
     /// [`Self::grasp`] made.
     pub fn clamps(&self) -> usize {

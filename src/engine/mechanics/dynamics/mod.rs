@@ -53,7 +53,7 @@ mod step_control;
 mod validity;
 mod validity_memory;
 
-pub use crate::mechanics::system::{Break, Grasp, Resultants};
+pub use crate::mechanics::system::{BodyMotion, Break, Grasp, Resultants};
 pub use lockstep::Lockstep;
 pub use measure::HeldPose;
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
@@ -87,6 +87,8 @@ mod event_tests;
 mod flow_tests;
 #[cfg(test)]
 mod fluid_body_tests;
+#[cfg(test)]
+mod free_body_tests;
 #[cfg(test)]
 mod friction_tests;
 #[cfg(test)]

@@ -214,6 +214,12 @@ impl Simulation {
         let joints = &system.assembly.joints;
         for (number, frame) in joints.frames.iter().enumerate() {
             let spin = joints.turn_of_frame(number, &self.state.unknowns, &self.state.velocity);
+            if let Some(vertices) = &frame.vertices {
+                let rotation = joints.rotation(number);
+                walls[vertices.centre] =
+                    Some([Vector3::z(), Vector3::x()].map(|axis| rotation * axis));
+                turning[vertices.centre] = Some(spin);
+            }
             for (ghost, _) in &frame.ghosts {
                 let node = system.assembly.node_of_ghost(*ghost);
                 let now = system.ghosts[*ghost];

@@ -1,12 +1,14 @@
 //! The surface of a rigid body as triangles, for pictures.
 
 use super::RigidBody;
-use crate::mechanics::Vector3;
+use crate::mechanics::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Strips around a cylinder, and from the equator of a sphere to its pole.
 const AROUND: usize = 48;
 const TO_POLE: usize = 12;
+/// Difference of cosines below which two normals count as one.
+const SAME: f64 = 1e-9;
 
 /// The centre of points and the distance of the farthest one from it, m: the range in which
 /// endless surfaces are shown.
@@ -35,6 +37,40 @@ impl RigidBody {
             }
         }
         triangles
+    }
+
+    /// The triangles of the faces moved outwards by the radius, with sharp edges instead of round
+    /// ones: each vertex moves to where the faces around it meet.
+    pub fn sharp_surface(&self) -> Vec<[Vector3; 3]> {
+        let mut around = vec![Matrix3::zeros(); self.vertices.len()];
+        let mut normals: Vec<Vec<Vector3>> = vec![Vec::new(); self.vertices.len()];
+        for face in &self.faces {
+            let [a, b, c] = face.map(|vertex| self.vertices[vertex]);
+            let normal = (b - a).cross(&(c - a)).normalize();
+            for &vertex in face {
+                // Triangles of one flat side count once.
+                if normals[vertex]
+                    .iter()
+                    .all(|own| own.dot(&normal) < 1.0 - SAME)
+                {
+                    normals[vertex].push(normal);
+                    around[vertex] += normal * normal.transpose();
+                }
+            }
+        }
+        let moved = around.iter().zip(&normals).zip(&self.vertices);
+        let moved: Vec<Vector3> = moved
+            .map(|((around, normals), vertex)| {
+                let sum: Vector3 = normals.iter().sum();
+                let inverse = around.pseudo_inverse(SAME).unwrap_or_default();
+                vertex + inverse * sum * self.radius
+            })
+            .collect();
+        let corners = self
+            .faces
+            .iter()
+            .map(|face| face.map(|vertex| moved[vertex]));
+        corners.collect()
     }
 
     /// Adds the surface around a segment: a tube without ends, or a capsule with round ones.
@@ -131,5 +167,17 @@ mod tests {
                 .flatten()
                 .all(|corner| (3.4..10.6).contains(&corner.y))
         );
+    }
+
+    #[test]
+    fn a_rounded_box_is_drawn_with_its_outer_sides() {
+        let sides = Vector3::new(0.3, 0.2, 0.1);
+        let body = RigidBody::cuboid(Vector3::x(), sides, &UnitQuaternion::identity(), 0.02);
+        let triangles = body.sharp_surface();
+        assert_eq!(triangles.len(), 12);
+        for corner in triangles.iter().flatten() {
+            let from_centre = (corner - Vector3::x()).abs();
+            assert!((from_centre - sides * 0.5).norm() < 1e-15, "{corner}");
+        }
     }
 }

@@ -51,6 +51,7 @@ impl Placement {
             first_node: 0,
             nodes: nodes.len(),
             closed,
+            rigid: false,
         };
         let edges = range.edges();
         let mut tangents = Vec::with_capacity(edges);

@@ -4,7 +4,8 @@
 //! edge starts at the last node of an open rod. Unknowns have stride four: the position of node
 //! `k` is at 4k..4k+2 and the angle of edge `k` at 4k+3. So a rod of N edges has the 4N + 3
 //! unknowns x₀, θ⁰, x₁, θ¹, …, x_N (thesis Eq. 1.1) and one that is held at zero; a vertex couples
-//! eleven consecutive unknowns.
+//! eleven consecutive unknowns. Free rigid bodies follow the rods: their nodes are the centre of
+//! mass and the vertices of the shape, and they have no edges.
 
 use crate::mechanics::Vector3;
 
@@ -20,15 +21,17 @@ pub struct RodRange {
     pub nodes: usize,
     /// Whether the last node is joined to the first.
     pub closed: bool,
+    /// Whether it is a rigid body, whose nodes are not joined by edges.
+    pub rigid: bool,
 }
 
 impl RodRange {
     /// Number of edges.
     pub(crate) fn edges(&self) -> usize {
-        if self.closed {
-            self.nodes
-        } else {
-            self.nodes - 1
+        match (self.rigid, self.closed) {
+            (true, _) => 0,
+            (false, true) => self.nodes,
+            (false, false) => self.nodes - 1,
         }
     }
 

@@ -1,14 +1,18 @@
 //! Conversion of a scene description to numbered rods, masses, held unknowns and moving clamps.
 
 use super::clamps::{Drive, HeldEdge};
+use super::joints::frame::BODY_PLACES;
 use super::joints::{JointPlan, Joints};
+use super::rod_scale::RodScale;
 use super::shared_mass::ConsistentMasses;
 use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
 use crate::mechanics::rod::{
     BendingStrain, Edge, ElasticRods, GhostEdge, Placement, ReferenceFrames, RodRange, STRIDE,
     TURNING_ROTATION, Vertex, VertexUnknowns, VertexWeights,
 };
-use crate::mechanics::scene::{EdgeSection, Inertia, NaturalShape, RodDescription, Scene};
+use crate::mechanics::scene::{
+    EdgeSection, FreeBody, Inertia, NaturalShape, RodDescription, Scene,
+};
 use crate::mechanics::{RodError, SceneError, Vector3};
 
 /// The rods of a scene, numbered and placed, with their clamps and joints.
@@ -64,45 +68,22 @@ enum Wall {
     Frame(usize),
 }
 
-/// Scales of one rod.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RodScale {
-    /// EI/L² for the larger bending stiffness, where that is least along the rod, N.
-    pub force: f64,
-    /// Smallest natural edge length, m.
-    pub shortest_edge: f64,
-    /// Rounding error of an elastic force per coordinate, N/m: EA ε/l̃, or 4 EI ε/l̃³ if bending
-    /// is stiffer, i.e. for edges shorter than the diameter.
-    pub rounding_stiffness: f64,
-}
-
-impl RodScale {
-    fn of(rod: &RodDescription, natural_lengths: &[f64]) -> Self {
-        let length: f64 = natural_lengths.iter().sum();
-        let [softest, stiffest] = rod.bending_range();
-        let shortest = (natural_lengths.iter().copied()).fold(f64::INFINITY, f64::min);
-        let stretching = rod.stiffest_stretching() * f64::EPSILON / shortest;
-        let turning = 4.0 * stiffest * f64::EPSILON / shortest.powi(3);
-        Self {
-            force: softest / (length * length),
-            shortest_edge: shortest,
-            rounding_stiffness: stretching.max(turning),
-        }
-    }
-}
-
 impl Assembly {
     /// Numbers and places all parts of a scene.
     ///
     /// # Errors
     /// [`SceneError`] names the invalid rod or clamp.
     pub(crate) fn new(scene: &Scene) -> Result<Self, SceneError> {
-        if scene.rods.is_empty() {
+        if scene.rods.is_empty() && scene.free_bodies.is_empty() {
             return Err(SceneError::NoRods);
         }
-        let nodes = scene.rods.iter().map(|rod| rod.centreline.len()).sum();
+        let of_rods = scene.rods.iter().map(|rod| rod.centreline.len());
+        let nodes = of_rods
+            .chain(scene.free_bodies.iter().map(FreeBody::nodes))
+            .sum();
         let plan = JointPlan::new(scene)?;
-        let places = nodes + plan.places();
+        let first_place = nodes + plan.places();
+        let places = first_place + BODY_PLACES * scene.free_bodies.len();
         let mut assembly = Self {
             rods: ElasticRods {
                 nodes,
@@ -145,6 +126,7 @@ impl Assembly {
         }
         assembly.consistent.share(&assembly.rods);
         assembly.join(scene, &plan)?;
+        assembly.add_free_bodies(scene, first_node, first_place)?;
         if assembly.force_scale == 0.0 {
             assembly.force_scale = 1.0;
             assembly.shortest_edge = 1.0;
@@ -171,6 +153,7 @@ impl Assembly {
             first_node,
             nodes: rod.centreline.len(),
             closed: rod.closed,
+            rigid: false,
         };
         check_sections(rod, &range)?;
         let place = |nodes: &[Vector3], twist: f64, tangents| {

@@ -45,6 +45,10 @@ const NO_OBSTACLES: SceneError = SceneError::Unsuitable(
 const ROUND_TUBES: SceneError =
     SceneError::Unsuitable("hollow tubes need rods with the same radius everywhere");
 
+const NO_BODIES: SceneError = SceneError::Unsuitable(
+    "free bodies need contact.geometry = \"polyline\", friction on centrelines that does not depend on the direction, and obstacles without hollow tubes",
+);
+
 const NO_ENERGY: SceneError =
     SceneError::Unsuitable("an equilibrium with friction is not a minimum of an energy");
 
@@ -154,6 +158,18 @@ impl Term for Contact {
         if scene.contact.is_some() && tapers && scene.obstacles.iter().any(|one| one.body.hollow) {
             return Err(ROUND_TUBES);
         }
+        if let Some(parameters) = &scene.contact
+            && !scene.free_bodies.is_empty()
+            && (parameters.friction_at == FrictionAt::Surface
+                || parameters.geometry == Geometry::Smooth
+                || scene
+                    .planes
+                    .iter()
+                    .any(|own| own.directed_friction.is_some())
+                || scene.obstacles.iter().any(|own| own.body.hollow))
+        {
+            return Err(NO_BODIES);
+        }
         let (model, roots) = match contact_of(scene, assembly)? {
             Some(of_scene) => (Some(of_scene.contact), of_scene.roots),
             None => (None, Vec::new()),
@@ -168,7 +184,7 @@ impl Term for Contact {
             model,
             roots,
             rubs: [friction > 0.0 || on_obstacles, on_planes],
-            lists_nodes: on_planes || on_obstacles,
+            lists_nodes: on_planes || on_obstacles || !scene.free_bodies.is_empty(),
             has_planes: !scene.planes.is_empty(),
             moving_obstacles: MovingObstacle::of(&scene.obstacles),
             step_start: vec![Vector3::zeros(); nodes],
@@ -237,6 +253,7 @@ impl Term for Contact {
         self.add_forces(at, residual);
         if let Some(contact) = &mut self.model {
             let matrix = entries.matrix();
+            matrix.turn_bodies(at.assembly, at.unknowns);
             if contact.couple_contacts() {
                 matrix.expect_other_candidates();
             }
@@ -355,6 +372,9 @@ impl System {
                 square / masses[unknown]
             }
         }));
+        for (vertex, mass) in self.assembly.masses_at_vertices() {
+            mobilities[vertex] = square / mass;
+        }
         contact.begin_iterations(mobilities);
         contact.set_angle_mobilities((0..self.assembly.rods.nodes).map(|edge| {
             let angle = STRIDE * edge + 3;

@@ -45,6 +45,13 @@ impl System {
                 position(&self.residual, node)
             };
         }
+        // Each vertex may carry all of the force on its body.
+        let frames = self.assembly.joints.frames.iter();
+        for vertices in frames.filter_map(|frame| frame.vertices.as_ref()) {
+            let forces = &mut self.terms.contact.forces;
+            let whole = forces[vertices.centre];
+            forces[vertices.nodes()].fill(whole);
+        }
         copy_positions(unknowns, &mut self.terms.contact.positions);
     }
 

@@ -41,7 +41,7 @@ impl Assembly {
                     radius.map(|radius| (self.number(&body.at), radius));
             }
         }
-        let first_place = self.all_places().end - plan.slides.len();
+        let first_place = self.rods.nodes + plan.places() - plan.slides.len();
         for (place, slide) in (first_place..).zip(&plan.slides) {
             self.free_slide(slide, place);
         }

@@ -61,11 +61,15 @@ impl Assembly {
             let frame = &self.joints.frames[number];
             let found = frame.ghosts.iter().find_map(|(ghost, placed)| {
                 let node = self.node_of_ghost(*ghost);
+                let placed = [placed.tangent, placed.director];
                 Some((placed, start.walls[node]?, node))
             });
-            let (placed, [tangent, director], node) = found.ok_or(NO_FRAMES)?;
-            let turn =
-                axes_of(&tangent, &director) * axes_of(&placed.tangent, &placed.director).inverse();
+            let of_body = frame.vertices.as_ref().and_then(|vertices| {
+                let wall = start.walls[vertices.centre]?;
+                Some(([Vector3::z(), Vector3::x()], wall, vertices.centre))
+            });
+            let (placed, wall, node) = found.or(of_body).ok_or(NO_FRAMES)?;
+            let turn = axes_of(&wall) * axes_of(&placed).inverse();
             let spin = match start.velocities.is_empty() {
                 true => self.spin_as_placed(number),
                 false => {
@@ -125,7 +129,7 @@ impl Assembly {
 }
 
 /// The rotation of the axes x, y, z to a tangent, a director, and their cross product.
-fn axes_of(tangent: &Vector3, director: &Vector3) -> UnitQuaternion {
+fn axes_of([tangent, director]: &[Vector3; 2]) -> UnitQuaternion {
     let axes = Matrix3::from_columns(&[*tangent, *director, tangent.cross(director)]);
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes))
 }

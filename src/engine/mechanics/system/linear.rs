@@ -165,6 +165,7 @@ impl System {
                 self.corrected_residual[unknown] -= correction;
             }
         }
+        self.matrix.gather_on_bodies(&mut self.corrected_residual);
         self.assembly.joints.gather(&mut self.corrected_residual);
     }
 }

@@ -14,6 +14,7 @@
 //! and about hinges are part of E (`springs`). Dependent positions are eliminated (`joints`).
 
 mod actuation;
+mod attached;
 mod balance;
 mod breaking;
 mod build;
@@ -35,6 +36,7 @@ mod elasticity;
 mod events;
 mod factor;
 mod follower;
+mod free_bodies;
 mod grasp;
 mod immersion;
 mod inertia;
@@ -55,6 +57,7 @@ mod plasticity;
 mod residual;
 mod resultants;
 mod rigid_contact;
+mod rod_scale;
 mod roots;
 mod shared_mass;
 mod sheaths;
@@ -70,6 +73,7 @@ mod touching;
 mod turned_elements;
 mod turning;
 mod virtual_work;
+mod whole_matrix;
 mod work;
 
 pub(crate) use balance::Imbalance;
@@ -82,12 +86,12 @@ pub(crate) use contact_start::StiffnessCourse;
 pub(crate) use copies::{Allowance, Copies, Member, set_lanes};
 pub(crate) use demand::Demand;
 pub(crate) use events::Event;
+pub use free_bodies::BodyMotion;
 pub use grasp::{Grasp, Interventions};
 use joints::Border;
 pub(crate) use joints::TurningFrame;
 pub use joints::{check_joints, joint_unknowns};
 use newton_matrix::NewtonMatrix;
-pub(crate) use newton_matrix::WholeMatrix;
 pub use obstacles::obstacle_poses;
 pub use resultants::Resultants;
 pub(crate) use rigid_contact::ForceSearch;
@@ -102,6 +106,7 @@ pub(crate) use touching::name_overlap;
 pub(crate) use turned_elements::moments;
 pub(crate) use turning::Turn;
 pub(crate) use virtual_work::{OfStrains, StrainLaws};
+pub(crate) use whole_matrix::WholeMatrix;
 
 use super::SceneError;
 use super::rod::{ElasticEnergy, GhostEdge, ReferenceFrames, RodGeometry};

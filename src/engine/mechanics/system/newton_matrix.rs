@@ -1,9 +1,10 @@
 //! The Jacobian of the residual: a band for the rods, small dense elements for couplings between
 //! distant nodes, and their factorisation.
 
+use super::attached::AttachedNodes;
 use super::curve_elements::CurveElements;
-use super::node_element::element_of;
 use super::turned_elements::{TurnedElements, matrices_of};
+use super::whole_matrix::WholeMatrix;
 use super::{Assembly, Stage};
 use crate::linalg::{
     BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, HALF_BANDWIDTH, Inertia,
@@ -51,6 +52,8 @@ pub(crate) struct NewtonMatrix {
     candidate_elements: Vec<Option<usize>>,
     /// Index of the first element of a node among those of contacts.
     first_node_element: usize,
+    /// Vertices of free bodies.
+    attached: AttachedNodes,
     /// Elements of the contacts that turn edges, among those of contacts.
     turned_elements: TurnedElements,
     /// Elements of contact of smooth curves.
@@ -61,28 +64,6 @@ pub(crate) struct NewtonMatrix {
     lists_nodes: bool,
     uses_band: bool,
     spin_moment: Vec<f64>,
-}
-
-/// A Jacobian with the rows of held unknowns, which give the change of the reactions.
-pub(crate) struct WholeMatrix {
-    band: BandedSymmetric,
-    elements: Vec<(Element, ElementMatrix)>,
-}
-
-impl WholeMatrix {
-    /// Product of the Jacobian with changes of all unknowns.
-    pub(crate) fn multiply(&self, changes: &[f64]) -> Vec<f64> {
-        let mut product = vec![0.0; changes.len()];
-        self.band.multiply(changes, &mut product);
-        for (element, matrix) in &self.elements {
-            for (row, &k) in matrix.iter().zip(element).filter(|(_, k)| **k != UNUSED) {
-                let entries = row.iter().zip(element).filter(|(_, k)| **k != UNUSED);
-                let sum: f64 = entries.map(|(entry, &k)| entry * changes[k]).sum();
-                product[k] += sum;
-            }
-        }
-        product
-    }
 }
 
 /// Target to which a term adds its part of the Jacobian.
@@ -144,6 +125,7 @@ impl NewtonMatrix {
             contact_elements: Vec::new(),
             candidate_elements: Vec::new(),
             first_node_element: 0,
+            attached: AttachedNodes::of(assembly),
             turned_elements: TurnedElements::default(),
             curve_elements: CurveElements::default(),
             candidates_changed: true,
@@ -213,6 +195,16 @@ impl NewtonMatrix {
         assembly.add_shared_masses(per_acceleration_step * per_step, columns, closing);
     }
 
+    /// Sets the rotations of free bodies to those of the last evaluation, which was at `unknowns`.
+    pub(crate) fn turn_bodies(&mut self, assembly: &Assembly, unknowns: &[f64]) {
+        self.attached.turn(assembly, unknowns);
+    }
+
+    /// Transfers forces on vertices of free bodies to the unknowns of the bodies.
+    pub(crate) fn gather_on_bodies(&self, forces: &mut [f64]) {
+        self.attached.gather(forces);
+    }
+
     pub(crate) fn add_contact(&mut self, contact: &ContactSystem) {
         self.update_elements(contact);
         if contact.curves().is_some() {
@@ -231,7 +223,11 @@ impl NewtonMatrix {
                 self.subtract_in_band(&pair.nodes[..pair.first_body], jacobian);
                 continue;
             };
-            let matrix = jacobian.map(|row| row.map(|entry| -entry));
+            let of_rods = match contact.is_of_rod(pair.nodes[3]) {
+                true => &pair.nodes[..],
+                false => &pair.nodes[..pair.first_body],
+            };
+            let matrix = self.attached.matrix_of(of_rods, jacobian);
             self.active.push((self.permanent.len() + element, matrix));
         }
         for (touch, jacobian) in contact
@@ -244,12 +240,11 @@ impl NewtonMatrix {
                 continue;
             }
             if self.lists_nodes {
-                let mut matrix = ZERO;
-                for i in 0..3 {
-                    for j in 0..3 {
-                        matrix[i][j] = -jacobian[i][j];
-                    }
+                let mut of_node = ZERO;
+                for (row, own) in of_node.iter_mut().zip(jacobian) {
+                    row[..3].copy_from_slice(own);
                 }
+                let matrix = self.attached.matrix_of(&[node], &of_node);
                 let index = self.permanent.len() + self.first_node_element + touch.node;
                 self.active.push((index, matrix));
             } else {
@@ -324,19 +319,20 @@ impl NewtonMatrix {
         let with_obstacle = |pair: &CandidatePair| !contact.is_of_rod(pair.nodes[3]);
         let candidates = contact.candidates();
         let coupled = contact.coupled_pairs().iter();
-        let elements = coupled.map(|candidate| element_of(&candidates[*candidate].nodes));
+        let attached = &self.attached;
+        let elements = coupled.map(|candidate| attached.element_of(&candidates[*candidate].nodes));
         self.contact_elements.extend(elements);
         let first_edge = self.contact_elements.len();
         if !contact.surface().obstacles().is_empty() {
             let edges = contact.surface().rod_edges().iter();
             self.contact_elements
-                .extend(edges.map(|edge| element_of(&edge.nodes)));
+                .extend(edges.map(|edge| attached.element_of(&edge.nodes)));
         }
         self.first_node_element = self.contact_elements.len();
         if self.lists_nodes {
             let nodes = 0..self.held.len() / STRIDE;
             self.contact_elements
-                .extend(nodes.map(|node| element_of(&[node])));
+                .extend(nodes.map(|node| attached.element_of(&[node])));
         }
         let mut coupled = contact.coupled_pairs().iter().enumerate().peekable();
         self.candidate_elements.clear();
@@ -351,7 +347,7 @@ impl NewtonMatrix {
                 let [a, b, c, _] = pair.nodes;
                 let has_element = self.lists_nodes || b != a + 1 || c != b + 1;
                 has_element.then(|| {
-                    self.contact_elements.push(element_of(&[a, b, c]));
+                    self.contact_elements.push(attached.element_of(&[a, b, c]));
                     self.contact_elements.len() - 1
                 })
             } else {

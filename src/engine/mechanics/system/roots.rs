@@ -11,7 +11,6 @@ use super::Assembly;
 use super::centreline::{arc_length, directions};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactPair, ContactSystem, Proximity, Root, RootBody};
-use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{Motion, Scene};
 
 /// Surfaces at a root count as overlapping or touching if they are nearer than this fraction of
@@ -73,10 +72,10 @@ fn prescribed_nodes(scene: &Scene, assembly: &Assembly) -> Vec<PrescribedNode> {
         let clamp = clamps.find(|clamp| clamp.rod == rod && clamp.node == along);
         clamp.map_or_else(Motion::default, |clamp| clamp.motion.clone())
     };
-    let nodes = 0..assembly.rods.nodes;
+    let nodes = assembly.prescribed_nodes().into_iter().enumerate();
     nodes
-        .filter(|&node| assembly.held[STRIDE * node] && !assembly.obstacle[node])
-        .map(|node| {
+        .filter(|&(node, is_prescribed)| is_prescribed && !assembly.obstacle[node])
+        .map(|(node, _)| {
             let (rod, along) = assembly.locate(node);
             PrescribedNode {
                 node,
@@ -168,6 +167,9 @@ fn on_rod(
                 let edge = &surface.edges()[first];
                 let body = RootBody::Obstacle(obstacle);
                 return (edge.rod == rod).then_some((edge.arc_length, body));
+            }
+            if second >= surface.edges().len() {
+                return None;
             }
             let pair = [first, second].map(|edge| &surface.edges()[edge]);
             let own = pair.iter().find(|edge| edge.rod == rod && !edge.held)?;

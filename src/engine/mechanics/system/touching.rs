@@ -7,7 +7,6 @@ use crate::mechanics::contact::{
     ContactPair, ContactPlane, ContactSurface, ContactSystem, CurvePoints, Geometry, PER_EDGE,
     Proximity, RowOfNodes,
 };
-use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{RodDescription, Scene};
 use crate::mechanics::{Overlap, Vector3};
 
@@ -61,6 +60,10 @@ pub(super) fn contact_of(
     }
     join(&mut surface, scene, assembly);
     add_balls(&mut surface, scene, assembly);
+    let bodies = &assembly.rods.rods[scene.rods.len()..];
+    for (range, body) in bodies.iter().zip(&scene.free_bodies) {
+        surface.add_body(range.first_node + 1, &body.shape);
+    }
     for obstacle in &scene.obstacles {
         let friction = obstacle.friction.unwrap_or(parameters.friction);
         surface.add_obstacle(obstacle.body.clone(), friction);
@@ -75,9 +78,10 @@ pub(super) fn contact_of(
     // The stiffness follows from the forces that bend each rod, so that a stiff post does not
     // stiffen the contacts of a soft rod.
     let least_of_rods = || {
-        let rods = scene.rods.iter().zip(&assembly.scales);
-        rods.map(|(rod, scale)| {
-            if rod.held {
+        let rods = scene.rods.iter().map(|rod| rod.held);
+        let held = rods.chain(scene.free_bodies.iter().map(|_| false));
+        held.zip(&assembly.scales).map(|(is_held, scale)| {
+            if is_held || scale.force <= f64::MIN_POSITIVE {
                 f64::INFINITY
             } else {
                 stiffness_per_force * scale.force
@@ -99,8 +103,7 @@ pub(super) fn contact_of(
             .collect(),
     );
     copy_positions(&assembly.unknowns, &mut positions);
-    let prescribed = assembly.held.iter().step_by(STRIDE).copied();
-    contact.set_prescribed(prescribed.take(assembly.rods.nodes));
+    contact.set_prescribed(assembly.prescribed_nodes().into_iter());
     let roots = match contact.curves() {
         Some(_) => Vec::new(),
         None => pass_over_roots(&mut contact, scene, assembly, &positions),
@@ -204,8 +207,7 @@ impl System {
     /// Passes the prescribed nodes to contact, after a grasp or release.
     pub(super) fn note_prescribed_nodes(&mut self) {
         if let Some(contact) = &mut self.terms.contact.model {
-            let prescribed = self.assembly.held.iter().step_by(STRIDE).copied();
-            contact.set_prescribed(prescribed.take(self.assembly.rods.nodes));
+            contact.set_prescribed(self.assembly.prescribed_nodes().into_iter());
         }
     }
 
@@ -269,8 +271,11 @@ fn names(pair: ContactPair, contact: &ContactSystem, assembly: &Assembly) -> [St
         if let Some(obstacle) = contact.surface().obstacle_of(edge) {
             return format!("obstacle `{}`", assembly.obstacles[obstacle]);
         }
-        let node = contact.surface().edges()[edge].nodes[0];
+        let node = contact.surface().first_node_of(edge);
         let (rod, node) = assembly.locate(contact.node_of(node));
+        if assembly.rods.rods[rod].rigid {
+            return format!("body `{}`", assembly.names[rod]);
+        }
         let what = if contact.surface().is_ball(edge) {
             "the ball at node"
         } else {
@@ -282,10 +287,12 @@ fn names(pair: ContactPair, contact: &ContactSystem, assembly: &Assembly) -> [St
         ContactPair::Edges([a, b]) => [edge_name(a), edge_name(b)],
         ContactPair::NodeAndPlane { node, plane } => {
             let (rod, along) = assembly.locate(contact.node_of(node));
-            [
-                format!("node {along} of rod `{}`", assembly.names[rod]),
-                format!("plane {plane}"),
-            ]
+            let name = &assembly.names[rod];
+            let first = match assembly.rods.rods[rod].rigid {
+                true => format!("body `{name}`"),
+                false => format!("node {along} of rod `{name}`"),
+            };
+            [first, format!("plane {plane}")]
         }
     }
 }

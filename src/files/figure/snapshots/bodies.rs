@@ -16,6 +16,9 @@ pub struct Body {
     pub triangles: Vec<[Vector3<f64>; 3]>,
     /// Whether rods are inside: it is then drawn behind all of them.
     pub hollow: bool,
+    /// Whether it is convex with triangles that face outwards: those that face away from the
+    /// viewer are then not drawn.
+    pub convex: bool,
 }
 
 /// The faces of a body, sorted by their farthest corners, so that a rod on a face is painted over
@@ -25,6 +28,9 @@ pub(super) fn faces(body: &Body, view: &View, placement: &Placement) -> Vec<Piec
     let face = |corners: &[Vector3<f64>; 3]| {
         let [a, b, c] = corners;
         let normal = (b - a).cross(&(c - a)).try_normalize(0.0)?;
+        if body.convex && normal.dot(&view.eye()) < 0.0 {
+            return None;
+        }
         let shade = (normal.dot(&light).abs() * SHADES as f64).floor() / SHADES as f64;
         let color = Color::BLACK.towards(Color::WHITE, 0.5 + 0.32 * shade).hex();
         let seen = corners.map(|corner| view.project(&corner));

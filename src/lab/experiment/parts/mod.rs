@@ -5,6 +5,7 @@
 //! the scene, and an entry in the list.
 
 mod actuation;
+mod free_body;
 mod sheath;
 mod tendon;
 
@@ -43,6 +44,7 @@ parts! {
     actuation::Actuation,
     tendon::Tendon,
     sheath::Sheath,
+    free_body::FreeBody,
 }
 
 fn place_all<P: ScenePart>(scenario: &Scenario, scene: &mut Scene, issues: &mut Issues) {

@@ -87,9 +87,6 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         return Err(issues);
     }
     let rods = &scene.rods;
-    let loads = place_all("loads", &scenario.loads, &mut issues, |load, path| {
-        place_load(load, rods, path)
-    });
     scene.planes.extend(scenario.planes.iter().map(place_plane));
     let obstacles = place_all(
         "obstacles",
@@ -97,8 +94,11 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         &mut issues,
         |one, path| place_obstacle(one, rods, path),
     );
-    scene.loads.extend(loads);
     parts::place(scenario, &mut scene, &mut issues);
+    let loads = place_all("loads", &scenario.loads, &mut issues, |load, path| {
+        place_load(load, &scene, path)
+    });
+    scene.loads.extend(loads);
     scene.obstacles.extend(obstacles);
     if scene.obstacles.len() < scenario.obstacles.len() {
         // Later steps may look these obstacles up.

@@ -5,7 +5,7 @@ use super::gripper_motion::gripper_motion;
 use super::natural_strains;
 use super::round_rod::{relaxation, yielding};
 use super::sections::lay_out;
-use crate::experiment::places::{find_place, find_rod};
+use crate::experiment::places::{body_called, find_place, find_rod};
 use crate::scenario::{
     Clamp, Hold, Inertia, Issue, KeyPath, Load, LoadFrame, LoadKind, Movement, NaturalShape, Place,
     Plane, Rod,
@@ -147,9 +147,10 @@ pub(super) fn same_node(one: &mechanics::Clamp, other: &mechanics::Clamp) -> boo
 
 pub(super) fn place_load(
     load: &Load,
-    rods: &[mechanics::RodDescription],
+    scene: &mechanics::Scene,
     path: &KeyPath,
 ) -> Result<mechanics::Load, Issue> {
+    let rods = &scene.rods;
     let find_any = |name: &Option<String>| {
         name.as_ref()
             .map(|name| find_rod(name, rods, &path.key("rod")))
@@ -165,6 +166,12 @@ pub(super) fn place_load(
             force,
             frame,
         } => {
+            if let Some(body) = body_called(rod, scene) {
+                return Ok(mechanics::Load {
+                    kind: on_body(body, *at, force, *frame, path)?,
+                    schedule: load.schedule.clone(),
+                });
+            }
             let rod = find_rod(rod, rods, &path.key("rod"))?;
             let node = find_node(*at, &rods[rod], path)?;
             let force = Vector3::from(*force);
@@ -218,6 +225,29 @@ pub(super) fn place_load(
     Ok(mechanics::Load {
         kind,
         schedule: load.schedule.clone(),
+    })
+}
+
+/// A force on the centre of mass of a free body.
+fn on_body(
+    body: usize,
+    at: Place,
+    force: &[f64; 3],
+    frame: LoadFrame,
+    path: &KeyPath,
+) -> Result<mechanics::LoadKind, Issue> {
+    if !matches!(at, Place::Start | Place::Number(0)) {
+        let message = "a force on a free body acts on its centre of mass, at = 0";
+        return Err(Issue::new(path.key("at"), message));
+    }
+    if frame == LoadFrame::Material {
+        let message = "a force on a free body has a fixed direction, frame = \"space\"";
+        return Err(Issue::new(path.key("frame"), message));
+    }
+    Ok(mechanics::LoadKind::Force {
+        rod: body,
+        node: 0,
+        force: Vector3::from(*force),
     })
 }
 

@@ -8,6 +8,7 @@ mod strips;
 use super::branches::Branches;
 use super::carried_bodies::carried_bodies;
 use super::case_folders::CaseFolder;
+use super::free_bodies::{free_bodies, rod_nodes};
 use super::obstacles::{movie_obstacles, obstacles_of};
 use super::threads::threads;
 use crate::experiment::{from_text, kind_named};
@@ -99,6 +100,9 @@ impl CaseMotion {
         bodies.extend(carried.iter().map(|body| body.in_motion(positions())));
         let threads = threads(scenario, &self.manifest.rods, placed);
         bodies.extend(threads.iter().map(|thread| thread.in_motion(positions())));
+        let free = free_bodies(&self.manifest.rods, placed);
+        bodies.extend(free.iter().map(|body| body.in_motion(positions())));
+        let of_rods = rod_nodes(&self.manifest.rods);
         let branches = self.branches.as_ref();
         let mut case = MovieCase {
             name: self.folder.name.clone(),
@@ -111,7 +115,7 @@ impl CaseMotion {
             frames: outputs()
                 .map(|output| MovieFrame {
                     time: output.time,
-                    positions: output.positions.clone(),
+                    positions: output.positions[..of_rods].to_vec(),
                     contacts: Vec::new(),
                 })
                 .collect(),
@@ -130,11 +134,12 @@ impl CaseMotion {
     /// contact.
     pub fn with_numbers(&self) -> Result<MovieCase, ResultsError> {
         let mut case = self.scene();
-        let outputs: Vec<NodePositions> = self
-            .outputs
-            .iter()
-            .map(|(_, output)| output.clone())
-            .collect();
+        let of_rods = rod_nodes(&self.manifest.rods);
+        let outputs = self.outputs.iter().map(|(_, output)| NodePositions {
+            time: output.time,
+            positions: output.positions[..of_rods].to_vec(),
+        });
+        let outputs: Vec<NodePositions> = outputs.collect();
         case.series = series(&self.path, &self.outputs, case.branches.is_some())?;
         case.fields = fields(&case.rods, &outputs, self.forces.as_deref());
         if case.branches.is_some() {
@@ -168,7 +173,8 @@ impl CaseMotion {
 
     fn rods(&self) -> Vec<MovieRod> {
         let mut first = 0;
-        let rods = self.manifest.rods.iter().map(|record| {
+        let rods = self.manifest.rods.iter().filter(|record| !record.is_body());
+        let rods = rods.map(|record| {
             let placed = &self.outputs[0].1.positions[first..first + record.nodes];
             first += record.nodes;
             let mut described = self.scenario.iter().flat_map(|scenario| &scenario.rods);

@@ -13,6 +13,7 @@ pub use error::PlotError;
 
 use super::branches::{Branches, PARAMETER};
 use super::carried_bodies::carried_bodies;
+use super::free_bodies::free_bodies;
 use super::obstacles::{bodies_at, obstacles_of, surfaces};
 use super::threads::threads;
 use crate::experiment::{from_text, kind_named};
@@ -127,8 +128,11 @@ pub fn write_in_formats(
 /// [`ResultsError::Io`] or [`ResultsError::Damaged`] if `nodes.csv` or `branch.csv` cannot be
 /// read.
 pub fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figure, ResultsError> {
-    let rods = &manifest.rods;
-    let outputs = read_nodes(directory, rods.iter().map(|rod| rod.nodes).sum())?;
+    let records = &manifest.rods;
+    let outputs = read_nodes(directory, records.iter().map(|rod| rod.nodes).sum())?;
+    // Free bodies follow the rods.
+    let rods = records.split(|record| record.is_body()).next();
+    let rods = rods.unwrap_or_default();
     let branches = Branches::read(directory)?;
     // A scenario of an older version may not be readable any more. The rods are still drawn.
     let scenario = from_text(&manifest.name, &manifest.scenario, directory, &[]);
@@ -154,15 +158,18 @@ pub fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figure, Resu
     let start = (outputs.first()).map_or(&[][..], |output| &output.positions);
     let carried = carried_bodies(scenario.as_ref(), rods, start);
     let threads = threads(scenario.as_ref(), rods, start);
+    let free = free_bodies(records, start);
     let bodies = evenly_spread(&indexed, SNAPSHOTS)
         .map(|(_, output)| {
             let mut bodies = bodies_at(&obstacles, &surfaces, output.time);
             bodies.extend(carried.iter().map(|body| body.at(&output.positions)));
             bodies.extend(threads.iter().map(|thread| thread.at(&output.positions)));
+            bodies.extend(free.iter().map(|body| body.at(&output.positions)));
             bodies
         })
         .collect();
-    let is_alone = obstacles.is_empty() && carried.is_empty() && threads.is_empty();
+    let others = [obstacles.len(), carried.len(), threads.len(), free.len()];
+    let is_alone = others == [0; 4];
     let is_cut = is_alone && planes.clone().next().is_none() && cut_straight_ends(&mut snapshots);
     let points = snapshots
         .iter()

@@ -135,6 +135,11 @@ pub enum Quantity {
         /// The force.
         force: usize,
     },
+    /// Position of a free body, m, its rotation vector, rad, and its kinetic energy, J.
+    Body {
+        /// The body.
+        body: usize,
+    },
 }
 
 /// Body that presses on a rod.
@@ -169,6 +174,15 @@ const CONTACT_FORCES: [Part; 5] = [
     ("_z", "_n"),
     ("_normal", "_n"),
     ("_tangential", "_n"),
+];
+const BODY: [Part; 7] = [
+    ("_x", "_m"),
+    ("_y", "_m"),
+    ("_z", "_m"),
+    ("_turn_x", "_rad"),
+    ("_turn_y", "_rad"),
+    ("_turn_z", "_rad"),
+    ("_kinetic", "_j"),
 ];
 const ENERGIES: [Part; 5] = [
     ("_kinetic", "_j"),
@@ -206,7 +220,8 @@ impl Quantity {
             | Self::SpringForce { .. }
             | Self::Tendon { .. }
             | Self::Sheath { .. }
-            | Self::NodeForce { .. } => false,
+            | Self::NodeForce { .. }
+            | Self::Body { .. } => false,
         }
     }
 
@@ -238,6 +253,7 @@ impl Quantity {
             Self::Twist { .. } => &[("", "_rad_per_m")],
             Self::ContactForce { .. } => &CONTACT_FORCES,
             Self::Energy { .. } => &ENERGIES,
+            Self::Body { .. } => &BODY,
             Self::Writhe { .. } | Self::LinkingNumber { .. } => &[("", "")],
         }
     }
@@ -325,6 +341,11 @@ impl Quantity {
                 [force, moment, outside].map(Some).to_vec()
             }
             Self::NodeForce { force } => vec![Some(simulation.node_force(force).norm())],
+            Self::Body { body } => {
+                let motion = simulation.body_motion(body);
+                let vectors = motion.position.iter().chain(&motion.turn).copied();
+                vectors.chain([motion.kinetic_energy]).map(Some).collect()
+            }
         }
     }
 }

@@ -19,11 +19,11 @@ keys! {
             /// Acceleration of free fall, for example [0, 0, -9.81].
             acceleration: vector(Acceleration) required,
         },
-        /// A force on a node.
+        /// A force on a node, or on the centre of mass of a free body.
         Force {
-            /// Name of the rod.
+            /// Name of the rod or free body.
             rod: text("the name of a rod") required,
-            /// "start", "end", or the number of a node.
+            /// "start", "end", or the number of a node; 0 for the centre of a free body.
             at: place() required,
             /// The force.
             force: vector(Force) required,

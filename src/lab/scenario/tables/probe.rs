@@ -103,19 +103,26 @@ keys! {
             /// value along the rod.
             at: place() optional,
         },
-        /// Contact force on a rod from another rod, a plane, an obstacle, or all of them: columns
-        /// _x_n, _y_n, _z_n (the total force), _normal_n and _tangential_n (the magnitudes of all
-        /// contacts added up). Empty before the first step.
+        /// Contact force on a rod or free body from another one, a plane, an obstacle, or all of
+        /// them: columns _x_n, _y_n, _z_n (the total force), _normal_n and _tangential_n (the
+        /// magnitudes of all contacts added up). Empty before the first step.
         ContactForce {
-            /// Name of the rod on which the force acts. Default: the only rod there is.
+            /// Name of the rod or free body on which the force acts. Default: the only rod there is.
             rod: text() optional,
-            /// Name of the rod that presses on it. Its own name selects contact with itself, whose
-            /// total force is zero. Default: all rods, planes and obstacles.
+            /// Name of the rod or free body that presses on it. Its own name selects contact with
+            /// itself, whose total force is zero. Default: all rods, bodies, planes and obstacles.
             from_rod: text() optional,
             /// Number of the plane that presses on it, counted from zero, instead of a rod.
             from_plane: index() optional,
             /// Name of the obstacle that presses on it, instead of a rod.
             from_obstacle: text() optional,
+        },
+        /// Motion of a free body: columns _x_m, _y_m, _z_m of its centre of mass, _turn_x_rad,
+        /// _turn_y_rad, _turn_z_rad of the rotation vector since time zero (its length is at most
+        /// half a turn), and _kinetic_j of its kinetic energy.
+        Body {
+            /// Name of the body.
+            body: text("the name of a free body") required,
         },
         /// Energies of one rod: columns _kinetic_j, _stretching_j, _bending_j, _twisting_j, _gravitational_j.
         Energy {

@@ -64,6 +64,7 @@ impl Joints {
         masses: &[f64],
         matrices: &mut [ElementMatrix],
     ) {
+        let mut vertex_forces = self.vertex_forces.iter();
         for (number, frame) in self.frames.iter().enumerate() {
             let (jacobian, axis) = self.rates_of_frame(number, unknowns);
             for &element in &frame.elements {
@@ -89,13 +90,19 @@ impl Joints {
                 let resistance = stage
                     .and_then(|stage| Some(stage.resistance.get(first / STRIDE)?.m11 / stage.step));
                 let of_drag = resistance.unwrap_or(0.0);
+                // Of a constant force at the end of an arm.
+                let turned = |arm: &Vector3, force: &Vector3| {
+                    let product = arm * force.transpose();
+                    (product + product.transpose()) * 0.5 - Matrix3::identity() * arm.dot(force)
+                };
                 let mut second = Matrix3::zeros();
                 for (k, tip) in tips.iter().enumerate() {
-                    let force = self.tip_forces[number][k];
-                    let product = tip * force.transpose();
-                    second += (product + product.transpose()) * 0.5
-                        - Matrix3::identity() * tip.dot(&force)
+                    second += turned(tip, &self.tip_forces[number][k])
                         + of_force(tip, masses[first + STRIDE * k] * per_square + of_drag);
+                }
+                let arms = frame.vertices.iter().flat_map(|vertices| &vertices.arms);
+                for (arm, force) in arms.zip(vertex_forces.by_ref()) {
+                    second += turned(&(self.rotations[number] * arm), force);
                 }
                 if let Some(eccentric) = &frame.eccentric {
                     let arm = eccentric.arm_of(&tips);

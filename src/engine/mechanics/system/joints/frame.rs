@@ -20,6 +20,9 @@ use crate::mechanics::{Matrix3, UnitQuaternion, Vector3, rotation};
 /// singular.
 const LARGEST_TURN: f64 = 1.0;
 
+/// Places of four unknowns of a frame with a body: the rotation, and the tips of the principal axes.
+pub(crate) const BODY_PLACES: usize = 4;
+
 /// The mass of a body with a centre away from its node: see [`super::super::eccentric`].
 #[derive(Clone, Debug)]
 pub struct EccentricMass {
@@ -31,6 +34,22 @@ pub struct EccentricMass {
     pub mass: f64,
     /// Vector from the node to the centre, along the principal axes, divided by their length ℓ.
     pub parts: [f64; 3],
+}
+
+/// The vertices of a free body, which turn with its frame about its centre of mass.
+#[derive(Clone, Debug)]
+pub struct Vertices {
+    /// Node of the centre of mass; those of the vertices follow it.
+    pub centre: usize,
+    /// Vectors from the centre to the vertices as placed, m.
+    pub arms: Vec<Vector3>,
+}
+
+impl Vertices {
+    /// The nodes of the vertices.
+    pub(crate) fn nodes(&self) -> std::ops::Range<usize> {
+        self.centre + 1..self.centre + 1 + self.arms.len()
+    }
 }
 
 /// A frame and the rods clamped to it.
@@ -55,6 +74,8 @@ pub struct TurningFrame {
     pub ball: Option<(usize, f64)>,
     /// The mass of the body, if its centre is away from the node.
     pub eccentric: Option<EccentricMass>,
+    /// The vertices of the body, if no rod carries it.
+    pub vertices: Option<Vertices>,
     /// Ghost edges that turn with the frame, as placed.
     pub ghosts: Vec<(usize, GhostEdge)>,
     /// Elements of the half vertices of these ghost edges.
@@ -81,6 +102,7 @@ impl TurningFrame {
             body: None,
             ball: None,
             eccentric: None,
+            vertices: None,
             ghosts: Vec::new(),
             elements: Vec::new(),
             element: 0,

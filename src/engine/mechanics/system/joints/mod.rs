@@ -17,6 +17,7 @@
 //! edge, it is not eliminated within the matrix, but by a border of the matrix ([`border`]).
 
 pub(crate) mod border;
+mod charts;
 mod derivatives;
 pub(crate) mod frame;
 mod masses;
@@ -55,6 +56,10 @@ const NO_EQUILIBRIUM: SceneError = SceneError::Unsuitable(
     "an equilibrium does not determine the friction of sliding nodes: run dynamically",
 );
 
+const ONLY_IN_MOTION: SceneError = SceneError::Unsuitable(
+    "free bodies have no equilibrium without contact: run dynamically, with time.scheme = \"implicit-euler\" or \"backward-differences\"",
+);
+
 /// Joints and bodies of a scene, with its unknowns numbered.
 #[derive(Clone, Debug, Default)]
 pub struct Joints {
@@ -77,6 +82,8 @@ pub struct Joints {
     moments: Vec<Vector3>,
     /// Scratch: forces on the tips of bodies at the last evaluation, N.
     tip_forces: Vec<[Vector3; 3]>,
+    /// Scratch: forces on the vertices of free bodies at the last evaluation, N, body after body.
+    vertex_forces: Vec<Vector3>,
 }
 
 impl Joints {
@@ -86,12 +93,21 @@ impl Joints {
             rotations: vec![UnitQuaternion::identity(); frames.len()],
             moments: vec![Vector3::zeros(); frames.len()],
             tip_forces: vec![[Vector3::zeros(); 3]; frames.len()],
+            vertex_forces: Vec::new(),
             points,
             frames,
             welds: Vec::new(),
             slides: Vec::new(),
             start: None,
         }
+    }
+
+    /// Adds a frame as placed.
+    pub(super) fn add_frame(&mut self, frame: TurningFrame) {
+        self.rotations.push(UnitQuaternion::identity());
+        self.moments.push(Vector3::zeros());
+        self.tip_forces.push([Vector3::zeros(); 3]);
+        self.frames.push(frame);
     }
 
     /// Checks whether a scene with these joints meets a demand.
@@ -102,6 +118,14 @@ impl Joints {
         match demand {
             Demand::Equilibrium | Demand::NearbyEquilibrium | Demand::Path if self.rub() => {
                 Err(NO_EQUILIBRIUM)
+            }
+            Demand::Equilibrium
+            | Demand::NearbyEquilibrium
+            | Demand::Path
+            | Demand::ImplicitMidpoint
+                if self.frames.iter().any(|frame| frame.vertices.is_some()) =>
+            {
+                Err(ONLY_IN_MOTION)
             }
             Demand::RigidContact if !self.is_empty() => Err(NO_RIGID_CONTACT),
             _ => Ok(()),
@@ -300,6 +324,13 @@ impl Joints {
                 let unknown = first + STRIDE * k;
                 unknowns[unknown..unknown + 3].copy_from_slice(tip.as_slice());
             }
+            if let Some(vertices) = &frame.vertices {
+                let centre = position(unknowns, vertices.centre);
+                for (node, arm) in vertices.nodes().zip(&vertices.arms) {
+                    let vertex = centre + rotation * arm;
+                    unknowns[STRIDE * node..STRIDE * node + 3].copy_from_slice(vertex.as_slice());
+                }
+            }
         }
     }
 
@@ -404,6 +435,7 @@ impl Joints {
     /// generalised forces over the unknowns; `unknowns` are those of the last
     /// [`Self::turn_ghosts`].
     pub(crate) fn gather_moments(&mut self, unknowns: &[f64], forces: &mut [f64]) {
+        self.vertex_forces.clear();
         for (number, frame) in self.frames.iter().enumerate() {
             let slot = frame.first_unknown;
             let mut moment = take(forces, slot);
@@ -413,6 +445,14 @@ impl Joints {
                     moment += tip.cross(force);
                 }
                 self.tip_forces[number] = on_tips;
+            }
+            if let Some(vertices) = &frame.vertices {
+                for (node, arm) in vertices.nodes().zip(&vertices.arms) {
+                    let force = take(forces, STRIDE * node);
+                    moment += (self.rotations[number] * arm).cross(&force);
+                    add_to_node(forces, vertices.centre, &force);
+                    self.vertex_forces.push(force);
+                }
             }
             self.moments[number] = moment;
         }
@@ -510,68 +550,10 @@ impl System {
     pub(crate) fn begin_step(&mut self, start: Option<&[f64]>) {
         self.assembly.joints.begin_step(start);
     }
-
-    /// Frames with long rotation vectors at `unknowns`.
-    pub(crate) fn long_rotations(&self, unknowns: &[f64]) -> Vec<usize> {
-        let frames = self.assembly.joints.frames.iter().enumerate();
-        let long = frames.filter(|(_, frame)| frame.is_long(unknowns));
-        long.map(|(number, _)| number).collect()
-    }
-
-    /// Resets the rotation vectors of some frames, with the present rotations as bases. The change
-    /// of chart is exact for all `motions`: the present unknowns and velocities, and earlier ones.
-    pub(crate) fn begin_rotations_anew(
-        &mut self,
-        frames: &[usize],
-        motions: &mut [[&mut [f64]; 2]],
-    ) {
-        for &number in frames {
-            self.assembly.joints.frames[number].begin_anew(motions);
-        }
-    }
-
-    /// Data of sliding nodes and of all terms for a checkpoint.
-    pub(crate) fn memory(&self) -> Vec<Vec<f64>> {
-        let of_slides = std::iter::once(self.assembly.joints.memory());
-        of_slides.chain(self.terms.memory()).collect()
-    }
-
-    /// Restores the data of a checkpoint.
-    ///
-    /// # Errors
-    /// The difference if the checkpoint belongs to another scene.
-    pub(crate) fn restore(&mut self, memory: Vec<Vec<f64>>) -> Result<(), &'static str> {
-        let mut memory = memory.into_iter();
-        let of_slides = memory.next().unwrap_or_default();
-        self.assembly.joints.restore(&of_slides)?;
-        self.terms.restore(memory)
-    }
-
-    /// The base rotations of the frames, for a checkpoint.
-    pub(crate) fn frame_bases(&self) -> Vec<UnitQuaternion> {
-        let frames = self.assembly.joints.frames.iter();
-        frames.map(|frame| frame.base).collect()
-    }
-
-    /// Restores the base rotations from a checkpoint.
-    ///
-    /// # Errors
-    /// The difference if the checkpoint belongs to another scene.
-    pub(crate) fn restore_frame_bases(
-        &mut self,
-        bases: &[UnitQuaternion],
-    ) -> Result<(), &'static str> {
-        let frames = &mut self.assembly.joints.frames;
-        if bases.len() != frames.len() {
-            return Err("joints");
-        }
-        for (frame, base) in frames.iter_mut().zip(bases) {
-            frame.base = *base;
-        }
-        Ok(())
-    }
 }
 
+#[cfg(test)]
+mod free_body_tests;
 #[cfg(test)]
 mod slide_tests;
 #[cfg(test)]

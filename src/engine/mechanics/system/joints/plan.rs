@@ -2,7 +2,7 @@
 //! rods are numbered.
 
 use super::Joints;
-use super::frame::TurningFrame;
+use super::frame::{BODY_PLACES, TurningFrame};
 use super::span::span;
 use super::turned::turned_nodes;
 use crate::mechanics::rod::STRIDE;
@@ -69,7 +69,7 @@ pub fn joint_unknowns(scene: &Scene) -> [usize; 2] {
 
 impl PlannedFrame {
     fn places(&self) -> usize {
-        if self.bears_body { 4 } else { 1 }
+        if self.bears_body { BODY_PLACES } else { 1 }
     }
 }
 

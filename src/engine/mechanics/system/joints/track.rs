@@ -189,6 +189,7 @@ mod tests {
             first_node: 3,
             nodes,
             closed,
+            rigid: false,
         };
         Track::new(&range, [0, nodes - 1], lengths)
     }

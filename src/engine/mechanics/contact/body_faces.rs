@@ -1,0 +1,254 @@
+//! Faces of free bodies: search for nodes of rods and vertices of other bodies near them, and
+//! contact with a face that moves.
+//!
+//! With the weights λₖ of the corners xₖ at the foot of a node p, the unit normal n and the
+//! distance d = n·(p − Σ λₖ xₖ) of the node,
+//!
+//! ```text
+//! δd = n·δu,    δn = −Σ ∇λₖ (n·δxₖ),    δλₖ = ∇λₖ·(δu − d δn),    δu = δp − Σ λⱼ δxⱼ.
+//! ```
+//!
+//! The force and its derivative are those of two edges ([`super::edge_contact`]) with four nodes.
+
+use super::box_tree::AlignedBox;
+use super::contacts::{CandidatePair, ContactMotion, EdgeJacobian, Linearised};
+use super::continuous_collision::{ADVANCES, KEPT_GAP, USED_UP};
+use super::edge_contact::Sliding;
+use super::foot::Foot;
+use super::normal_response::NormalResponse;
+use super::surface::{ContactFace, ContactSurface};
+use crate::mechanics::Vector3;
+
+impl ContactSurface {
+    /// Adds all pairs of a node and a face of another, free body whose surfaces are nearer than
+    /// `clearance` (m), together with the distance of the node from the face.
+    pub(super) fn find_at_bodies(
+        &self,
+        positions: &[Vector3],
+        clearance: f64,
+        found: &mut Vec<(CandidatePair, f64)>,
+    ) {
+        let sides = [positions; 2];
+        for pair in self.pairs_at_bodies(sides, clearance) {
+            let corners = pair.nodes.map(|node| positions[node]);
+            let Some(foot) = Foot::in_plane(&corners, 1.0) else {
+                continue;
+            };
+            let distance = distance_from_triangle(&corners);
+            if distance < self.threshold(pair.edges) + clearance && foot.distance >= 0.0 {
+                found.push((pair, distance));
+            }
+        }
+    }
+
+    /// Adds all pairs of a node and a face of another, free body whose paths from `start` to `end`
+    /// come near each other.
+    pub(super) fn find_swept_at_bodies(
+        &self,
+        start: &[Vector3],
+        end: &[Vector3],
+        found: &mut Vec<CandidatePair>,
+    ) {
+        found.extend(self.pairs_at_bodies([start, end], 0.0));
+    }
+
+    /// Pairs of a node and a face with boxes around both positions that overlap, if they are
+    /// enlarged by the radii and a clearance, m.
+    fn pairs_at_bodies<'a>(
+        &'a self,
+        [start, end]: [&'a [Vector3]; 2],
+        clearance: f64,
+    ) -> impl Iterator<Item = CandidatePair> + 'a {
+        let around = move |nodes: &[usize], radius: f64| {
+            let both = [start, end].into_iter();
+            let points = both.flat_map(|of| nodes.iter().map(move |&node| of[node]));
+            AlignedBox::around(points, radius)
+        };
+        let edges = self.edges().len();
+        let faces = self.body_faces().iter().enumerate();
+        faces.flat_map(move |(index, face)| {
+            let near = around(&face.vertices, face.radius + clearance);
+            let nodes = self.nodes().iter();
+            let others = nodes.filter(move |one| self.edges()[one.edge].rod != face.rod);
+            let touching = others.filter(move |one| near.meets(&around(&[one.node], one.radius)));
+            touching.map(move |one| CandidatePair {
+                edges: [one.edge, edges + index],
+                nodes: ContactFace::with(face, one.node),
+                side: 1,
+            })
+        })
+    }
+
+    /// Vertices of free bodies and nodes of rods within other free bodies: the pair with the
+    /// nearest face, and the depth, m.
+    pub(super) fn within_bodies(&self, positions: &[Vector3]) -> Vec<(CandidatePair, f64)> {
+        let mut deepest = Vec::new();
+        let faces = self.body_faces();
+        let mut first = 0;
+        while first < faces.len() {
+            let count = faces[first..]
+                .iter()
+                .take_while(|face| face.rod == faces[first].rod)
+                .count();
+            let own = first..first + count;
+            let others = self.nodes().iter();
+            for one in others.filter(|one| self.edges()[one.edge].rod != faces[first].rod) {
+                let depths = own.clone().map(|index| {
+                    let nodes = ContactFace::with(&faces[index], one.node);
+                    let foot = Foot::in_plane(&nodes.map(|node| positions[node]), 1.0);
+                    (index, nodes, foot.map_or(0.0, |foot| -foot.distance))
+                });
+                let nearest = depths.min_by(|a, b| a.2.total_cmp(&b.2));
+                if let Some((index, nodes, depth)) = nearest.filter(|(_, _, depth)| *depth > 0.0) {
+                    let pair = CandidatePair {
+                        edges: [one.edge, self.edges().len() + index],
+                        nodes,
+                        side: 1,
+                    };
+                    deepest.push((pair, depth));
+                }
+            }
+            first += count;
+        }
+        deepest
+    }
+}
+
+/// Distance of the first point from the triangle of the others, m.
+pub(super) fn distance_from_triangle(corners: &[Vector3; 4]) -> f64 {
+    separation_from_triangle(corners).norm()
+}
+
+/// Vector to the first point from the nearest point of the triangle of the others, m.
+fn separation_from_triangle(corners: &[Vector3; 4]) -> Vector3 {
+    if let Some(foot) = Foot::of(corners, 1.0) {
+        return foot.normal * foot.distance;
+    }
+    let [point, a, b, c] = corners;
+    let from_side = |from: &Vector3, to: &Vector3| {
+        let side = to - from;
+        let along = (point - from).dot(&side) / side.norm_squared();
+        point - from - side * along.clamp(0.0, 1.0)
+    };
+    let sides = [from_side(a, b), from_side(b, c), from_side(c, a)];
+    let nearest = (sides.into_iter()).min_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));
+    nearest.unwrap_or_else(Vector3::zeros)
+}
+
+/// The largest fraction of the path `displacements` of a node and the corners of a triangle, at
+/// most `longest`, along which they stay farther apart than `threshold` (m) plus a tenth of their
+/// present gap beyond it. See [`super::continuous_collision`].
+pub(super) fn safe_fraction_at_triangle(
+    corners: &[Vector3; 4],
+    displacements: &[Vector3; 4],
+    threshold: f64,
+    longest: f64,
+) -> f64 {
+    let mut separation = separation_from_triangle(corners);
+    let gap = separation.norm() - threshold;
+    if !(gap > 0.0) {
+        return 0.0;
+    }
+    let kept = threshold + KEPT_GAP * gap;
+    let (mut fraction, mut moved) = (0.0, *corners);
+    for _ in 0..ADVANCES {
+        let normal = separation.normalize();
+        let mut advance = longest - fraction;
+        for corner in 1..4 {
+            let slack = ((moved[0] - moved[corner]).dot(&normal) - kept).max(0.0);
+            let approach = (displacements[corner] - displacements[0]).dot(&normal);
+            if slack < approach * advance {
+                advance = slack / approach;
+            }
+        }
+        if advance >= longest - fraction {
+            return longest;
+        }
+        fraction += advance;
+        moved = std::array::from_fn(|m| corners[m] + displacements[m] * fraction);
+        separation = separation_from_triangle(&moved);
+        if separation.norm() - kept <= USED_UP * KEPT_GAP * gap {
+            break;
+        }
+    }
+    fraction
+}
+
+impl Foot {
+    /// Motion of the contact with a node and the corners of a face, all of which move; normal and
+    /// contact point are fixed unless it `turns`.
+    pub(super) fn motion_with(&self, [_, a, b, c]: &[Vector3; 4], turns: bool) -> ContactMotion {
+        let (weights, normal) = (self.all_weights(), self.normal);
+        let mut motion = ContactMotion {
+            weights,
+            gap_gradient: std::array::from_fn(|k| weights[k / 3] * normal[k % 3]),
+            ..ContactMotion::over_plane(&normal)
+        };
+        if !turns {
+            return motion;
+        }
+        let [ab, ac] = [b - a, c - a];
+        let area = ab.cross(&ac);
+        let square = area.norm_squared();
+        let (along_b, along_c) = (ac.cross(&area) / square, area.cross(&ab) / square);
+        let slopes = [Vector3::zeros(), -along_b - along_c, along_b, along_c];
+        for column in 0..12 {
+            let (node, axis) = (column / 3, column % 3);
+            let turn = -slopes[node] * normal[axis];
+            for row in 0..3 {
+                motion.normal_jacobian[row][column] = turn[row];
+            }
+            for corner in 1..4 {
+                let moved = weights[node] * slopes[corner][axis];
+                // The weights of corners in the separation are negative.
+                motion.weight_rates[corner][column] =
+                    self.distance * slopes[corner].dot(&turn) - moved;
+            }
+        }
+        motion
+    }
+}
+
+/// Derivative of the force N w ⊗ d of a contact with respect to the coordinates of its four nodes,
+/// N/m, for the friction law linearised at the slip given with `sliding` (m/s).
+pub(super) fn motion_jacobian(
+    motion: &ContactMotion,
+    response: &NormalResponse,
+    sliding: Option<(&Sliding, Vector3)>,
+) -> Linearised<EdgeJacobian> {
+    let mut direction = motion.normal;
+    let mut turn = motion.normal_jacobian;
+    let mut rates = [[0.0; 12]; 3];
+    if let Some((sliding, at)) = sliding {
+        let velocity = sliding.relative_velocity(&motion.weights);
+        let law = &sliding.law;
+        let traction = law.traction_derivatives(&motion.normal, &velocity, &at);
+        direction += traction.value;
+        for column in 0..12 {
+            let normal = Vector3::from_fn(|row, _| motion.normal_jacobian[row][column]);
+            let moved = sliding.velocities.iter().zip(&motion.weight_rates);
+            let mut slip: Vector3 = moved.map(|(v, rate)| v * rate[column]).sum();
+            slip[column % 3] += motion.weights[column / 3] / sliding.time_step;
+            let rate = traction.by_normal * normal + traction.by_velocity * slip;
+            for row in 0..3 {
+                rates[row][column] = rate[row];
+                turn[row][column] += rate[row];
+            }
+        }
+    }
+    let mut jacobian = [[0.0; 12]; 12];
+    for (row, entries) in jacobian.iter_mut().enumerate() {
+        let (node, axis) = (row / 3, row % 3);
+        let weight = motion.weights[node];
+        for (column, entry) in entries.iter_mut().enumerate() {
+            let nodal = weight * response.force_slope * motion.gap_gradient[column]
+                + response.force * motion.weight_rates[node][column];
+            *entry = nodal * direction[axis] + response.force * weight * turn[axis][column];
+        }
+    }
+    Linearised {
+        jacobian,
+        gap_gradient: motion.gap_gradient,
+        traction_gradient: rates,
+    }
+}

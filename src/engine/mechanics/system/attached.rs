@@ -1,0 +1,186 @@
+//! Elements of contacts with free bodies.
+//!
+//! A contact joins up to four nodes. A vertex of a free body moves by δx + δψ × d with the centre
+//! of mass and the rotation of the body, so the vertices of one body in a contact are replaced by
+//! these six unknowns: δq = P δr, and the element has the matrix Pᵀ J P. A contact of two bodies
+//! has twelve. The change of the moments of forces with the rotation of the body is added by
+//! [`super::joints`].
+
+use super::Assembly;
+use super::node_element::element_of;
+use crate::linalg::{Element, ElementMatrix, UNUSED};
+use crate::mechanics::contact::EdgeJacobian;
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::{Matrix3, Vector3};
+
+/// The free bodies to which nodes belong.
+#[derive(Default)]
+pub(crate) struct AttachedNodes {
+    /// For each node, the body of which it is a vertex; empty without free bodies.
+    bodies_of: Vec<Option<usize>>,
+    bodies: Vec<Body>,
+    /// Vectors d from the centre of mass to each node, m.
+    arms: Vec<Vector3>,
+}
+
+/// A body as six unknowns.
+struct Body {
+    /// Index of its frame.
+    frame: usize,
+    /// First unknowns of its centre of mass and of its rotation vector.
+    unknowns: [usize; 2],
+    /// Rotation per unknown, J/ℓ.
+    rates: Matrix3,
+}
+
+impl AttachedNodes {
+    /// Nodes of the free bodies of a scene.
+    pub(crate) fn of(assembly: &Assembly) -> Self {
+        let mut attached = Self::default();
+        for (number, frame) in assembly.joints.frames.iter().enumerate() {
+            let Some(vertices) = &frame.vertices else {
+                continue;
+            };
+            attached.bodies_of.resize(assembly.rods.nodes, None);
+            attached.arms.resize(assembly.rods.nodes, Vector3::zeros());
+            let body = attached.bodies.len();
+            attached.bodies_of[vertices.nodes()].fill(Some(body));
+            attached.bodies.push(Body {
+                frame: number,
+                unknowns: [STRIDE * vertices.centre, frame.first_unknown],
+                rates: Matrix3::identity(),
+            });
+        }
+        attached
+    }
+
+    /// Sets the rotations to those of the last evaluation, which was at `unknowns`.
+    pub(crate) fn turn(&mut self, assembly: &Assembly, unknowns: &[f64]) {
+        for body in &mut self.bodies {
+            let joints = &assembly.joints;
+            body.rates = joints.rates_of_frame(body.frame, unknowns).0;
+            let rotation = joints.rotation(body.frame);
+            if let Some(vertices) = &joints.frames[body.frame].vertices {
+                for (node, arm) in vertices.nodes().zip(&vertices.arms) {
+                    self.arms[node] = rotation * arm;
+                }
+            }
+        }
+    }
+
+    /// Transfers forces on vertices to forces on the unknowns of their bodies.
+    pub(crate) fn gather(&self, forces: &mut [f64]) {
+        for (node, body) in self.bodies_of.iter().enumerate() {
+            let Some(body) = body.map(|body| &self.bodies[body]) else {
+                continue;
+            };
+            let own = &mut forces[STRIDE * node..STRIDE * node + 3];
+            let force = Vector3::from_column_slice(own);
+            own.fill(0.0);
+            let moment = body.rates.transpose() * self.arms[node].cross(&force);
+            for (first, part) in body.unknowns.iter().zip([force, moment]) {
+                (0..3).for_each(|axis| forces[first + axis] += part[axis]);
+            }
+        }
+    }
+
+    /// The body of which a node is a vertex.
+    fn body_of(&self, node: usize) -> Option<usize> {
+        self.bodies_of.get(node).copied().flatten()
+    }
+
+    /// Whether a node is a vertex of a body.
+    pub(crate) fn has(&self, node: usize) -> bool {
+        self.body_of(node).is_some()
+    }
+
+    /// The element of up to four nodes.
+    pub(crate) fn element_of(&self, nodes: &[usize]) -> Element {
+        if !nodes.iter().any(|node| self.has(*node)) {
+            return element_of(nodes);
+        }
+        let mut element = [UNUSED; 12];
+        self.visit(nodes, |_, node, first| match self.body_of(node) {
+            None => (0..3).for_each(|axis| element[first + axis] = STRIDE * node + axis),
+            Some(body) => {
+                for (part, unknown) in self.bodies[body].unknowns.iter().enumerate() {
+                    (0..3).for_each(|axis| element[first + 3 * part + axis] = unknown + axis);
+                }
+            }
+        });
+        element
+    }
+
+    /// The matrix of that element for a derivative of forces over the coordinates of the nodes,
+    /// with the opposite sign.
+    pub(crate) fn matrix_of(&self, nodes: &[usize], jacobian: &EdgeJacobian) -> ElementMatrix {
+        if !nodes.iter().any(|node| self.has(*node)) {
+            return jacobian.map(|row| row.map(|entry| -entry));
+        }
+        // The motion of each coordinate by each unknown.
+        let mut motion = [[0.0; 12]; 12];
+        self.visit(nodes, |corner, node, first| {
+            for axis in 0..3 {
+                motion[3 * corner + axis][first + axis] = 1.0;
+            }
+            if let Some(body) = self.body_of(node) {
+                let turned = -self.arms[node].cross_matrix() * self.bodies[body].rates;
+                for row in 0..3 {
+                    for column in 0..3 {
+                        motion[3 * corner + row][first + 3 + column] = turned[(row, column)];
+                    }
+                }
+            }
+        });
+        let mut by_unknowns = [[0.0; 12]; 12];
+        for (own, row) in by_unknowns.iter_mut().zip(jacobian) {
+            add_product(own, row, &motion);
+        }
+        let mut matrix = [[0.0; 12]; 12];
+        for (moved, row) in motion.iter().zip(&by_unknowns) {
+            for (own, part) in matrix
+                .iter_mut()
+                .zip(moved)
+                .filter(|(_, part)| **part != 0.0)
+            {
+                for (entry, value) in own.iter_mut().zip(row) {
+                    *entry -= part * value;
+                }
+            }
+        }
+        matrix
+    }
+
+    /// Passes the corner, the node and its first place in the element of several nodes.
+    fn visit(&self, nodes: &[usize], mut visit: impl FnMut(usize, usize, usize)) {
+        let mut places: [Option<(usize, usize)>; 2] = [None; 2];
+        let mut next = 0;
+        for (corner, &node) in nodes.iter().enumerate() {
+            let Some(body) = self.body_of(node) else {
+                visit(corner, node, next);
+                next += 3;
+                continue;
+            };
+            let known = places.iter().flatten().find(|(of, _)| *of == body);
+            let first = match known {
+                Some((_, first)) => *first,
+                None => {
+                    let free = places.iter_mut().find(|place| place.is_none());
+                    *free.expect("a contact joins two bodies at most") = Some((body, next));
+                    next += 6;
+                    next - 6
+                }
+            };
+            visit(corner, node, first);
+        }
+    }
+}
+
+/// Adds the product of a row with a matrix.
+fn add_product(sum: &mut [f64; 12], row: &[f64; 12], matrix: &[[f64; 12]; 12]) {
+    for (factor, own) in row.iter().zip(matrix).filter(|(factor, _)| **factor != 0.0) {
+        for (entry, value) in sum.iter_mut().zip(own) {
+            *entry += factor * value;
+        }
+    }
+}

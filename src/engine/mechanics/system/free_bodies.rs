@@ -1,0 +1,193 @@
+//! Rigid bodies that no rod carries: a centre of mass, a frame that turns about it
+//! ([`super::joints`], `frame`), and vertices that follow both,
+//!
+//! ```text
+//! xᵥ = x + R dᵥ,    F = Σ Fᵥ,    T = Σ R dᵥ × Fᵥ
+//! ```
+//!
+//! The vertices are nodes without mass. Contact treats them like nodes of rods, and the segments
+//! between them like edges; [`super::attached`] converts the derivatives of its forces.
+
+use super::joints::TurningFrame;
+use super::joints::frame::{BODY_PLACES, Vertices};
+use super::rod_scale::RodScale;
+use super::{Assembly, System};
+use crate::linalg::UNUSED;
+use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::{RodRange, STRIDE};
+use crate::mechanics::scene::{FreeBody, LoadKind, Scene};
+use crate::mechanics::{SceneError, Vector3, rotation};
+
+const NO_FLUID: SceneError = SceneError::Unsuitable(
+    "free bodies in a fluid are not supported: remove the fluid or the bodies",
+);
+
+impl Assembly {
+    /// Numbers and places the free bodies of a scene, whose nodes begin at `first_node` and whose
+    /// frames begin at `first_place`.
+    ///
+    /// # Errors
+    /// [`SceneError::Unsuitable`] in a scene with a fluid.
+    pub(super) fn add_free_bodies(
+        &mut self,
+        scene: &Scene,
+        mut first_node: usize,
+        mut first_place: usize,
+    ) -> Result<(), SceneError> {
+        if !scene.free_bodies.is_empty() && scene.fluid.is_some() {
+            return Err(NO_FLUID);
+        }
+        let weight = largest_acceleration(scene);
+        for body in &scene.free_bodies {
+            let range = RodRange {
+                first_node,
+                nodes: body.nodes(),
+                closed: false,
+                rigid: true,
+            };
+            self.place_free_body(body, &range, STRIDE * first_place);
+            let reach = body.reach();
+            let force = body.mass * weight;
+            self.scales.push(RodScale {
+                // Without weight the forces of a body are those of its contacts.
+                force: force.max(f64::MIN_POSITIVE),
+                shortest_edge: reach,
+                rounding_stiffness: 0.0,
+            });
+            self.force_scale = self.force_scale.max(force);
+            self.shortest_edge = self.shortest_edge.min(reach);
+            self.rods.rods.push(range);
+            self.names.push(body.name.clone());
+            self.radii.push(body.shape.radius);
+            first_node += range.nodes;
+            first_place += BODY_PLACES;
+        }
+        if !scene.free_bodies.is_empty() {
+            let mut unknowns = std::mem::take(&mut self.unknowns);
+            self.joints.complete(&mut unknowns);
+            self.unknowns = unknowns;
+        }
+        Ok(())
+    }
+
+    fn place_free_body(&mut self, body: &FreeBody, range: &RodRange, first_unknown: usize) {
+        let centre = range.first_node;
+        let vertices = &body.shape.vertices;
+        let reach = body.reach();
+        for (node, x) in range
+            .node_indices()
+            .zip([body.centre].iter().chain(vertices))
+        {
+            let velocity = body.velocity + body.angular_velocity.cross(&(x - body.centre));
+            let own = STRIDE * node..STRIDE * node + 3;
+            self.unknowns[own.clone()].copy_from_slice(x.as_slice());
+            self.velocity[own.clone()].copy_from_slice(velocity.as_slice());
+            // Vertices follow the centre and the frame.
+            self.held[own.start..own.end + 1].fill(true);
+        }
+        let own = STRIDE * centre..STRIDE * centre + 3;
+        self.masses[own.clone()].fill(body.mass);
+        self.held[own].fill(false);
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| body.axes * axis);
+        let first_tip = first_unknown + STRIDE;
+        let mut frame = TurningFrame::new(first_unknown, None);
+        frame.length = reach;
+        frame.body = Some((first_tip, axes));
+        frame.node = centre;
+        frame.element = self.rods.elements.len();
+        frame.vertices = Some(Vertices {
+            centre,
+            arms: vertices.iter().map(|x| x - body.centre).collect(),
+        });
+        self.rods.elements.push([UNUSED; 12]);
+        self.held[first_unknown + 3] = true;
+        let spin = body.angular_velocity;
+        self.velocity[first_unknown..first_unknown + 3].copy_from_slice((spin * reach).as_slice());
+        let sum: f64 = body.inertia.iter().sum();
+        for (k, (moment, axis)) in body.inertia.iter().zip(&axes).enumerate() {
+            let tip = first_tip + STRIDE * k;
+            let velocity = spin.cross(axis) * reach;
+            self.masses[tip..tip + 3].fill((0.5 * sum - moment) / (reach * reach));
+            self.velocity[tip..tip + 3].copy_from_slice(velocity.as_slice());
+            self.held[tip..tip + STRIDE].fill(true);
+        }
+        self.joints.add_frame(frame);
+    }
+
+    /// Whether the position of each node is prescribed. Vertices of free bodies are not, although
+    /// they are no unknowns.
+    pub(crate) fn prescribed_nodes(&self) -> Vec<bool> {
+        let nodes = self.held.iter().step_by(STRIDE).take(self.rods.nodes);
+        let mut prescribed: Vec<bool> = nodes.copied().collect();
+        for frame in &self.joints.frames {
+            if let Some(vertices) = &frame.vertices {
+                prescribed[vertices.nodes()].fill(false);
+            }
+        }
+        prescribed
+    }
+
+    /// The mass (kg) of a free body as felt at each of its vertices, 1/(1/m + d²/I) for the mean
+    /// moment of inertia I, with the nodes.
+    pub(super) fn masses_at_vertices(&self) -> impl Iterator<Item = (usize, f64)> {
+        let frames = self.joints.frames.iter();
+        frames.flat_map(|frame| {
+            let (vertices, first) = match (&frame.vertices, frame.body) {
+                (Some(vertices), Some((first, _))) => (vertices.arms.as_slice(), first),
+                _ => (&[][..], 0),
+            };
+            let centre = frame.vertices.as_ref().map_or(0, |own| own.centre);
+            let tips = [0, 1, 2].map(|k| self.masses[first + STRIDE * k]);
+            // The moments add up to twice the sum of the masses at the tips.
+            let mean = 2.0 / 3.0 * tips.iter().sum::<f64>() * frame.length * frame.length;
+            let mass = self.masses[STRIDE * centre];
+            vertices.iter().enumerate().map(move |(k, arm)| {
+                let turning = arm.norm_squared() / mean;
+                (centre + 1 + k, 1.0 / (1.0 / mass + turning))
+            })
+        })
+    }
+}
+
+/// Motion of a free body.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyMotion {
+    /// Position of its centre of mass, m.
+    pub position: Vector3,
+    /// Rotation vector since it was placed, rad, of a length of at most π.
+    pub turn: Vector3,
+    /// Kinetic energy, J.
+    pub kinetic_energy: f64,
+}
+
+impl System {
+    /// Motion of a free body at the last evaluation.
+    pub(crate) fn body_motion(
+        &self,
+        body: usize,
+        unknowns: &[f64],
+        velocity: &[f64],
+    ) -> BodyMotion {
+        let joints = &self.assembly.joints;
+        let mut bodies = (joints.frames.iter().enumerate()).filter_map(|(number, frame)| {
+            Some((number, frame.vertices.as_ref()?.centre, frame.body?))
+        });
+        let (number, centre, (first_tip, _)) = bodies.nth(body).expect("the body exists");
+        let tip = first_tip / STRIDE;
+        let energy = |place| self.assembly.kinetic_energy(&place, velocity);
+        BodyMotion {
+            position: position(unknowns, centre),
+            turn: rotation::to_vector(&joints.rotation(number)),
+            kinetic_energy: energy(centre..centre + 1) + energy(tip..tip + 3),
+        }
+    }
+}
+
+/// Largest acceleration of free fall in a scene, m/s².
+fn largest_acceleration(scene: &Scene) -> f64 {
+    let sizes = scene.loads.iter().map(|load| match load.kind {
+        LoadKind::Gravity { acceleration } => acceleration.norm(),
+        _ => 0.0,
+    });
+    sizes.fold(0.0, f64::max)
+}

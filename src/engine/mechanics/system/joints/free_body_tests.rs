@@ -1,0 +1,98 @@
+//! Residual and Jacobian of free bodies in contact against finite differences.
+
+use super::tests::{compare_to_differences, stage_at};
+use super::*;
+use crate::mechanics::contact::{ContactModel, ContactParameters};
+use crate::mechanics::rigid_body::RigidBody;
+use crate::mechanics::scene::{FreeBody, RodDescription, Scene};
+use crate::mechanics::test_support::{
+    SOFT_MODELS, contact, ground, line, obstacle, section, weight,
+};
+
+/// A box with an orientation given by a rotation vector, rad.
+fn cuboid(name: &str, centre: Vector3, turned: Vector3) -> FreeBody {
+    let axes = rotation::from_vector(turned);
+    FreeBody {
+        name: name.into(),
+        shape: RigidBody::cuboid(centre, Vector3::new(0.6, 0.5, 0.4), &axes, 0.05),
+        mass: 0.7,
+        centre,
+        inertia: [0.02, 0.03, 0.025],
+        axes,
+        velocity: Vector3::new(0.1, 0.2, -0.1),
+        angular_velocity: Vector3::new(0.3, -0.2, 0.4),
+    }
+}
+
+/// A box over a plane and beside an obstacle, another on it with a corner on its top face, a rod
+/// that lies across both, and the end of a rod over the side of the first.
+fn heap(model: ContactModel, friction: f64) -> Scene {
+    let stiffness = section(3.0, [0.02, 0.05], 0.03);
+    let rod = |name: &str, from: [f64; 3], to: [f64; 3]| {
+        let nodes = line(Vector3::from(from), Vector3::from(to), 3);
+        RodDescription::uniform(name, nodes, stiffness, 0.05, 0.8)
+    };
+    // The lowest corner of the second box is 0.26 below its centre.
+    let tilt = Vector3::new(0.7, 0.6, 0.1);
+    let corner = rotation::from_vector(tilt) * Vector3::new(0.25, -0.2, -0.15);
+    let second = Vector3::new(0.03, 0.02, 0.4 + 0.06 + 0.05) - corner;
+    Scene {
+        rods: vec![
+            rod("across", [-0.5, 0.205, 0.52], [0.5, 0.195, 0.48]),
+            rod("beside", [0.36, 0.0, 0.2], [0.9, 0.1, 0.3]),
+        ],
+        free_bodies: vec![
+            cuboid("lower", Vector3::new(0.0, 0.0, 0.21), Vector3::zeros()),
+            cuboid("upper", second, tilt),
+        ],
+        planes: vec![ground()],
+        obstacles: vec![obstacle(
+            "ball",
+            RigidBody::sphere(Vector3::new(0.0, -0.37, 0.1), 0.1),
+        )],
+        loads: vec![weight(Vector3::new(0.1, 0.2, -1.0))],
+        contact: Some(ContactParameters {
+            friction,
+            slip_tolerance: 1.0,
+            ..contact(model, 0.04)
+        }),
+        ..Scene::default()
+    }
+}
+
+/// Kinds of contacts of the last evaluation: of edges, with faces of bodies, with obstacles, with
+/// planes.
+fn kinds(system: &System) -> [usize; 4] {
+    let contact = system.contact().unwrap();
+    let mut kinds = [0, 0, 0, contact.plane_contacts().len()];
+    for one in contact.contacts() {
+        let is_of_rod = contact.is_of_rod(one.nodes[3]);
+        kinds[match (is_of_rod, one.first_body) {
+            (true, 2) => 0,
+            (true, _) => 1,
+            _ => 2,
+        }] += 1;
+    }
+    kinds
+}
+
+#[test]
+fn the_jacobian_of_free_bodies_in_contact_is_exact() {
+    for model in SOFT_MODELS {
+        for friction in [0.0, 0.4] {
+            let mut system = System::new(&heap(model, friction)).unwrap();
+            let stage = stage_at(&system);
+            if let Some(contact) = &mut system.terms.contact.model {
+                contact.set_stiffness(0.5);
+            }
+            for size in [0.0, 0.0005, 0.001] {
+                let asymmetry = compare_to_differences(&mut system, Some(&stage), size, 1e-6);
+                if friction == 0.0 {
+                    assert!(asymmetry < 1e-12, "{model:?} {size}: {asymmetry:e}");
+                }
+                let kinds = kinds(&system);
+                assert!(kinds.iter().all(|count| *count > 0), "{model:?} {kinds:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Keys of free bodies.
+
+use crate::scenario::keys::{FINITE, POSITIVE, keys};
+use crate::scenario::units::{Angle, AngularVelocity, Density, Length, Mass, Velocity};
+
+/// Upwards, the default axis of rotations.
+const UP: [f64; 3] = [0.0, 0.0, 1.0];
+/// Sides of the prism that represents a cylinder.
+const SIDES: usize = 24;
+const MOST_SIDES: usize = 200;
+
+keys! {
+    /// A rigid body that no rod carries. It moves freely, and touches rods, planes, obstacles and
+    /// other free bodies with friction if there is a table `[contact]`.
+    table FreeBodyKeys "free_body" {
+        /// Name for probes, loads and messages. Default: "free body 0", "free body 1", ...
+        name: text() derived,
+        /// Shape of the body, about its centre.
+        shape: raw(FreeShapeKeys) raw,
+        /// Position of its centre: for a mesh, that of the origin of its vertices.
+        position: vector(Length) required,
+        /// Axis of its rotation.
+        axis: direction() default(UP),
+        /// Angle of its rotation about its centre.
+        angle: number(Angle, FINITE) default(0.0),
+        /// Mass of the body, which is uniform; give `mass` or `density`.
+        mass: number(Mass, POSITIVE) optional,
+        /// Density of the body.
+        density: number(Density, POSITIVE) optional,
+        /// Velocity of its centre of mass at time zero.
+        velocity: vector(Velocity) default([0.0; 3]),
+        /// Angular velocity at time zero.
+        angular_velocity: vector(AngularVelocity) default([0.0; 3]),
+    }
+}
+
+/// The shape of a free body. Corners and edges are rounded; friction acts at the axes of the
+/// roundings.
+#[derive(Debug, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(tag = "kind", rename = "free_shape")]
+pub enum FreeShapeKeys {
+    /// A box with sides along x, y and z.
+    Box(BoxKeys),
+    /// A cylinder with flat ends, along z, as a prism whose corners are on the circle.
+    Cylinder(CylinderKeys),
+    /// A convex mesh.
+    Mesh(MeshKeys),
+}
+
+keys! {
+    /// A box with sides along x, y and z.
+    table BoxKeys "free_box" {
+        /// Lengths of its sides, from surface to surface.
+        size: vector(Length, POSITIVE) required,
+        /// Radius of the rounding of its edges, less than half of the shortest side. Default: a
+        /// twentieth of the shortest side.
+        rounding: number(Length, POSITIVE) derived,
+    }
+}
+
+keys! {
+    /// A cylinder with flat ends, along z.
+    table CylinderKeys "free_cylinder" {
+        /// Radius of the cylinder.
+        radius: number(Length, POSITIVE) required,
+        /// Length of the cylinder, from surface to surface.
+        length: number(Length, POSITIVE) required,
+        /// Radius of the rounding of its edges, less than its radius and half of its length.
+        /// Default: a tenth of the smaller of the two.
+        rounding: number(Length, POSITIVE) derived,
+        /// Number of its flat sides.
+        sides: count(3..=MOST_SIDES) default(SIDES),
+    }
+}
+
+keys! {
+    /// A convex mesh. The surface is at the distance `rounding` from its triangles.
+    table MeshKeys "free_mesh" {
+        /// The vertices, in m.
+        vertices: raw(Vec<[f64; 3]>) raw,
+        /// Three vertices of each triangle, counted from 0, anticlockwise as seen from outside.
+        triangles: raw(Vec<[usize; 3]>) raw,
+        /// Distance of the surface from the triangles.
+        rounding: number(Length, POSITIVE) required,
+    }
+}

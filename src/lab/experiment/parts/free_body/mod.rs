@@ -1,0 +1,333 @@
+//! Rigid bodies that no rod carries.
+
+mod keys;
+mod solid;
+
+use super::ScenePart;
+use crate::scenario::keys::{Part, Section};
+use crate::scenario::{Issue, KeyPath, Scheme, Time};
+use keys::{BoxKeys, CylinderKeys, FreeBodyKeys, FreeShapeKeys, MeshKeys};
+use rodlab_engine::mechanics::scene::{self, Scene};
+use rodlab_engine::mechanics::{Vector3, rotation};
+use serde::Serialize;
+use solid::Solid;
+
+/// A free body.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FreeBody {
+    /// Name for probes, loads and messages.
+    pub name: String,
+    /// Shape about its centre.
+    pub shape: FreeShape,
+    /// Position of its centre, m.
+    pub position: [f64; 3],
+    /// Unit vector along the axis of its rotation.
+    pub axis: [f64; 3],
+    /// Angle of its rotation, rad.
+    pub angle: f64,
+    /// Mass, kg; `None` if the density is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass: Option<f64>,
+    /// Density, kg/m³.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density: Option<f64>,
+    /// Velocity of its centre of mass, m/s.
+    pub velocity: [f64; 3],
+    /// Angular velocity, rad/s.
+    pub angular_velocity: [f64; 3],
+}
+
+/// The shape of a free body.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum FreeShape {
+    /// A box.
+    Box {
+        /// Lengths of its sides, m.
+        size: [f64; 3],
+        /// Radius of its edges, m.
+        rounding: f64,
+    },
+    /// A prism along z.
+    Cylinder {
+        /// Radius, m.
+        radius: f64,
+        /// Length, m.
+        length: f64,
+        /// Radius of its edges, m.
+        rounding: f64,
+        /// Number of sides.
+        sides: usize,
+    },
+    /// A convex mesh.
+    Mesh {
+        /// Vertices, m.
+        vertices: Vec<[f64; 3]>,
+        /// Three vertices of each triangle.
+        triangles: Vec<[usize; 3]>,
+        /// Distance of the surface from the triangles, m.
+        rounding: f64,
+    },
+}
+
+impl FreeShape {
+    fn resolve(section: &Section<'_>, typed: &FreeShapeKeys) -> Self {
+        match typed {
+            FreeShapeKeys::Box(typed) => Self::of_box(section, typed),
+            FreeShapeKeys::Cylinder(typed) => Self::of_cylinder(section, typed),
+            FreeShapeKeys::Mesh(typed) => Self::of_mesh(section, typed),
+        }
+    }
+
+    fn of_box(section: &Section<'_>, typed: &BoxKeys) -> Self {
+        let size = typed.size(section);
+        let shortest = size.iter().copied().fold(f64::INFINITY, f64::min);
+        let rounding = typed.rounding(section, 0.05 * shortest);
+        if rounding >= 0.5 * shortest {
+            let half = 0.5 * shortest;
+            let allowed = format!("less than half of the shortest side, {half:?} m");
+            section.out_of_range("rounding", rounding, allowed);
+        }
+        Self::Box { size, rounding }
+    }
+
+    fn of_cylinder(section: &Section<'_>, typed: &CylinderKeys) -> Self {
+        let (radius, length) = (typed.radius(section), typed.length(section));
+        let smaller = radius.min(0.5 * length);
+        let rounding = typed.rounding(section, 0.1 * smaller);
+        if rounding >= smaller {
+            let allowed = format!("less than the radius and half of the length, {smaller:?} m");
+            section.out_of_range("rounding", rounding, allowed);
+        }
+        Self::Cylinder {
+            radius,
+            length,
+            rounding,
+            sides: typed.sides(section),
+        }
+    }
+
+    fn of_mesh(section: &Section<'_>, typed: &MeshKeys) -> Self {
+        let rounding = typed.rounding(section);
+        if typed.vertices.is_none() {
+            section.missing("vertices", "a list of points, in m");
+        }
+        if typed.triangles.is_none() {
+            section.missing(
+                "triangles",
+                "three vertices of each triangle, counted from 0",
+            );
+        }
+        Self::Mesh {
+            vertices: typed.vertices.clone().unwrap_or_default(),
+            triangles: typed.triangles.clone().unwrap_or_default(),
+            rounding,
+        }
+    }
+
+    /// The shape about its centre.
+    ///
+    /// # Errors
+    /// Why a mesh is not that of a convex body.
+    fn solid(&self) -> Result<Solid, String> {
+        match self {
+            Self::Box { size, rounding } => Ok(Solid::cuboid(*size, *rounding)),
+            Self::Cylinder {
+                radius,
+                length,
+                rounding,
+                sides,
+            } => Ok(Solid::prism(*radius, *length, *rounding, *sides)),
+            Self::Mesh {
+                vertices,
+                triangles,
+                rounding,
+            } => Solid::convex(vertices, triangles, *rounding),
+        }
+    }
+}
+
+impl Part for FreeBody {
+    type Typed = FreeBodyKeys;
+
+    const KEY: &'static str = "free_bodies";
+    const DESCRIPTION: &'static str =
+        "Rigid bodies that no rod carries: boxes, cylinders, convex meshes.";
+
+    fn resolve(section: &Section<'_>, typed: &FreeBodyKeys, index: usize) -> Self {
+        let shape = match &typed.shape {
+            Some(shape) => FreeShape::resolve(&section.below("shape"), shape),
+            None => {
+                let help = "a table such as { kind = \"box\", size = [0.1, 0.1, 0.1] }";
+                section.missing("shape", help);
+                FreeShape::Box {
+                    size: [1.0; 3],
+                    rounding: 0.1,
+                }
+            }
+        };
+        let (mass, density) = (typed.mass(section), typed.density(section));
+        match (mass, density) {
+            (None, None) => section.missing("mass", "a mass, or a `density`"),
+            (Some(_), Some(_)) => section.fault("density", "give `mass` or `density`, not both"),
+            _ => {}
+        }
+        Self {
+            name: typed.name(section, format!("free body {index}")),
+            shape,
+            position: typed.position(section),
+            axis: typed.axis(section),
+            angle: typed.angle(section),
+            mass,
+            density,
+            velocity: typed.velocity(section),
+            angular_velocity: typed.angular_velocity(section),
+        }
+    }
+
+    fn judge(array: &Section<'_>, all: &[Self], time: &Time) {
+        let message = match time {
+            _ if all.is_empty() => return,
+            Time::Dynamic {
+                scheme: Scheme::ImplicitMidpoint,
+                ..
+            } => "free bodies need time.scheme = \"implicit-euler\" or \"backward-differences\"",
+            time if time.finds_equilibria() => {
+                "free bodies have no equilibrium without contact: run dynamically, without begin = \"equilibrium\""
+            }
+            _ => return,
+        };
+        array.below("0").fault("shape", message);
+    }
+}
+
+impl ScenePart for FreeBody {
+    fn place(&self, scene: &mut Scene, path: &KeyPath) -> Result<(), Issue> {
+        let taken = (scene.rods.iter().map(|rod| &rod.name))
+            .chain(scene.free_bodies.iter().map(|body| &body.name));
+        if taken.into_iter().any(|name| *name == self.name) {
+            let message = format!("another free body or a rod is called `{}`", self.name);
+            return Err(Issue::new(path.key("name"), message));
+        }
+        let solid = (self.shape.solid()).map_err(|why| Issue::new(path.key("shape"), why))?;
+        let mass = self
+            .mass
+            .or(self.density.map(|density| density * solid.volume));
+        let mass = mass.unwrap_or_default();
+        let rotation = rotation::from_vector(Vector3::from(self.axis) * self.angle);
+        let placed = |point: &Vector3| Vector3::from(self.position) + rotation * point;
+        let mut shape = solid.body;
+        shape
+            .vertices
+            .iter_mut()
+            .for_each(|vertex| *vertex = placed(vertex));
+        scene.free_bodies.push(scene::FreeBody {
+            name: self.name.clone(),
+            shape,
+            mass,
+            centre: placed(&solid.centre),
+            inertia: solid.inertia.map(|of_unit_mass| of_unit_mass * mass),
+            axes: rotation * solid.axes,
+            velocity: Vector3::from(self.velocity),
+            angular_velocity: Vector3::from(self.angular_velocity),
+        });
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::parts::test_support::prepared;
+
+    const SCENE: &str = r#"experiment = "scene"
+[material]
+youngs_modulus = "1 MPa"
+poissons_ratio = 0.5
+density = 1000.0
+[[rods]]
+name = "wire"
+radius = 0.01
+edges = 10
+shape = { kind = "straight", start = [0, 0, 0], end = [1, 0, 0] }
+[time]
+end = 1.0
+[[free_bodies]]
+BODY
+"#;
+
+    fn with(body: &str) -> String {
+        SCENE.replace("BODY", body)
+    }
+
+    #[test]
+    fn a_box_is_turned_about_its_centre_and_has_the_mass_of_its_density() {
+        let scene = prepared(&with(
+            "name = \"block\"\nshape = { kind = \"box\", size = [\"20 cm\", \"10 cm\", \"10 cm\"] }\nposition = [1, 2, 3]\nangle = \"90 deg\"\ndensity = 500.0\nvelocity = [0, 0, -1]",
+        ))
+        .unwrap();
+        let body = &scene.free_bodies[0];
+        assert!((body.mass - 1.0).abs() < 1e-12);
+        assert_eq!(body.centre, Vector3::new(1.0, 2.0, 3.0));
+        assert_eq!(body.velocity, -Vector3::z());
+        assert!((body.shape.radius - 5e-3).abs() < 1e-15);
+        let farthest = body.shape.vertices.iter().map(|x| (x.y - 2.0).abs());
+        assert!((farthest.fold(0.0, f64::max) - 0.095).abs() < 1e-12);
+        let [x, y, z] = body.inertia;
+        assert!((x - 1.0 / 600.0).abs() < 1e-12 && (y - 5.0 / 1200.0).abs() < 1e-12 && y == z);
+    }
+
+    #[test]
+    fn faults_of_free_bodies_name_the_key_and_what_is_allowed() {
+        let block = "shape = { kind = \"box\", size = [0.1, 0.1, 0.1] }\nposition = [0, 0, 1]";
+        let mesh = |triangles: &str| {
+            format!(
+                "shape = {{ kind = \"mesh\", vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], triangles = {triangles}, rounding = 0.01 }}\nposition = [0, 0, 1]\nmass = 1.0"
+            )
+        };
+        for (keys, key, expected) in [
+            (
+                "position = [0, 0, 1]\nmass = 1.0".to_owned(),
+                "shape",
+                "missing key `shape`",
+            ),
+            (block.to_owned(), "mass", "missing key `mass`"),
+            (
+                format!("{block}\nmass = 1.0\ndensity = 1.0"),
+                "density",
+                "not both",
+            ),
+            (
+                format!("{block}\nmass = 1.0\nname = \"wire\""),
+                "name",
+                "is called `wire`",
+            ),
+            (
+                format!("{block}\nmass = 1.0").replace("] }", "], rounding = 0.05 }"),
+                "rounding",
+                "less than half of the shortest side",
+            ),
+            (mesh("[[0, 2, 1], [0, 1, 3], [0, 3, 2]]"), "shape", "holes"),
+            (
+                mesh("[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 7]]"),
+                "shape",
+                "vertex 7",
+            ),
+        ] {
+            let error = prepared(&with(&keys)).unwrap_err();
+            assert!(error.contains(expected), "{keys}: {error}");
+            assert!(error.contains(key), "{error}");
+        }
+        let body = with(&format!("{block}\nmass = 1.0"));
+        for (time, expected) in [
+            ("mode = \"static\"", "run dynamically"),
+            (
+                "end = 1.0\nscheme = \"implicit-midpoint\"",
+                "backward-differences",
+            ),
+        ] {
+            let error = prepared(&body.replace("end = 1.0", time)).unwrap_err();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+}
