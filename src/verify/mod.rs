@@ -21,6 +21,7 @@ mod drag_of_bodies;
 mod filaments;
 mod flow;
 mod flow_wall;
+mod free_bodies;
 mod frequencies;
 mod friction;
 mod helix;
@@ -67,7 +68,7 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 30] = [
+const GROUPS: [(&str, CheckGroup); 31] = [
     ("derivatives", derivatives::checks),
     ("sensitivities", sensitivities::checks),
     ("statics", statics::checks),
@@ -90,6 +91,7 @@ const GROUPS: [(&str, CheckGroup); 30] = [
     ("springs", springs::checks),
     ("tendons", tendons::checks),
     ("sheaths", sheaths::checks),
+    ("free bodies", free_bodies::checks),
     ("drag", drag::checks),
     ("drag of bodies", drag_of_bodies::checks),
     ("overdamped", overdamped::checks),

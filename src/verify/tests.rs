@@ -57,6 +57,7 @@ groups_pass! {
     springs_pass: "springs",
     tendons_pass: "tendons",
     sheaths_pass: "sheaths",
+    free_bodies_pass: "free bodies",
     overdamped_passes: "overdamped",
     drag_of_bodies_passes: "drag of bodies",
     background_flow_passes: "background flow",

@@ -19,6 +19,11 @@ pub trait Part: Serialize + Any + Send + Sync + Sized {
     /// Whether rods in a scene with such parts have lumped inertia unless the file says otherwise.
     const LUMPS_INERTIA: bool = false;
 
+    /// Smallest radius of its surface in contact, m; infinite if the part touches nothing.
+    fn contact_radius(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// Resolves a table.
     fn resolve(section: &Section<'_>, typed: &Self::Typed, index: usize) -> Self;
 
@@ -35,5 +40,7 @@ pub fn resolve<P: Part>(top: &Section<'_>, typed: &dyn Any, time: &Time, parts: 
         .map(|(index, (section, typed))| P::resolve(&section, typed, index))
         .collect();
     P::judge(&top.below(P::KEY), &resolved, time);
+    let radii = resolved.iter().map(P::contact_radius);
+    parts.note_radius(radii.fold(f64::INFINITY, f64::min));
     parts.insert(P::KEY, resolved);
 }

@@ -94,6 +94,7 @@ impl Integrator {
                 parameters,
                 radius: free_rods
                     .map(RodDescription::least_radius)
+                    .chain(scene.free_bodies.iter().map(|body| body.shape.radius))
                     .fold(f64::INFINITY, f64::min),
             },
             fluid,

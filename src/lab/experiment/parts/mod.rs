@@ -11,6 +11,7 @@ mod tendon;
 
 #[cfg(test)]
 pub use actuation::{Actuation, ActuationKind};
+pub use free_body::FreeBody;
 pub use sheath::judge as judge_sheaths;
 pub use tendon::{Eyelets, Tendon};
 
@@ -44,7 +45,7 @@ parts! {
     actuation::Actuation,
     tendon::Tendon,
     sheath::Sheath,
-    free_body::FreeBody,
+    FreeBody,
 }
 
 fn place_all<P: ScenePart>(scenario: &Scenario, scene: &mut Scene, issues: &mut Issues) {

@@ -1,6 +1,7 @@
 //! The general experiment: the rods listed in the scenario, with clamps, loads and planes.
 
 use super::Kind;
+use super::parts::FreeBody;
 use crate::scenario::Experiment;
 use crate::scenario::keys::{CommonTables, ExperimentKeys, Request, Section};
 use serde::Serialize;
@@ -31,10 +32,13 @@ impl ExperimentKeys for SceneKind {
     }
 
     fn judge(&self, top: &Section<'_>, common: &CommonTables<'_>) {
+        if !common.parts.all::<FreeBody>().is_empty() {
+            return;
+        }
         if common.rods.is_empty() {
             top.missing(
                 "rods",
-                "a scene needs at least one rod; [[rods]] with count = 0 make none",
+                "a scene needs at least one rod or free body; [[rods]] with count = 0 make none",
             );
         } else if common.rods.iter().all(|rod| rod.held) {
             top.fault(

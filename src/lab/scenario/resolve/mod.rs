@@ -84,9 +84,11 @@ pub fn resolve(
     let material = rod::CommonMaterial::of(&top, file);
     let networks = network::networks(context, &top, &file.networks, &material);
     rods.extend(networks.rods);
+    let parts = own.parts(&top, &time);
     let smallest_radius = rods
         .iter()
         .map(Rod::least_radius)
+        .chain([parts.smallest_radius()])
         .chain(experiment.as_ref().map(Experiment::smallest_radius))
         .fold(f64::INFINITY, f64::min);
     let solver = model::solver(&top, &file.solver, &time);
@@ -100,6 +102,7 @@ pub fn resolve(
     if let Some(kind) = kind {
         let common = CommonTables {
             rods: &rods,
+            parts: &parts,
             contact: &contact,
             fluid: &fluid,
             time: &time,
@@ -108,7 +111,6 @@ pub fn resolve(
     }
     let continuation = continuation::continuation(&top, file, &time);
     let loads = tables::loads(&top, &file.loads);
-    let parts = own.parts(&top, &time);
     let planes = tables::planes(&top, &file.planes);
     let obstacles = obstacle::obstacles(context, &top, &file.obstacles);
     if !obstacles.is_empty() && contact == Contact::None {

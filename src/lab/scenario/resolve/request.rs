@@ -5,7 +5,7 @@ use super::{Context, polyline};
 use crate::scenario::issue::KeyPath;
 use crate::scenario::own_tables::OwnTables;
 use crate::scenario::resolved::{
-    BuilderRod, Contact, CrossSection, Fluid, Material, Rod, Stiffness, Time,
+    BuilderRod, Contact, CrossSection, Fluid, Material, Parts, Rod, Stiffness, Time,
 };
 use crate::scenario::section::Section;
 use crate::scenario::typed::{ScenarioFile, Vector};
@@ -29,6 +29,8 @@ pub struct Request<'a> {
 pub struct CommonTables<'a> {
     /// The rods listed in the file.
     pub rods: &'a [Rod],
+    /// Parts of the scene with tables of their own.
+    pub parts: &'a Parts,
     /// Contact model.
     pub contact: &'a Contact,
     /// Surrounding fluid.

@@ -13,6 +13,9 @@ pub struct Parts {
     tables: toml::Table,
     #[serde(skip)]
     typed: Vec<Arc<dyn Any + Send + Sync>>,
+    /// Largest curvature of a surface in contact, 1/m.
+    #[serde(skip)]
+    curvature: f64,
 }
 
 impl Parts {
@@ -23,6 +26,16 @@ impl Parts {
             self.tables.insert(key.to_owned(), written);
             self.typed.push(Arc::new(parts));
         }
+    }
+
+    /// Takes a radius of a surface in contact, m, into the smallest one.
+    pub fn note_radius(&mut self, radius: f64) {
+        self.curvature = self.curvature.max(1.0 / radius);
+    }
+
+    /// Smallest radius of a surface in contact, m; infinite without such parts.
+    pub fn smallest_radius(&self) -> f64 {
+        1.0 / self.curvature
     }
 
     /// The parts of one kind.

@@ -154,6 +154,14 @@ impl Part for FreeBody {
     const DESCRIPTION: &'static str =
         "Rigid bodies that no rod carries: boxes, cylinders, convex meshes.";
 
+    fn contact_radius(&self) -> f64 {
+        match self.shape {
+            FreeShape::Box { rounding, .. }
+            | FreeShape::Cylinder { rounding, .. }
+            | FreeShape::Mesh { rounding, .. } => rounding,
+        }
+    }
+
     fn resolve(section: &Section<'_>, typed: &FreeBodyKeys, index: usize) -> Self {
         let shape = match &typed.shape {
             Some(shape) => FreeShape::resolve(&section.below("shape"), shape),
