@@ -17,7 +17,7 @@
 //! | `fed` | rods that are fed out of sheaths, drawn in and turned |
 //! | `units` | scenes of these in other units of length, time and mass |
 //!
-//! One in four impacts has rods that taper and have steps.
+//! One in four impacts has rods that taper and have steps, and one in four has free bodies.
 //!
 //! By default there are 200 impacts and a dozen scenes of each other family.
 //! `RODLAB_RANDOM_SCENES=10000 cargo test --release random_scenes::` runs that number of each
@@ -56,6 +56,8 @@ const FOUND_BROKEN: [u64; 8] = [260, 6673, 8864, 9355, 12743, 17295, 18836, 1983
 const REFUSALS: f64 = 0.05;
 /// One scene of this number has rods with sections.
 const SECTIONED: u64 = 4;
+/// Remainder by that number of the scenes with free bodies, where models and schemes allow them.
+const EMBODIED: u64 = 1;
 /// Allowed penetration, as a fraction of the sum of the radii, plus rounding errors.
 const BOUND: f64 = 0.05 + 1e-9;
 
@@ -200,9 +202,50 @@ impl Case {
             case.free = false;
             text.push_str("[[loads]]\nkind = \"gravity\"\nacceleration = [0, 0, -9.81]\n");
         }
+        let allows_bodies = model != "complementarity" && scheme != "implicit-midpoint";
+        if allows_bodies && seed % SECTIONED == EMBODIED && !FOUND_BROKEN.contains(&seed) {
+            text.push_str(&bodies(&mut Random(!seed), [radius, size, speed]));
+        }
         case.text = text;
         case
     }
+}
+
+/// One or two free bodies beside rods of a radius (m) within `size` (m) that come towards them with
+/// a speed (m/s).
+fn bodies(random: &mut Random, [radius, size, speed]: [f64; 3]) -> String {
+    let mut text = String::new();
+    let mut place = -size - 2.0 * radius;
+    for number in 0..random.one_of(&[1, 2]) {
+        let reach = size * random.between(0.1, 0.3);
+        let sides = [1.0, random.between(0.3, 1.0), random.between(0.3, 1.0)];
+        // Within a ball of that radius.
+        let sides = sides.map(|side| side * reach);
+        let shape = match random.one_of(&[0, 1, 2]) {
+            0 => format!("{{ kind = \"sphere\", radius = {reach:e} }}"),
+            1 => format!("{{ kind = \"box\", size = {sides:?} }}"),
+            _ => format!(
+                "{{ kind = \"cylinder\", radius = {:e}, length = {:e}, sides = 8 }}",
+                0.5 * sides[1],
+                sides[2]
+            ),
+        };
+        place -= 1.01 * reach;
+        let mut velocity = random.vector(0.3 * speed);
+        velocity[0] += speed * f64::from(number + 1);
+        let _ = write!(
+            text,
+            "[[free_bodies]]\nshape = {shape}\nposition = [{place:e}, {:e}, {:e}]\naxis = [1, 2, 3]\n\
+             angle = {:e}\ndensity = {:e}\nvelocity = {velocity:?}\nangular_velocity = {:?}\n",
+            0.3 * reach,
+            0.2 * reach,
+            random.between(0.0, TAU),
+            random.decades(3e2, 8e3),
+            random.vector(speed / size),
+        );
+        place -= 1.01 * reach;
+    }
+    text
 }
 
 /// Sections of a rod of a radius (m) that is longer than `size` (m): a taper and a step.
@@ -290,6 +333,16 @@ impl Invariants {
             }
             first += nodes;
         }
+        for body in &scene.free_bodies {
+            surface.add_body(first + 1, &body.shape);
+            for plane in &scene.planes {
+                for x in &positions[first + 1..first + body.nodes()] {
+                    let ratio = (x - plane.point).dot(&plane.normal) / body.shape.radius;
+                    least_plane_ratio = least_plane_ratio.min(ratio);
+                }
+            }
+            first += body.nodes();
+        }
         let edges = surface.edges();
         let mut least_ratio = f64::INFINITY;
         for i in 0..edges.len() {
@@ -303,7 +356,8 @@ impl Invariants {
             }
         }
         let rings = scene.rods.iter().take(2).filter(|rod| rod.closed).count() == 2;
-        let split = scene.rods[0].centreline.len();
+        let of_rod = |rod: usize| scene.rods[rod].centreline.len();
+        let split = of_rod(0);
         let masses = node_masses(scene);
         let velocities = simulation.velocities();
         let momenta = masses.iter().zip(velocities).map(|(mass, v)| v * *mass);
@@ -315,7 +369,7 @@ impl Invariants {
             least_ratio,
             least_plane_ratio,
             linking_number: if rings {
-                linking_number(&positions[..split], &positions[split..])
+                linking_number(&positions[..split], &positions[split..split + of_rod(1)])
             } else {
                 0.0
             },
@@ -379,6 +433,10 @@ fn node_masses(scene: &Scene) -> Vec<f64> {
             };
             before + after
         }));
+    }
+    for body in &scene.free_bodies {
+        masses.push(body.mass);
+        masses.resize(masses.len() + body.shape.vertices.len(), 0.0);
     }
     masses
 }

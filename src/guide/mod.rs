@@ -51,6 +51,7 @@ pages! {
     springs
     networks
     obstacles
+    free_bodies
     time
     exit_codes
     sweeps

@@ -224,7 +224,9 @@ impl Simulation {
 
     #[getter]
     fn rod_slices(&self) -> Vec<(usize, usize)> {
-        let ranges = self.simulation().rod_ranges().iter();
+        // Free bodies follow the rods.
+        let rods = self.stepper.prepared.scene.rods.len();
+        let ranges = self.simulation().rod_ranges().iter().take(rods);
         ranges
             .map(|range| (range.first_node, range.first_node + range.nodes))
             .collect()

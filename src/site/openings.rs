@@ -63,6 +63,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab run trefoil --set contact.geometry=smooth",
     ],
     [
+        "free_bodies",
+        "gripper.svg",
+        "A wire is pulled out of a gripper",
+        "rodlab run gripper",
+    ],
+    [
         "joints",
         "gridshell.svg",
         "A gridshell of joined rods",

@@ -37,7 +37,7 @@ pub(super) struct NodePlace<'a> {
 impl NodePlace<'_> {
     /// Whether an edge starts at the node: at every node except the last one of an open rod.
     pub fn starts_edge(&self) -> bool {
-        self.rod.closed || !self.rod.is_body() && self.node + 1 < self.rod.nodes
+        self.rod.closed || !self.rod.rigid && self.node + 1 < self.rod.nodes
     }
 }
 

@@ -72,19 +72,17 @@ pub struct RodRecord {
     /// Radius at each node, m, if it varies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub radii: Vec<f64>,
-    /// Triangles of a free body, as its nodes: node 0 is its centre of mass, the others are the
-    /// vertices of its shape. The surface is at the distance of the radius from them. Empty for a
-    /// rod.
+    /// Whether it is a free body: node 0 is its centre of mass, the others are the vertices of its
+    /// shape, whose surface is at the distance of the radius from them.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub rigid: bool,
+    /// Triangles of a free body, as its nodes. Without any, it is a sphere around its only vertex or
+    /// a capsule between two.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub faces: Vec<[usize; 3]>,
 }
 
 impl RodRecord {
-    /// Whether it is a free body, whose nodes are not joined by edges.
-    pub fn is_body(&self) -> bool {
-        !self.faces.is_empty()
-    }
-
     /// Radius at a node, m.
     pub fn radius_at(&self, node: usize) -> f64 {
         self.radii.get(node).copied().unwrap_or(self.radius)

@@ -89,7 +89,7 @@ pub(super) fn write_collection(
 }
 
 fn poly_data(rods: &[RodRecord], frame: &Frame) -> Vec<u8> {
-    let count = rods.iter().filter(|rod| !rod.is_body()).count();
+    let count = rods.iter().filter(|rod| !rod.rigid).count();
     let triangles = triangles(rods);
     let mut file = PolyData::new(frame.positions.len(), count, triangles.len());
     file.section("PointData", |file| {
@@ -194,7 +194,7 @@ fn polylines(rods: &[RodRecord]) -> (Vec<usize>, Vec<usize>) {
     let (mut connectivity, mut offsets) = (Vec::new(), Vec::new());
     let mut first = 0;
     for rod in rods {
-        if !rod.is_body() {
+        if !rod.rigid {
             connectivity.extend(first..first + rod.nodes);
             connectivity.extend(rod.closed.then_some(first));
             offsets.push(connectivity.len());

@@ -21,7 +21,7 @@ pub struct ShownBody {
 
 /// Number of the nodes of rods, which precede those of free bodies.
 pub fn rod_nodes(records: &[RodRecord]) -> usize {
-    let rods = records.iter().filter(|record| !record.is_body());
+    let rods = records.iter().filter(|record| !record.rigid);
     rods.map(|rod| rod.nodes).sum()
 }
 
@@ -32,21 +32,33 @@ pub fn free_bodies(records: &[RodRecord], start: &[Vector3]) -> Vec<ShownBody> {
     for record in records {
         let nodes = first..first + record.nodes;
         first = nodes.end;
-        let Some(placed) = start.get(nodes.clone()).filter(|_| record.is_body()) else {
+        let Some(placed) = start.get(nodes.clone()).filter(|_| record.rigid) else {
             continue;
         };
-        let body = RigidBody::of_mesh(placed.to_vec(), record.faces.clone(), true);
-        let body = RigidBody {
-            radius: record.radius,
-            ..body.unwrap_or_default()
-        };
         shown.push(ShownBody {
-            triangles: body.sharp_surface(),
+            triangles: surface(record, placed),
             start: placed.to_vec(),
             nodes,
         });
     }
     shown
+}
+
+/// The surface of a body with its nodes at these positions, m.
+fn surface(record: &RodRecord, placed: &[Vector3]) -> Vec<[Vector3; 3]> {
+    let round = |body: RigidBody| body.surface(&placed[0], f64::INFINITY);
+    match placed {
+        [_, centre] => round(RigidBody::sphere(*centre, record.radius)),
+        [_, start, end] => round(RigidBody::capsule([*start, *end], record.radius)),
+        _ => {
+            let body = RigidBody::of_mesh(placed.to_vec(), record.faces.clone(), true);
+            let body = RigidBody {
+                radius: record.radius,
+                ..body.unwrap_or_default()
+            };
+            body.sharp_surface()
+        }
+    }
 }
 
 impl ShownBody {
@@ -117,6 +129,7 @@ mod tests {
         };
         let of_body = RodRecord {
             nodes: 9,
+            rigid: true,
             radius: 0.01,
             faces: (body.faces.iter())
                 .map(|face| face.map(|vertex| vertex + 1))

@@ -26,12 +26,14 @@ pub fn rod_records(prepared: &PreparedRun) -> Vec<RodRecord> {
                 .collect(),
             false => Vec::new(),
         },
+        rigid: false,
         faces: Vec::new(),
     };
     let body = |body: &FreeBody| RodRecord {
         name: body.name.clone(),
         nodes: body.nodes(),
         radius: body.shape.radius,
+        rigid: true,
         // Its first node is its centre of mass.
         faces: (body.shape.faces.iter())
             .map(|face| face.map(|vertex| vertex + 1))

@@ -1,6 +1,7 @@
 //! All contacts of a scene: candidates, forces, Jacobians, stiffness.
 
 use super::active_law::ActiveLaw;
+use super::body_turns::{BodyTurns, SpunContact};
 use super::broad_phase::BroadPhase;
 use super::candidates::Candidates;
 use super::contacts::{
@@ -12,8 +13,9 @@ use super::iterate::Iterate;
 use super::multipliers::Multipliers;
 use super::parameters::ContactParameters;
 use super::placed_obstacles::PlacedObstacles;
+use super::plane::ContactPlane;
 use super::slots::Slots;
-use super::surface::{ContactPlane, ContactSurface};
+use super::surface::ContactSurface;
 use super::surface_turns::{SurfaceTurns, TurnedContact};
 use super::tractions::Tractions;
 use crate::mechanics::Vector3;
@@ -77,6 +79,12 @@ pub struct ContactSystem {
     pub(super) surface_turns: Option<SurfaceTurns>,
     /// Contacts that turn edges; those of pairs come first.
     pub(super) turned: Vec<TurnedContact>,
+    /// Rotation of free bodies.
+    pub(super) body_turns: BodyTurns,
+    /// Contacts of free bodies with friction, parallel to those of pairs and of planes; empty
+    /// without free bodies.
+    pub(super) spun: Vec<Option<SpunContact>>,
+    pub(super) plane_spun: Vec<Option<SpunContact>>,
     /// Contacts of the complementarity model.
     pub(super) constraints: Vec<ContactConstraint>,
     /// Active laws that replace the constraints while derivatives are computed.
@@ -111,6 +119,9 @@ impl ContactSystem {
             obstacles: PlacedObstacles::new(&surface),
             surface_turns: SurfaceTurns::of(&surface, &parameters),
             turned: Vec::new(),
+            body_turns: BodyTurns::of(&surface),
+            spun: Vec::new(),
+            plane_spun: Vec::new(),
             parameters,
             surface,
             planes,
@@ -233,6 +244,11 @@ impl ContactSystem {
         self.tractions
             .retain(|_| known.next().is_some_and(Option::is_some));
         let mut known = numbers.iter();
+        self.spun
+            .retain(|_| known.next().is_some_and(Option::is_some));
+        let spun = self.spun.iter_mut().flatten();
+        spun.for_each(|one| one.jacobian = None);
+        let mut known = numbers.iter();
         self.contacts
             .retain_mut(|contact| match known.next().copied().flatten() {
                 Some(number) => {
@@ -294,6 +310,7 @@ impl ContactSystem {
         if let Some(turns) = &mut self.surface_turns {
             turns.begin();
         }
+        self.body_turns.begin();
         match &self.curves {
             Some(curves) => self.iterate.begin(&curves.mobilities(mobilities)),
             None => self.iterate.begin(mobilities),

@@ -1,6 +1,7 @@
 //! Forces and Jacobians of all contacts at one configuration.
 
 use super::body_faces::motion_jacobian;
+use super::body_turns::Spin;
 use super::candidates::approach;
 use super::closest_points::edge_distance;
 use super::contact_system::ContactSystem;
@@ -60,6 +61,8 @@ struct TouchingPair {
     sliding: Option<Sliding>,
     /// Rotation of the surfaces, if friction acts at them.
     turning: Option<Turning>,
+    /// Rotation of its free bodies, if there is friction.
+    spin: Option<Spin>,
     /// Relative velocity of the contact points along the surfaces, m/s; zero without friction.
     slip: Vector3,
     /// Friction per normal force.
@@ -74,6 +77,8 @@ struct TouchingPair {
 pub(super) struct Touch<'a> {
     /// Rotation of the surfaces, if friction acts at them, and the positions of all nodes, m.
     pub turning: Option<(&'a Turning, &'a [Vector3])>,
+    /// Rotation of free bodies, if there is friction.
+    pub spin: Option<Spin>,
     pub gap: f64,
     pub law: NormalLaw,
     pub response: NormalResponse,
@@ -130,6 +135,7 @@ impl ContactSystem {
             if let Some(turns) = &mut self.surface_turns {
                 turns.linearised();
             }
+            self.body_turns.mark();
         }
     }
 
@@ -144,6 +150,8 @@ impl ContactSystem {
         self.plane_linear_corrections.clear();
         self.without_force.clear();
         self.turned.clear();
+        self.spun.clear();
+        self.plane_spun.clear();
         self.energy = 0.0;
         self.contact_count = 0;
     }
@@ -210,12 +218,12 @@ impl ContactSystem {
                 let positions = [motion.positions, motion.previous];
                 self.turning_of_pair(&pair, &nearest, positions, motion.time_step)
             });
+            let spin = sliding.and_then(|_| self.spin_of_pair(&pair, motion.time_step));
             let slip = sliding.map_or_else(Vector3::zeros, |sliding| {
                 let of_centrelines = sliding.relative_velocity(&weights);
-                slip(
-                    &normal,
-                    &with_turning(of_centrelines, turning.as_ref(), &normal),
-                )
+                let of_surfaces = with_turning(of_centrelines, turning.as_ref(), &normal);
+                let spun = spin.map_or_else(Vector3::zeros, |spin| spin.velocity(&normal));
+                slip(&normal, &(of_surfaces + spun))
             });
             let traction = friction.map_or_else(Vector3::zeros, |law| law.traction_of_slip(&slip));
             let sign = pair.sign();
@@ -232,6 +240,10 @@ impl ContactSystem {
                 first_body: pair.first_body(),
             });
             self.tractions.push(traction);
+            if self.has_bodies() {
+                let friction = traction * (sign * response.force * normal.norm());
+                (self.spun).push(spin.map(|spin| spin.contact(&normal, &friction)));
+            }
             if let Some(turning) = &turning {
                 let friction = traction * (sign * response.force * normal.norm());
                 let bodies = TurnedBodies::Pair(candidate);
@@ -247,6 +259,7 @@ impl ContactSystem {
                     response,
                     sliding,
                     turning,
+                    spin,
                     slip,
                     traction,
                     force,
@@ -276,23 +289,21 @@ impl ContactSystem {
         let slot = pair.candidate;
         let sliding = pair.sliding.as_ref();
         let (weights, normal) = (pair.nearest.weights(), pair.nearest.normal());
-        let (pressure, friction) = self.linear_laws(
-            slot,
-            &Touch {
-                turning: pair.turning.as_ref().map(|turning| (turning, positions)),
-                gap: pair.gap,
-                law: pair.law,
-                response: pair.response,
-                friction: sliding.map(|sliding| (sliding.law, sliding.time_step)),
-                normal,
-                slip: pair.slip,
-                traction: pair.traction,
-            },
-            |system| {
-                let nodes = &system.candidates.pairs()[slot].nodes;
-                system.iterate.moved(nodes, &weights, &pair.nodes)
-            },
-        );
+        let touch = Touch {
+            turning: pair.turning.as_ref().map(|turning| (turning, positions)),
+            spin: pair.spin,
+            gap: pair.gap,
+            law: pair.law,
+            response: pair.response,
+            friction: sliding.map(|sliding| (sliding.law, sliding.time_step)),
+            normal,
+            slip: pair.slip,
+            traction: pair.traction,
+        };
+        let (pressure, friction) = self.linear_laws(slot, &touch, |system| {
+            let nodes = &system.candidates.pairs()[slot].nodes;
+            system.iterate.moved(nodes, &weights, &pair.nodes)
+        });
         let carries = self.multipliers.in_use();
         let is_known = self.multipliers.is_known(slot, pressure.tangent.force);
         let turns = !carries || self.iterate.moved_slightly || is_known;
@@ -317,6 +328,26 @@ impl ContactSystem {
         }
         let second = self.candidates.pairs()[slot].edges[1];
         let is_at_obstacle = self.surface.obstacle_of(second).is_some();
+        if let (Some(spin), Some(sliding)) = (&pair.spin, sliding) {
+            let place = match &pair.nearest {
+                NearestPoints::Face(foot) if !is_at_obstacle => {
+                    foot.motion_with(&pair.nodes, turns)
+                }
+                nearest => nearest.motion(&pair.nodes, turns),
+            };
+            if carries {
+                let rods = if is_at_obstacle { 1 } else { 2 };
+                self.compare_with_last(slot, rods, &pressure, &friction);
+            }
+            let laws = (&pressure, &friction);
+            let spun = self.linearize_spun((slot, spin), &place, &touch, laws, sliding);
+            if let Some(last) = self.spun.last_mut() {
+                *last = spun;
+            }
+            self.jacobians.push([[0.0; 12]; 12]);
+            self.push_correction(pair, (&pressure, &friction));
+            return;
+        }
         let mut linearised = match &pair.nearest {
             NearestPoints::Edges(closest) => edge_jacobian(
                 &pair.nodes,
@@ -358,12 +389,17 @@ impl ContactSystem {
             self.carried_tractions
                 .keep(slot, &friction, &linearised.traction_gradient);
         }
-        self.linear_corrections.push(correction(
-            &pressure,
-            &friction,
-            pair.force,
-            |force, traction| contact_force(&weights, &normal, pair.sign * force, traction),
-        ));
+        self.push_correction(pair, (&pressure, &friction));
+    }
+
+    /// Adds the difference between the forces of a pair on its nodes and those of its linear laws.
+    fn push_correction(&mut self, pair: &TouchingPair, laws: (&LinearLaw, &LinearTraction)) {
+        let (weights, normal) = (pair.nearest.weights(), pair.nearest.normal());
+        let with = |force: f64, traction: &Vector3| {
+            contact_force(&weights, &normal, pair.sign * force, traction)
+        };
+        let corrected = correction(laws.0, laws.1, pair.force, with);
+        self.linear_corrections.push(corrected);
     }
 
     /// Linearises the laws of a slot at its multipliers; `moved` are the displacements of its
@@ -398,7 +434,10 @@ impl ContactSystem {
                         let both = 1.0 / moved.inertia + mobility;
                         (1.0 / both, Displaced::All(row))
                     }
-                    None => (moved.inertia, Displaced::Nodes(&moved)),
+                    None => match touch.spin {
+                        Some(spin) => (moved.inertia, Displaced::Spun(&moved, spin.moved)),
+                        None => (moved.inertia, Displaced::Nodes(&moved)),
+                    },
                 };
                 let resistance = inertia * time_step / force;
                 self.carried_tractions

@@ -5,10 +5,10 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `surface` | edges as capsules, planes, obstacles, which pairs are neighbours |
+//! | `surface`, `plane` | edges as capsules, planes, obstacles, which pairs are neighbours |
 //! | `placed_obstacles`, `foot` | rigid obstacles: positions, parts near a rod, and the foot of a node on a face |
 //! | `box_tree` | boxes around the parts of an obstacle, and which of them are near |
-//! | `body_faces` | faces of free bodies, which move |
+//! | `body_faces`, `body_turns` | faces of free bodies, which move, and friction at their surfaces |
 //! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
 //! | `inside` | points inside a closed obstacle |
@@ -45,6 +45,7 @@ mod active_law;
 mod active_set;
 mod barrier;
 mod body_faces;
+mod body_turns;
 mod box_tree;
 mod broad_phase;
 mod candidates;
@@ -76,6 +77,7 @@ mod normal_response;
 mod obstacle_tests;
 mod parameters;
 mod placed_obstacles;
+mod plane;
 mod plane_contact;
 mod plane_evaluation;
 mod potential;
@@ -104,6 +106,7 @@ mod turned_contacts;
 mod turning;
 
 pub(crate) use active_law::ActiveLaw;
+pub(crate) use body_turns::{SPUN, SpunContact, SpunJacobian};
 pub(crate) use closest_points::edge_distance;
 pub use contact_system::ContactSystem;
 pub use contacts::{
@@ -117,10 +120,11 @@ pub(super) use friction::cut;
 pub(crate) use levers::{Levers, NONE};
 pub(crate) use memory::{ContactMemory, MismatchedMemory};
 pub use parameters::{ContactModel, ContactParameters, FrictionAt, Geometry};
+pub use plane::ContactPlane;
 pub(crate) use root::{Root, RootBody};
 pub(crate) use stiffness::Adaption;
 pub(crate) use stored_energy::Stored;
-pub use surface::{ContactEdge, ContactPlane, ContactSurface};
+pub use surface::{ContactEdge, ContactSurface};
 pub(crate) use surface_turns::{TurnedBodies, TurnedContact};
 pub use touching::touching_points;
 pub(crate) use turned_contacts::TurningEdges;

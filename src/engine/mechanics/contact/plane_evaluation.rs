@@ -5,8 +5,9 @@ use super::contacts::{ContactMotion, ContactPair, PlaneContact, Proximity};
 use super::evaluation::{Motion, Touch};
 use super::friction::{FrictionLaw, slip};
 use super::normal_law::NormalLaw;
+use super::plane::ContactPlane;
 use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
-use super::surface::{ContactNode, ContactPlane};
+use super::surface::ContactNode;
 use super::surface_turns::TurnedBodies;
 use super::tractions::correction;
 use super::turned_contacts::{Turned, with_turning};
@@ -54,12 +55,12 @@ impl ContactSystem {
                     let positions = [motion.positions, motion.previous];
                     self.turning_over_plane(node, radius, positions, motion.time_step)
                 });
+                let spin = sliding.and_then(|_| self.spin_over_plane(node, motion.time_step));
                 let slip = sliding.map_or_else(Vector3::zeros, |sliding| {
                     let normal = &plane.normal;
-                    slip(
-                        normal,
-                        &with_turning(sliding.velocity, turning.as_ref(), normal),
-                    )
+                    let spun = spin.map_or_else(Vector3::zeros, |spin| spin.velocity(normal));
+                    let turned = with_turning(sliding.velocity, turning.as_ref(), normal);
+                    slip(normal, &(turned + spun))
                 });
                 let traction =
                     friction.map_or_else(Vector3::zeros, |law| law.traction_of_slip(&slip));
@@ -73,6 +74,11 @@ impl ContactSystem {
                     force,
                 });
                 self.plane_tractions.push(traction);
+                if self.has_bodies() {
+                    let friction = traction * response.force;
+                    let spun = spin.map(|spin| spin.contact(&plane.normal, &friction));
+                    self.plane_spun.push(spun);
+                }
                 if let Some(turning) = &turning {
                     let bodies = TurnedBodies::Plane { plane: index, node };
                     let friction = traction * response.force;
@@ -81,6 +87,7 @@ impl ContactSystem {
                 if with_jacobians {
                     let touching = Touch {
                         turning: (turning.as_ref()).map(|turning| (turning, motion.positions)),
+                        spin,
                         gap,
                         law,
                         response,
@@ -148,6 +155,20 @@ impl ContactSystem {
             self.plane_linear_corrections.push([0.0; 3]);
             return;
         }
+        let with = |force: f64, traction: &Vector3| plane_force(&touch.normal, force, traction);
+        let force = with(touch.response.force, &touch.traction);
+        let corrected = correction(&pressure, &friction, force, with);
+        self.plane_linear_corrections.push(corrected);
+        if let (Some(spin), Some(sliding)) = (&touch.spin, sliding) {
+            let place = ContactMotion::over_plane(&touch.normal);
+            let (laws, sliding) = ((&pressure, &friction), sliding.of_first_node());
+            let spun = self.linearize_spun((slot, spin), &place, touch, laws, &sliding);
+            if let Some(last) = self.plane_spun.last_mut() {
+                *last = spun;
+            }
+            self.plane_jacobians.push([[0.0; 3]; 3]);
+            return;
+        }
         let sliding = sliding.map(|sliding| (sliding, friction.slip));
         let linearised = plane_jacobian(&touch.normal, &pressure.tangent, sliding);
         self.plane_jacobians.push(linearised.jacobian);
@@ -157,9 +178,5 @@ impl ContactSystem {
             self.carried_tractions
                 .keep(slot, &friction, &linearised.traction_gradient);
         }
-        let with = |force: f64, traction: &Vector3| plane_force(&touch.normal, force, traction);
-        let force = with(touch.response.force, &touch.traction);
-        self.plane_linear_corrections
-            .push(correction(&pressure, &friction, force, with));
     }
 }

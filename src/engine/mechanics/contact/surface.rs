@@ -2,12 +2,12 @@
 //! planes, and rigid obstacles.
 
 use super::contacts::CandidatePair;
-use super::directed_friction::DirectedFriction;
 use super::root::Roots;
 use crate::mechanics::Vector3;
 use crate::mechanics::rigid_body::RigidBody;
 use std::collections::HashMap;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// Contact shape of an edge: a capsule around the segment between two nodes of a rod or two
 /// vertices of an obstacle; or a ball around one node, which is listed twice.
@@ -76,6 +76,8 @@ pub struct ContactSurface {
     rod_edges: usize,
     /// Number of faces of free bodies, which come before those of obstacles.
     body_faces: usize,
+    /// Nodes of free bodies, and the radii of their roundings, m.
+    bodies: Vec<(Range<usize>, f64)>,
     obstacles: Vec<RigidBody>,
     /// Friction coefficient between each obstacle and rods.
     frictions: Vec<f64>,
@@ -105,26 +107,6 @@ const FARTHEST_REACH: f64 = 20.0;
 /// Ratio of the reach of a joint to the length over which straight rods that meet at an angle
 /// overlap.
 const REACH: f64 = 1.5;
-
-/// A rigid half space, free on the side of its `normal`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactPlane {
-    /// Any point of the surface.
-    pub point: Vector3,
-    /// Unit normal.
-    pub normal: Vector3,
-    /// Friction coefficient between plane and rods; the largest if it depends on the direction.
-    pub friction: f64,
-    /// Friction coefficients by the direction of sliding, if they differ.
-    pub directed_friction: Option<DirectedFriction>,
-}
-
-impl ContactPlane {
-    /// Distance of a position from the plane, m; negative behind it.
-    pub(super) fn distance(&self, position: &Vector3) -> f64 {
-        (position - self.point).dot(&self.normal)
-    }
-}
 
 impl ContactSurface {
     /// A surface without rods.
@@ -254,7 +236,7 @@ impl ContactSurface {
     /// Adds a free body with the nodes `first_node`, `first_node + 1`, ..., its vertices, after all
     /// rods and balls. Its segments touch like edges of rods, its vertices like nodes, and its faces
     /// like those of obstacles.
-    pub(crate) fn add_body(&mut self, first_node: usize, body: &RigidBody) {
+    pub fn add_body(&mut self, first_node: usize, body: &RigidBody) {
         debug_assert!(self.obstacles.is_empty(), "obstacles come last");
         let rod = self.closed_lengths.len();
         let first_edge = self.edges.len();
@@ -286,6 +268,13 @@ impl ContactSurface {
         self.closed_lengths.push(None);
         self.rod_edges = self.edges.len();
         self.body_faces = self.faces.len();
+        let nodes = first_node..first_node + body.vertices.len();
+        self.bodies.push((nodes, body.radius));
+    }
+
+    /// Nodes of the free bodies, and the radii of their roundings, m.
+    pub(super) fn bodies(&self) -> &[(Range<usize>, f64)] {
+        &self.bodies
     }
 
     /// Whether a body is a ball around a node.

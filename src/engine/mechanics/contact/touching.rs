@@ -4,7 +4,8 @@ use super::broad_phase::BroadPhase;
 use super::closest_points::ClosestPoints;
 use super::nearest_points::NearestPoints;
 use super::placed_obstacles::PlacedObstacles;
-use super::surface::{ContactPlane, ContactSurface};
+use super::plane::ContactPlane;
+use super::surface::ContactSurface;
 use crate::mechanics::Vector3;
 use crate::mechanics::rotation::Pose;
 

@@ -22,6 +22,7 @@
 //! neighbours hold a node, but not for all slips of many contacts at once. So c begins at
 //! [`BEGINNING_PART`] times ρ h/λ, and falls if slips reverse.
 
+use super::body_turns::TurnRates;
 use super::candidates::carried_over;
 use super::contacts::CandidatePair;
 use super::friction::{FrictionLaw, tangential};
@@ -70,6 +71,8 @@ pub(super) enum Displaced<'a> {
     Nodes(&'a Moved),
     /// Displacements of all unknowns of a contact with friction at its surfaces.
     All(&'a Row),
+    /// Displacements of the nodes of a contact, and rotations of the free bodies on both sides.
+    Spun(&'a Moved, [Vector3; 2]),
 }
 
 /// The traction of a slot as a linear function of displacements.
@@ -107,6 +110,8 @@ pub(super) struct Tractions {
     /// Derivatives of these laws with respect to the unknowns of contacts with friction at their
     /// surfaces; they replace the derivatives with respect to displacements.
     turning: SlotValues<Rates>,
+    /// Derivatives of these laws with respect to the rotations of free bodies.
+    spinning: SlotValues<TurnRates>,
 }
 
 impl Tractions {
@@ -115,6 +120,7 @@ impl Tractions {
         self.committed.resize(slots.count(), None);
         self.tangents.clear(slots.count());
         self.turning.clear(slots.count());
+        self.spinning.clear(slots.count());
         for (slot, known) in self.committed.iter().enumerate() {
             if let Some(traction) = known {
                 self.tangents.set(slot, Tangent::constant(*traction));
@@ -162,6 +168,7 @@ impl Tractions {
         self.committed = carried_over(old, &self.committed, new);
         self.tangents.carry_over(old, new);
         self.turning.carry_over(old, new);
+        self.spinning.carry_over(old, new);
     }
 
     /// The linearised law of a slot at the slip `slip` (m/s) on surfaces with the unit normal
@@ -181,6 +188,11 @@ impl Tractions {
             let change = match (moved, self.turning.get(slot)) {
                 (Displaced::Nodes(moved), _) => {
                     Vector3::from(tangent.rates.map(|rates| moved.along(&rates)))
+                }
+                (Displaced::Spun(moved, turned), _) => {
+                    let by_nodes = Vector3::from(tangent.rates.map(|rates| moved.along(&rates)));
+                    let rates = self.spinning.get(slot);
+                    by_nodes + rates.map_or_else(Vector3::zeros, |rates| along(rates, &turned))
                 }
                 (Displaced::All(_), None) => Vector3::zeros(),
                 (Displaced::All(moved), Some(rates)) => rates * moved,
@@ -218,6 +230,28 @@ impl Tractions {
         self.keep(slot, law, &[[0.0; 12]; 3]);
         self.turning.set(slot, *rates);
     }
+
+    /// Stores the derivatives of this traction with respect to displacements, and to the rotations
+    /// of the free bodies of the contact.
+    pub(crate) fn keep_spun(
+        &mut self,
+        slot: usize,
+        law: &LinearTraction,
+        by_nodes: &[[f64; 12]; 3],
+        by_turns: &TurnRates,
+    ) {
+        self.keep(slot, law, by_nodes);
+        self.spinning.set(slot, *by_turns);
+    }
+}
+
+/// Change of a vector with these derivatives under the rotations of two bodies.
+fn along(rates: &TurnRates, turned: &[Vector3; 2]) -> Vector3 {
+    let of_row = |row: [f64; 6]| {
+        let turns = turned.iter().flat_map(|turn| turn.iter());
+        row.iter().zip(turns).map(|(rate, turn)| rate * turn).sum()
+    };
+    Vector3::from(rates.map(of_row))
 }
 
 /// Difference between the force of the linearised laws and `force`; `with` computes a force from a

@@ -146,8 +146,9 @@ mod tests {
             Failure::Turn {
                 iterations,
                 turn: Turn {
-                    edge: String::new(),
+                    what: String::new(),
                     angle: 3.0,
+                    consequence: "",
                 },
             },
         ];

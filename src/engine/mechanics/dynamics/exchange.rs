@@ -12,6 +12,7 @@
 use super::parameters::Scheme;
 use super::report::Exchange;
 use crate::mechanics::Vector3;
+use crate::mechanics::contact::SpunContact;
 use crate::mechanics::rod::{STRIDE, topology::position};
 use crate::mechanics::system::{System, moments};
 
@@ -72,6 +73,7 @@ impl AcceptedStep<'_> {
             let normal = &contact.planes()[touch.plane].normal;
             sum += loss(Vector3::from(touch.force), normal, touch.node);
         }
+        sum -= contact.all_spun().map(SpunContact::work).sum::<f64>();
         for (unknown, moment) in moments(contact) {
             sum -= moment * (self.after[unknown] - self.before[unknown]);
         }

@@ -28,7 +28,7 @@ pub(super) enum Failure {
         iterations: usize,
         crossing: Crossing,
     },
-    /// An edge rotates so far that whole turns of twist may be lost.
+    /// An edge or a free body rotates too far.
     Turn { iterations: usize, turn: Turn },
 }
 
@@ -179,9 +179,10 @@ impl fmt::Display for Failure {
             Self::Crossing { crossing, .. } => crossing.fmt(formatter),
             Self::Turn { turn, .. } => write!(
                 formatter,
-                "{} turns by {:.0}° within a step: whole turns of twist may be lost",
-                turn.edge,
-                turn.angle.to_degrees()
+                "{} turns by {:.0}° within a step: {}",
+                turn.what,
+                turn.angle.to_degrees(),
+                turn.consequence
             ),
         }
     }

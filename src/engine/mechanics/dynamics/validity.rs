@@ -251,6 +251,10 @@ impl Validity {
         for pair in contact.candidates().iter().filter(of_rods) {
             let of_point = |point: usize| system.assembly.locate(contact.node_of(point)).0;
             let [a, b] = [pair.nodes[0], pair.nodes[2]].map(of_point);
+            let is_free = |rod: usize| system.assembly.rods.rods[rod].rigid;
+            if is_free(a) || is_free(b) {
+                continue;
+            }
             let radii = system.assembly.radii[a] + system.assembly.radii[b];
             let place = |point: usize| contact.motion_of_point(point, |node| positions[node]);
             if edge_distance(&pair.nodes.map(place)) > NEAR * radii {

@@ -9,7 +9,7 @@
 use super::Assembly;
 use super::node_element::element_of;
 use crate::linalg::{Element, ElementMatrix, UNUSED};
-use crate::mechanics::contact::EdgeJacobian;
+use crate::mechanics::contact::{EdgeJacobian, SPUN, SpunJacobian};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::{Matrix3, Vector3};
 
@@ -37,10 +37,7 @@ impl AttachedNodes {
     /// Nodes of the free bodies of a scene.
     pub(crate) fn of(assembly: &Assembly) -> Self {
         let mut attached = Self::default();
-        for (number, frame) in assembly.joints.frames.iter().enumerate() {
-            let Some(vertices) = &frame.vertices else {
-                continue;
-            };
+        for (number, frame, vertices) in assembly.joints.free_frames() {
             attached.bodies_of.resize(assembly.rods.nodes, None);
             attached.arms.resize(assembly.rods.nodes, Vector3::zeros());
             let body = attached.bodies.len();
@@ -132,23 +129,45 @@ impl AttachedNodes {
                 }
             }
         });
-        let mut by_unknowns = [[0.0; 12]; 12];
-        for (own, row) in by_unknowns.iter_mut().zip(jacobian) {
-            add_product(own, row, &motion);
-        }
-        let mut matrix = [[0.0; 12]; 12];
-        for (moved, row) in motion.iter().zip(&by_unknowns) {
-            for (own, part) in matrix
-                .iter_mut()
-                .zip(moved)
-                .filter(|(_, part)| **part != 0.0)
-            {
-                for (entry, value) in own.iter_mut().zip(row) {
-                    *entry -= part * value;
+        transformed(&motion, jacobian)
+    }
+
+    /// The matrix of the element of several nodes for a contact with friction at the surfaces of
+    /// free bodies.
+    pub(crate) fn matrix_of_spun(
+        &self,
+        nodes: &[usize],
+        bodies: [Option<usize>; 2],
+        jacobian: &SpunJacobian,
+    ) -> ElementMatrix {
+        let mut motion = [[0.0; 12]; SPUN];
+        self.visit(nodes, |corner, node, first| {
+            for axis in 0..3 {
+                motion[3 * corner + axis][first + axis] = 1.0;
+            }
+            let Some(body) = self.body_of(node) else {
+                return;
+            };
+            let rates = self.bodies[body].rates;
+            let turned = -self.arms[node].cross_matrix() * rates;
+            for row in 0..3 {
+                for column in 0..3 {
+                    motion[3 * corner + row][first + 3 + column] = turned[(row, column)];
+                    let sides = bodies.iter().enumerate();
+                    for (side, _) in sides.filter(|(_, own)| **own == Some(body)) {
+                        motion[12 + 3 * side + row][first + 3 + column] = rates[(row, column)];
+                    }
                 }
             }
-        }
-        matrix
+        });
+        transformed(&motion, jacobian)
+    }
+
+    /// Adds a moment on a body, in the fixed frame, to forces on the unknowns.
+    pub(crate) fn add_moment(&self, body: usize, moment: &Vector3, forces: &mut [f64]) {
+        let own = &self.bodies[body];
+        let over = own.rates.transpose() * moment;
+        (0..3).for_each(|axis| forces[own.unknowns[1] + axis] += over[axis]);
     }
 
     /// Passes the corner, the node and its first place in the element of several nodes.
@@ -176,11 +195,25 @@ impl AttachedNodes {
     }
 }
 
-/// Adds the product of a row with a matrix.
-fn add_product(sum: &mut [f64; 12], row: &[f64; 12], matrix: &[[f64; 12]; 12]) {
-    for (factor, own) in row.iter().zip(matrix).filter(|(factor, _)| **factor != 0.0) {
-        for (entry, value) in sum.iter_mut().zip(own) {
-            *entry += factor * value;
+/// −Pᵀ J P for the motion P of all coordinates by the unknowns of an element.
+fn transformed<const N: usize>(motion: &[[f64; 12]; N], jacobian: &[[f64; N]; N]) -> ElementMatrix {
+    let mut matrix = [[0.0; 12]; 12];
+    for (moved, row) in motion.iter().zip(jacobian) {
+        let mut by_unknowns = [0.0; 12];
+        for (factor, own) in row.iter().zip(motion).filter(|(factor, _)| **factor != 0.0) {
+            for (entry, value) in by_unknowns.iter_mut().zip(own) {
+                *entry += factor * value;
+            }
+        }
+        for (own, part) in matrix
+            .iter_mut()
+            .zip(moved)
+            .filter(|(_, part)| **part != 0.0)
+        {
+            for (entry, value) in own.iter_mut().zip(&by_unknowns) {
+                *entry -= part * value;
+            }
         }
     }
+    matrix
 }

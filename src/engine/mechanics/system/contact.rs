@@ -13,7 +13,7 @@ use super::turned_elements::moments;
 use crate::mechanics::contact::{
     ContactMemory, ContactModel, ContactSystem, FrictionAt, Geometry, MismatchedMemory,
 };
-use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::topology::{add_to_node, position};
 use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
 use crate::mechanics::scene::Scene;
 use crate::mechanics::{SceneError, Vector3};
@@ -125,9 +125,10 @@ pub(crate) fn visit_forces(contact: &ContactSystem, mut visit: impl FnMut(usize,
 }
 
 /// Passes the changes of the angles of all edges since the start of a stage to contact, if
-/// friction acts at surfaces.
+/// friction acts at surfaces, and the rotations of free bodies.
 fn set_angles(contact: &mut ContactSystem, at: &Configuration) {
     if let Some(stage) = at.stage {
+        contact.set_body_turns(at.assembly.joints.turns_since(&stage.start));
         let now = at.unknowns.iter().skip(3).step_by(STRIDE);
         contact.set_angles(now.zip(&stage.angles).map(|(now, start)| now - start));
     }
@@ -220,7 +221,7 @@ impl Term for Contact {
         !self.rubs()
     }
 
-    fn add_forces(&self, _: &Configuration, residual: &mut [f64]) {
+    fn add_forces(&self, at: &Configuration, residual: &mut [f64]) {
         if let Some(contact) = &self.model {
             visit_forces(contact, |node, force| {
                 for axis in 0..3 {
@@ -230,6 +231,14 @@ impl Term for Contact {
         }
         for (unknown, moment) in self.model.iter().flat_map(moments) {
             residual[unknown] -= moment;
+        }
+        for one in self.model.iter().flat_map(ContactSystem::all_spun) {
+            for (body, moment) in one.bodies.iter().zip(&one.moments) {
+                let mut frames = at.assembly.joints.free_frames();
+                if let Some((_, frame, _)) = body.and_then(|body| frames.nth(body)) {
+                    add_to_node(residual, frame.first_unknown / STRIDE, &-moment);
+                }
+            }
         }
     }
 

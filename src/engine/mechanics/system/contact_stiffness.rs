@@ -46,8 +46,7 @@ impl System {
             };
         }
         // Each vertex may carry all of the force on its body.
-        let frames = self.assembly.joints.frames.iter();
-        for vertices in frames.filter_map(|frame| frame.vertices.as_ref()) {
+        for (_, _, vertices) in self.assembly.joints.free_frames() {
             let forces = &mut self.terms.contact.forces;
             let whole = forces[vertices.centre];
             forces[vertices.nodes()].fill(whole);

@@ -8,8 +8,8 @@
 //! The vertices are nodes without mass. Contact treats them like nodes of rods, and the segments
 //! between them like edges; [`super::attached`] converts the derivatives of its forces.
 
-use super::joints::TurningFrame;
 use super::joints::frame::{BODY_PLACES, Vertices};
+use super::joints::{Joints, TurningFrame};
 use super::rod_scale::RodScale;
 use super::{Assembly, System};
 use crate::linalg::UNUSED;
@@ -97,6 +97,7 @@ impl Assembly {
         frame.element = self.rods.elements.len();
         frame.vertices = Some(Vertices {
             centre,
+            radius: body.shape.radius,
             arms: vertices.iter().map(|x| x - body.centre).collect(),
         });
         self.rods.elements.push([UNUSED; 12]);
@@ -119,10 +120,8 @@ impl Assembly {
     pub(crate) fn prescribed_nodes(&self) -> Vec<bool> {
         let nodes = self.held.iter().step_by(STRIDE).take(self.rods.nodes);
         let mut prescribed: Vec<bool> = nodes.copied().collect();
-        for frame in &self.joints.frames {
-            if let Some(vertices) = &frame.vertices {
-                prescribed[vertices.nodes()].fill(false);
-            }
+        for (_, _, vertices) in self.joints.free_frames() {
+            prescribed[vertices.nodes()].fill(false);
         }
         prescribed
     }
@@ -130,21 +129,19 @@ impl Assembly {
     /// The mass (kg) of a free body as felt at each of its vertices, 1/(1/m + d²/I) for the mean
     /// moment of inertia I, with the nodes.
     pub(super) fn masses_at_vertices(&self) -> impl Iterator<Item = (usize, f64)> {
-        let frames = self.joints.frames.iter();
-        frames.flat_map(|frame| {
-            let (vertices, first) = match (&frame.vertices, frame.body) {
-                (Some(vertices), Some((first, _))) => (vertices.arms.as_slice(), first),
-                _ => (&[][..], 0),
-            };
-            let centre = frame.vertices.as_ref().map_or(0, |own| own.centre);
+        self.joints.free_frames().flat_map(|(_, frame, vertices)| {
+            let first = frame.first_unknown + STRIDE;
             let tips = [0, 1, 2].map(|k| self.masses[first + STRIDE * k]);
             // The moments add up to twice the sum of the masses at the tips.
             let mean = 2.0 / 3.0 * tips.iter().sum::<f64>() * frame.length * frame.length;
-            let mass = self.masses[STRIDE * centre];
-            vertices.iter().enumerate().map(move |(k, arm)| {
-                let turning = arm.norm_squared() / mean;
-                (centre + 1 + k, 1.0 / (1.0 / mass + turning))
-            })
+            let mass = self.masses[STRIDE * vertices.centre];
+            vertices
+                .nodes()
+                .zip(&vertices.arms)
+                .map(move |(node, arm)| {
+                    let turning = (arm.norm() + vertices.radius).powi(2) / mean;
+                    (node, 1.0 / (1.0 / mass + turning))
+                })
         })
     }
 }
@@ -160,6 +157,27 @@ pub struct BodyMotion {
     pub kinetic_energy: f64,
 }
 
+impl Joints {
+    /// Frames of the free bodies with their indices and the vertices that follow them, in the order
+    /// of the bodies.
+    pub(crate) fn free_frames(&self) -> impl Iterator<Item = (usize, &TurningFrame, &Vertices)> {
+        let frames = self.frames.iter().enumerate();
+        frames.filter_map(|(number, frame)| Some((number, frame, frame.vertices.as_ref()?)))
+    }
+
+    /// Rotation vectors of the free bodies from their rotations at the unknowns `start` to those of
+    /// the last evaluation, rad.
+    pub(crate) fn turns_since<'a>(
+        &'a self,
+        start: &'a [f64],
+    ) -> impl Iterator<Item = Vector3> + use<'a> {
+        self.free_frames().map(|(number, frame, _)| {
+            let before = rotation::from_vector(frame.rotation_vector(start)) * frame.base;
+            rotation::to_vector(&(self.rotation(number) * before.inverse()))
+        })
+    }
+}
+
 impl System {
     /// Motion of a free body at the last evaluation.
     pub(crate) fn body_motion(
@@ -169,11 +187,10 @@ impl System {
         velocity: &[f64],
     ) -> BodyMotion {
         let joints = &self.assembly.joints;
-        let mut bodies = (joints.frames.iter().enumerate()).filter_map(|(number, frame)| {
-            Some((number, frame.vertices.as_ref()?.centre, frame.body?))
-        });
-        let (number, centre, (first_tip, _)) = bodies.nth(body).expect("the body exists");
-        let tip = first_tip / STRIDE;
+        let found = joints.free_frames().nth(body);
+        let (number, frame, vertices) = found.expect("the body exists");
+        let centre = vertices.centre;
+        let tip = frame.first_unknown / STRIDE + 1;
         let energy = |place| self.assembly.kinetic_energy(&place, velocity);
         BodyMotion {
             position: position(unknowns, centre),

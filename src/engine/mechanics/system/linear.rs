@@ -165,7 +165,15 @@ impl System {
                 self.corrected_residual[unknown] -= correction;
             }
         }
-        self.matrix.gather_on_bodies(&mut self.corrected_residual);
+        let attached = self.matrix.attached();
+        attached.gather(&mut self.corrected_residual);
+        for one in contact.all_spun() {
+            for (body, moment) in one.bodies.iter().zip(&one.corrections) {
+                if let Some(body) = body {
+                    attached.add_moment(*body, &-moment, &mut self.corrected_residual);
+                }
+            }
+        }
         self.assembly.joints.gather(&mut self.corrected_residual);
     }
 }

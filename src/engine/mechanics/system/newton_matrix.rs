@@ -200,9 +200,9 @@ impl NewtonMatrix {
         self.attached.turn(assembly, unknowns);
     }
 
-    /// Transfers forces on vertices of free bodies to the unknowns of the bodies.
-    pub(crate) fn gather_on_bodies(&self, forces: &mut [f64]) {
-        self.attached.gather(forces);
+    /// Vertices of free bodies.
+    pub(crate) fn attached(&self) -> &AttachedNodes {
+        &self.attached
     }
 
     pub(crate) fn add_contact(&mut self, contact: &ContactSystem) {
@@ -215,7 +215,9 @@ impl NewtonMatrix {
             return self.expect_contacts(contact);
         }
         let mut turned = contact.turned().iter().map(|one| one.bodies).peekable();
+        let mut spun = contact.spun().iter();
         for (pair, jacobian) in contact.contacts().iter().zip(contact.jacobians()) {
+            let spun = spun.next().and_then(Option::as_ref);
             if (turned.next_if_eq(&TurnedBodies::Pair(pair.candidate))).is_some() {
                 continue;
             }
@@ -227,14 +229,19 @@ impl NewtonMatrix {
                 true => &pair.nodes[..],
                 false => &pair.nodes[..pair.first_body],
             };
-            let matrix = self.attached.matrix_of(of_rods, jacobian);
+            let matrix = match spun.and_then(|one| Some((one.bodies, one.jacobian.as_ref()?))) {
+                Some((bodies, jacobian)) => self.attached.matrix_of_spun(of_rods, bodies, jacobian),
+                None => self.attached.matrix_of(of_rods, jacobian),
+            };
             self.active.push((self.permanent.len() + element, matrix));
         }
+        let mut spun = contact.plane_spun().iter();
         for (touch, jacobian) in contact
             .plane_contacts()
             .iter()
             .zip(contact.plane_jacobians())
         {
+            let spun = spun.next().and_then(Option::as_ref);
             let (plane, node) = (touch.plane, touch.node);
             if (turned.next_if_eq(&TurnedBodies::Plane { plane, node })).is_some() {
                 continue;
@@ -244,7 +251,12 @@ impl NewtonMatrix {
                 for (row, own) in of_node.iter_mut().zip(jacobian) {
                     row[..3].copy_from_slice(own);
                 }
-                let matrix = self.attached.matrix_of(&[node], &of_node);
+                let matrix = match spun.and_then(|one| Some((one.bodies, one.jacobian.as_ref()?))) {
+                    Some((bodies, jacobian)) => {
+                        self.attached.matrix_of_spun(&[node], bodies, jacobian)
+                    }
+                    None => self.attached.matrix_of(&[node], &of_node),
+                };
                 let index = self.permanent.len() + self.first_node_element + touch.node;
                 self.active.push((index, matrix));
             } else {

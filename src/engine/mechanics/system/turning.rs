@@ -1,28 +1,59 @@
-//! Rotation of edges within a step.
+//! Rotation of edges and free bodies within a step.
 //!
 //! In each step the twist of a vertex is chosen, from all values that differ by whole turns, as
 //! the one nearest to the last twist. If an edge turns by nearly half a turn within a step this is
 //! a guess, and a wrong guess loses a turn of the rod. If its ends are held or it is closed, the
 //! rod keeps this error permanently.
+//!
+//! The rotational energy of a free body is that of masses at the tips of its axes, whose velocities
+//! are those of chords. If a body turns far within a step, these add energy.
 
 use super::System;
+use crate::mechanics::rotation;
 
 /// Largest angle by which an edge may turn within a step, rad.
 const LARGEST: f64 = 2.0;
 
-/// An edge that turns too far within a step.
+/// Largest angle by which a free body may turn within a step, rad.
+const LARGEST_OF_BODY: f64 = 0.3;
+
+/// An edge or a free body that turns too far within a step.
 #[derive(Clone, Debug)]
 pub(crate) struct Turn {
-    /// Name of the edge, in words.
-    pub edge: String,
+    /// Its name, in words.
+    pub what: String,
     /// Its rotation, rad.
     pub angle: f64,
+    /// What may go wrong.
+    pub consequence: &'static str,
 }
 
 impl System {
-    /// The edge that turns farthest between the start of a step and the last evaluation, if that
-    /// is too far for a rod that keeps its turns.
+    /// The free body or the edge that turns farthest between the start of a step and the last
+    /// evaluation, if that is too far for the body, or for a rod that keeps its turns.
     pub(crate) fn excessive_turn(&self) -> Option<Turn> {
+        let of_body = self.excessive_turn_of_body();
+        of_body.or_else(|| self.excessive_turn_of_edge())
+    }
+
+    fn excessive_turn_of_body(&self) -> Option<Turn> {
+        let joints = &self.assembly.joints;
+        let turns = joints.free_frames().map(|(number, frame, vertices)| {
+            let turn = joints.rotation(number) * frame.committed.inverse();
+            (vertices.centre, rotation::angle(&turn))
+        });
+        let (node, angle) = turns.max_by(|one, other| one.1.total_cmp(&other.1))?;
+        (angle > LARGEST_OF_BODY).then(|| Turn {
+            what: format!(
+                "body `{}`",
+                self.assembly.names[self.assembly.locate(node).0]
+            ),
+            angle,
+            consequence: "its spin is too fast for the step",
+        })
+    }
+
+    fn excessive_turn_of_edge(&self) -> Option<Turn> {
         let rods = &self.assembly.rods;
         let cosine = |edge: usize| {
             let before = self.reference.tangent[edge];
@@ -35,8 +66,9 @@ impl System {
         let farthest = kept.min_by(|one, other| cosine(*one).total_cmp(&cosine(*other)))?;
         let (rod, along) = self.assembly.locate(farthest);
         Some(Turn {
-            edge: format!("edge {along} of rod `{}`", self.assembly.names[rod]),
+            what: format!("edge {along} of rod `{}`", self.assembly.names[rod]),
             angle: libm::acos(cosine(farthest).clamp(-1.0, 1.0)),
+            consequence: "whole turns of twist may be lost",
         })
     }
 
@@ -83,7 +115,7 @@ mod tests {
             let turn = system.excessive_turn();
             assert_eq!(turn.is_some(), is_named);
             if let Some(turn) = turn {
-                assert_eq!(turn.edge, "edge 1 of rod `rod`");
+                assert_eq!(turn.what, "edge 1 of rod `rod`");
                 assert!(turn.angle > 3.0, "{}", turn.angle);
             }
             // A third of a turn is too little.

@@ -11,7 +11,7 @@ use super::term::Kind;
 use super::turned_elements::moments;
 use super::{Stage, System, copy_positions};
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::ContactSystem;
+use crate::mechanics::contact::{ContactSystem, SpunContact};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
 
@@ -80,6 +80,7 @@ impl System {
         for (unknown, moment) in moments(contact) {
             work += moment * (unknowns[unknown] - stage.start[unknown]);
         }
+        work += contact.all_spun().map(SpunContact::work).sum::<f64>();
         let of_obstacles = contact.turned().iter().map(|one| one.steady_power);
         work += stage.step * of_obstacles.sum::<f64>();
         (work, forces)

@@ -5,9 +5,12 @@ use super::super::palette::Color;
 use super::super::tube::{Piece, Placement};
 use super::super::view::View;
 use nalgebra::Vector3;
+use std::borrow::Cow;
 
 /// Shades of faces.
 const SHADES: usize = 12;
+/// Longest side of a triangle of a convex body, relative to the size of the body.
+const SMALL: f64 = 0.15;
 
 /// A rigid body beside rods.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,5 +55,38 @@ pub(super) fn faces(body: &Body, view: &View, placement: &Placement) -> Vec<Piec
             ),
         })
     };
-    body.triangles.iter().filter_map(face).collect()
+    pieces(body).iter().filter_map(face).collect()
+}
+
+/// The triangles of a body. Those of a convex one are halved until they are small compared with
+/// it, since the order in which large ones are painted beside rods may be wrong.
+fn pieces(body: &Body) -> Cow<'_, [[Vector3<f64>; 3]]> {
+    if !body.convex {
+        return Cow::Borrowed(&body.triangles);
+    }
+    let corners = || body.triangles.iter().flatten();
+    let corner = |pick: fn(f64, f64) -> f64, start: f64| {
+        corners().fold(Vector3::repeat(start), |found, x| found.zip_map(x, pick))
+    };
+    let extent = corner(f64::max, f64::NEG_INFINITY) - corner(f64::min, f64::INFINITY);
+    let longest = SMALL * extent.norm();
+    let mut rest = body.triangles.clone();
+    let mut small = Vec::new();
+    while let Some([a, b, c]) = rest.pop() {
+        // The longest side first.
+        let sides = [(a, b, c), (b, c, a), (c, a, b)];
+        let length =
+            |(from, to, _): &(Vector3<f64>, Vector3<f64>, Vector3<f64>)| (to - from).norm();
+        let widest = sides
+            .into_iter()
+            .max_by(|one, other| length(one).total_cmp(&length(other)));
+        match widest.filter(|side| length(side) > longest) {
+            Some((from, to, other)) => {
+                let middle = (from + to) * 0.5;
+                rest.extend([[from, middle, other], [middle, to, other]]);
+            }
+            None => small.push([a, b, c]),
+        }
+    }
+    Cow::Owned(small)
 }

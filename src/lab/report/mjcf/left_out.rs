@@ -64,6 +64,7 @@ pub(super) fn left_out(prepared: &PreparedRun, flexes: &[Flex]) -> Vec<String> {
     add(!scene.springs.is_empty(), "springs");
     add(!scene.tendons.is_empty(), "tendons");
     add(!scene.sheaths.is_empty(), "sheaths");
+    add(!scene.free_bodies.is_empty(), "free bodies");
     add(!scene.actuations.is_empty(), "actuation");
     add(!scene.forces.is_empty(), "forces of other parts");
     add(

@@ -173,7 +173,7 @@ impl CaseMotion {
 
     fn rods(&self) -> Vec<MovieRod> {
         let mut first = 0;
-        let rods = self.manifest.rods.iter().filter(|record| !record.is_body());
+        let rods = self.manifest.rods.iter().filter(|record| !record.rigid);
         let rods = rods.map(|record| {
             let placed = &self.outputs[0].1.positions[first..first + record.nodes];
             first += record.nodes;

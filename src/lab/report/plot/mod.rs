@@ -131,7 +131,7 @@ pub fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figure, Resu
     let records = &manifest.rods;
     let outputs = read_nodes(directory, records.iter().map(|rod| rod.nodes).sum())?;
     // Free bodies follow the rods.
-    let rods = records.split(|record| record.is_body()).next();
+    let rods = records.split(|record| record.rigid).next();
     let rods = rods.unwrap_or_default();
     let branches = Branches::read(directory)?;
     // A scenario of an older version may not be readable any more. The rods are still drawn.

@@ -309,6 +309,10 @@ fn refuse(
             "derivatives with respect to fields need fluid.model = \"resistive\"",
         ),
         (
+            !scene.free_bodies.is_empty(),
+            "derivatives over fields support no free bodies",
+        ),
+        (
             system.yields(),
             "derivatives over fields support no rods that yield",
         ),

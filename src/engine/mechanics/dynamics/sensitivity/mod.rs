@@ -235,9 +235,14 @@ fn sharp(
             "derivatives support no joints of kind \"slide\" with friction",
         ));
     }
-    if !scene.tendons.is_empty() || !scene.sheaths.is_empty() {
+    let parts = [
+        scene.tendons.len(),
+        scene.sheaths.len(),
+        scene.free_bodies.len(),
+    ];
+    if parts != [0; 3] {
         return Err(SensitivityError::Unsuitable(
-            "derivatives support no tendons and no sheaths",
+            "derivatives support no tendons, sheaths and free bodies",
         ));
     }
     match simulation.integrator.fluid.sharpen(FLOW_TOLERANCE) {

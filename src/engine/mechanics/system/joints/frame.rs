@@ -41,6 +41,8 @@ pub struct EccentricMass {
 pub struct Vertices {
     /// Node of the centre of mass; those of the vertices follow it.
     pub centre: usize,
+    /// Distance of the surface from the vertices, m.
+    pub radius: f64,
     /// Vectors from the centre to the vertices as placed, m.
     pub arms: Vec<Vector3>,
 }

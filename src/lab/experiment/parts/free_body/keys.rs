@@ -34,18 +34,39 @@ keys! {
     }
 }
 
-/// The shape of a free body. Corners and edges are rounded; friction acts at the axes of the
-/// roundings.
+/// The shape of a free body. Corners and edges are rounded.
 #[derive(Debug, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(tag = "kind", rename = "free_shape")]
 pub enum FreeShapeKeys {
+    /// A sphere.
+    Sphere(SphereKeys),
+    /// A cylinder with round ends, along z.
+    Capsule(CapsuleKeys),
     /// A box with sides along x, y and z.
     Box(BoxKeys),
     /// A cylinder with flat ends, along z, as a prism whose corners are on the circle.
     Cylinder(CylinderKeys),
     /// A convex mesh.
     Mesh(MeshKeys),
+}
+
+keys! {
+    /// A sphere.
+    table SphereKeys "free_sphere" {
+        /// Radius of the sphere.
+        radius: number(Length, POSITIVE) required,
+    }
+}
+
+keys! {
+    /// A cylinder with round ends, along z.
+    table CapsuleKeys "free_capsule" {
+        /// Radius of the capsule.
+        radius: number(Length, POSITIVE) required,
+        /// Length of its axis between the centres of its ends.
+        length: number(Length, POSITIVE) required,
+    }
 }
 
 keys! {

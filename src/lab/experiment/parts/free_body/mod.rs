@@ -41,6 +41,18 @@ pub struct FreeBody {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum FreeShape {
+    /// A sphere.
+    Sphere {
+        /// Radius, m.
+        radius: f64,
+    },
+    /// A capsule along z.
+    Capsule {
+        /// Radius, m.
+        radius: f64,
+        /// Length between the centres of its ends, m.
+        length: f64,
+    },
     /// A box.
     Box {
         /// Lengths of its sides, m.
@@ -73,6 +85,13 @@ pub enum FreeShape {
 impl FreeShape {
     fn resolve(section: &Section<'_>, typed: &FreeShapeKeys) -> Self {
         match typed {
+            FreeShapeKeys::Sphere(typed) => Self::Sphere {
+                radius: typed.radius(section),
+            },
+            FreeShapeKeys::Capsule(typed) => Self::Capsule {
+                radius: typed.radius(section),
+                length: typed.length(section),
+            },
             FreeShapeKeys::Box(typed) => Self::of_box(section, typed),
             FreeShapeKeys::Cylinder(typed) => Self::of_cylinder(section, typed),
             FreeShapeKeys::Mesh(typed) => Self::of_mesh(section, typed),
@@ -131,6 +150,8 @@ impl FreeShape {
     /// Why a mesh is not that of a convex body.
     fn solid(&self) -> Result<Solid, String> {
         match self {
+            Self::Sphere { radius } => Ok(Solid::capsule(*radius, 0.0)),
+            Self::Capsule { radius, length } => Ok(Solid::capsule(*radius, *length)),
             Self::Box { size, rounding } => Ok(Solid::cuboid(*size, *rounding)),
             Self::Cylinder {
                 radius,
@@ -152,10 +173,11 @@ impl Part for FreeBody {
 
     const KEY: &'static str = "free_bodies";
     const DESCRIPTION: &'static str =
-        "Rigid bodies that no rod carries: boxes, cylinders, convex meshes.";
+        "Rigid bodies that no rod carries: balls, boxes, cylinders, convex meshes.";
 
     fn contact_radius(&self) -> f64 {
         match self.shape {
+            FreeShape::Sphere { radius } | FreeShape::Capsule { radius, .. } => radius,
             FreeShape::Box { rounding, .. }
             | FreeShape::Cylinder { rounding, .. }
             | FreeShape::Mesh { rounding, .. } => rounding,

@@ -29,6 +29,30 @@ pub struct Solid {
 }
 
 impl Solid {
+    /// All points within a radius (m) of a segment of a length (m) along z; a sphere if that is 0.
+    pub fn capsule(radius: f64, length: f64) -> Self {
+        let end = Vector3::z() * (0.5 * length);
+        let body = match length {
+            0.0 => RigidBody::sphere(end, radius),
+            _ => RigidBody::capsule([-end, end], radius),
+        };
+        let square = radius * radius;
+        let [ends, middle] = [4.0 / 3.0 * radius, length].map(|factor| 0.5 * TAU * square * factor);
+        let volume = ends + middle;
+        // Hemispheres have their centres of mass ⅜ of the radius beyond the ends of the segment.
+        let of_ends = 0.4 * square + length * (0.25 * length + 0.375 * radius);
+        let of_middle = 0.25 * square + length * length / 12.0;
+        let across = (ends * of_ends + middle * of_middle) / volume;
+        let along = (0.4 * ends + 0.5 * middle) * square / volume;
+        Self {
+            body,
+            volume,
+            centre: Vector3::zeros(),
+            inertia: [across, across, along],
+            axes: UnitQuaternion::identity(),
+        }
+    }
+
     /// A box with the given sides, m, and edges rounded to a radius, m. The rounding does not
     /// change its mass properties.
     pub fn cuboid(size: [f64; 3], rounding: f64) -> Self {
@@ -177,6 +201,28 @@ mod tests {
         found.sort_by(f64::total_cmp);
         for (found, expected) in found.iter().zip(expected) {
             assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn capsules_have_the_moments_of_slices() {
+        let (radius, length) = (0.3, 0.8);
+        for length in [0.0, length] {
+            let found = Solid::capsule(radius, length);
+            let (slices, reach) = (20_000, 0.5 * length + radius);
+            let (mut volume, mut across, mut along) = (0.0, 0.0, 0.0);
+            for slice in 0..slices {
+                let z = reach * (2.0 * (f64::from(slice) + 0.5) / f64::from(slices) - 1.0);
+                let beyond = (z.abs() - 0.5 * length).max(0.0);
+                let square = radius * radius - beyond * beyond;
+                let own = 0.5 * TAU * square * 2.0 * reach / f64::from(slices);
+                volume += own;
+                across += own * (0.25 * square + z * z);
+                along += own * 0.5 * square;
+            }
+            assert!((found.volume / volume - 1.0).abs() < 1e-6);
+            assert!((found.inertia[0] / (across / volume) - 1.0).abs() < 1e-6);
+            assert!((found.inertia[2] / (along / volume) - 1.0).abs() < 1e-6);
         }
     }
 
