@@ -13,14 +13,10 @@
 //!
 //! ∂u = ∂v + [n̂]ₓ ∂G − [G]ₓ ∂n̂,   ∂M = h ([f]ₓ ∂n̂ − [n̂]ₓ ∂f).
 
-use super::contact_system::ContactSystem;
-use super::contacts::{CandidatePair, ContactMotion};
+use super::contacts::ContactMotion;
 use super::edge_contact::Sliding;
-use super::evaluation::Touch;
-use super::multipliers::LinearLaw;
 use super::normal_response::NormalResponse;
 use super::surface::ContactSurface;
-use super::tractions::{LinearTraction, correction};
 use crate::mechanics::Vector3;
 use crate::mechanics::rotation::inverse_left_jacobian;
 
@@ -39,11 +35,11 @@ pub(super) type TurnRates = [[f64; 6]; 3];
 #[derive(Clone, Debug, Default)]
 pub(super) struct BodyTurns {
     /// The body of each node; empty without free bodies.
-    bodies_of: Vec<Option<usize>>,
+    pub bodies_of: Vec<Option<usize>>,
     /// Radii of their roundings, m.
-    radii: Vec<f64>,
+    pub radii: Vec<f64>,
     /// Rotation vectors since the stage began, rad.
-    turns: Vec<Vector3>,
+    pub turns: Vec<Vector3>,
     /// Those at the last linearisation; empty before the first of a step.
     linearised: Vec<Vector3>,
 }
@@ -63,6 +59,26 @@ impl BodyTurns {
     /// Starts the iterations of a step.
     pub(crate) fn begin(&mut self) {
         self.linearised.clear();
+    }
+
+    /// Rotation of the bodies of two nodes; `None` if neither belongs to one.
+    pub(crate) fn spin(&self, nodes: [usize; 2], time_step: f64) -> Option<Spin> {
+        let bodies = nodes.map(|node| self.bodies_of.get(node).copied().flatten());
+        if bodies == [None; 2] {
+            return None;
+        }
+        let turn = |body: usize| self.turns[body];
+        let moved = |body: usize| {
+            let before = self.linearised.get(body);
+            before.map_or_else(Vector3::zeros, |before| turn(body) - before)
+        };
+        Some(Spin {
+            bodies,
+            arms: bodies.map(|body| body.map_or(0.0, |body| self.radii[body])),
+            turns: bodies.map(|body| body.map_or_else(Vector3::zeros, turn)),
+            moved: bodies.map(|body| body.map_or_else(Vector3::zeros, moved)),
+            time_step,
+        })
     }
 
     /// Marks the present rotations as those of a linearisation.
@@ -110,10 +126,10 @@ impl SpunContact {
 }
 
 /// The derivatives of a contact.
-struct SpinRates {
-    jacobian: Box<SpunJacobian>,
-    by_nodes: [[f64; 12]; 3],
-    by_turns: TurnRates,
+pub(super) struct SpinRates {
+    pub jacobian: Box<SpunJacobian>,
+    pub by_nodes: [[f64; 12]; 3],
+    pub by_turns: TurnRates,
 }
 
 impl Spin {
@@ -129,7 +145,7 @@ impl Spin {
     }
 
     /// Moments of a friction f (N) on both bodies, N m.
-    fn moments(&self, normal: &Vector3, friction: &Vector3) -> [Vector3; 2] {
+    pub(crate) fn moments(&self, normal: &Vector3, friction: &Vector3) -> [Vector3; 2] {
         let lever = friction.cross(&normal.normalize());
         self.arms.map(|arm| lever * arm)
     }
@@ -147,7 +163,7 @@ impl Spin {
 
     /// Derivatives for the friction law linearised at the slip `at`, m/s; `place` describes the
     /// motion of the contact.
-    fn rates(
+    pub(crate) fn rates(
         &self,
         place: &ContactMotion,
         response: &NormalResponse,
@@ -224,95 +240,5 @@ impl Spin {
             }
         }
         found
-    }
-}
-
-impl ContactSystem {
-    /// Sets the rotation vectors of the free bodies since the stage began, rad.
-    pub(crate) fn set_body_turns(&mut self, turns: impl Iterator<Item = Vector3>) {
-        let own = self.body_turns.turns.iter_mut();
-        own.zip(turns).for_each(|(own, turn)| *own = turn);
-    }
-
-    /// Rotation of the free bodies of a pair; `None` if it has none.
-    pub(super) fn spin_of_pair(&self, pair: &CandidatePair, time_step: f64) -> Option<Spin> {
-        self.spin([pair.nodes[0], pair.nodes[3]], time_step)
-    }
-
-    /// Rotation of the free body of a node over a plane; `None` if it has none.
-    pub(super) fn spin_over_plane(&self, node: usize, time_step: f64) -> Option<Spin> {
-        self.spin([node, usize::MAX], time_step)
-    }
-
-    fn spin(&self, nodes: [usize; 2], time_step: f64) -> Option<Spin> {
-        let all = &self.body_turns;
-        let bodies = nodes.map(|node| all.bodies_of.get(node).copied().flatten());
-        if bodies == [None; 2] {
-            return None;
-        }
-        let turn = |body: usize| all.turns[body];
-        let moved = |body: usize| {
-            let before = all.linearised.get(body);
-            before.map_or_else(Vector3::zeros, |before| turn(body) - before)
-        };
-        Some(Spin {
-            bodies,
-            arms: bodies.map(|body| body.map_or(0.0, |body| all.radii[body])),
-            turns: bodies.map(|body| body.map_or_else(Vector3::zeros, turn)),
-            moved: bodies.map(|body| body.map_or_else(Vector3::zeros, moved)),
-            time_step,
-        })
-    }
-
-    /// Linearises the contact that was added last to `spun`, in a slot, with the linear laws of
-    /// that slot.
-    pub(super) fn linearize_spun(
-        &mut self,
-        (slot, spin): (usize, &Spin),
-        place: &ContactMotion,
-        touch: &Touch,
-        (pressure, friction): (&LinearLaw, &LinearTraction),
-        sliding: &Sliding,
-    ) -> Option<SpunContact> {
-        let rates = spin.rates(place, &pressure.tangent, (sliding, friction.slip));
-        if self.multipliers.in_use() {
-            self.multipliers.keep(slot, pressure, &place.gap_gradient);
-            self.carried_tractions
-                .keep_spun(slot, friction, &rates.by_nodes, &rates.by_turns);
-        }
-        let with = |force: f64, traction: &Vector3| -> [f64; 6] {
-            let rubbed = traction * (force * touch.normal.norm());
-            let [first, second] = spin.moments(&touch.normal, &rubbed);
-            [first.x, first.y, first.z, second.x, second.y, second.z]
-        };
-        let present = with(touch.response.force, &touch.traction);
-        let [a, b, c, d, e, f] = correction(pressure, friction, present, with);
-        let rubbed = touch.traction * (touch.response.force * touch.normal.norm());
-        Some(SpunContact {
-            corrections: [Vector3::new(a, b, c), Vector3::new(d, e, f)],
-            jacobian: Some(rates.jacobian),
-            ..spin.contact(&touch.normal, &rubbed)
-        })
-    }
-
-    /// The contacts of free bodies with friction at the last evaluation, in the order of
-    /// [`Self::contacts`]; empty without free bodies.
-    pub(crate) fn spun(&self) -> &[Option<SpunContact>] {
-        &self.spun
-    }
-
-    /// The same in the order of [`Self::plane_contacts`].
-    pub(crate) fn plane_spun(&self) -> &[Option<SpunContact>] {
-        &self.plane_spun
-    }
-
-    /// All of them.
-    pub(crate) fn all_spun(&self) -> impl Iterator<Item = &SpunContact> {
-        self.spun.iter().chain(&self.plane_spun).flatten()
-    }
-
-    /// Whether there are free bodies.
-    pub(super) fn has_bodies(&self) -> bool {
-        !self.body_turns.radii.is_empty()
     }
 }

@@ -340,7 +340,8 @@ impl ContactSystem {
                 self.compare_with_last(slot, rods, &pressure, &friction);
             }
             let laws = (&pressure, &friction);
-            let spun = self.linearize_spun((slot, spin), &place, &touch, laws, sliding);
+            let force = (pair.response.force, pair.traction);
+            let spun = self.linearize_spun((slot, spin), &place, force, laws, sliding);
             if let Some(last) = self.spun.last_mut() {
                 *last = spun;
             }

@@ -8,7 +8,8 @@
 //! | `surface`, `plane` | edges as capsules, planes, obstacles, which pairs are neighbours |
 //! | `placed_obstacles`, `foot` | rigid obstacles: positions, parts near a rod, and the foot of a node on a face |
 //! | `box_tree` | boxes around the parts of an obstacle, and which of them are near |
-//! | `body_faces`, `body_turns` | faces of free bodies, which move, and friction at their surfaces |
+//! | `body_faces` | faces of free bodies, which move |
+//! | `body_turns`, `spun_contacts` | friction at the surfaces of free bodies |
 //! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
 //! | `inside` | points inside a closed obstacle |
@@ -91,6 +92,7 @@ mod rim_tests;
 mod root;
 mod roots;
 mod slots;
+mod spun_contacts;
 mod step_bound;
 mod stiffness;
 mod stored_energy;

@@ -162,7 +162,8 @@ impl ContactSystem {
         if let (Some(spin), Some(sliding)) = (&touch.spin, sliding) {
             let place = ContactMotion::over_plane(&touch.normal);
             let (laws, sliding) = ((&pressure, &friction), sliding.of_first_node());
-            let spun = self.linearize_spun((slot, spin), &place, touch, laws, &sliding);
+            let force = (touch.response.force, touch.traction);
+            let spun = self.linearize_spun((slot, spin), &place, force, laws, &sliding);
             if let Some(last) = self.plane_spun.last_mut() {
                 *last = spun;
             }

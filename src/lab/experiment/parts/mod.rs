@@ -11,7 +11,6 @@ mod tendon;
 
 #[cfg(test)]
 pub use actuation::{Actuation, ActuationKind};
-pub use free_body::FreeBody;
 pub use sheath::judge as judge_sheaths;
 pub use tendon::{Eyelets, Tendon};
 
@@ -45,7 +44,7 @@ parts! {
     actuation::Actuation,
     tendon::Tendon,
     sheath::Sheath,
-    FreeBody,
+    free_body::FreeBody,
 }
 
 fn place_all<P: ScenePart>(scenario: &Scenario, scene: &mut Scene, issues: &mut Issues) {

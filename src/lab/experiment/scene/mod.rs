@@ -1,7 +1,6 @@
 //! The general experiment: the rods listed in the scenario, with clamps, loads and planes.
 
 use super::Kind;
-use super::parts::FreeBody;
 use crate::scenario::Experiment;
 use crate::scenario::keys::{CommonTables, ExperimentKeys, Request, Section};
 use serde::Serialize;
@@ -32,7 +31,8 @@ impl ExperimentKeys for SceneKind {
     }
 
     fn judge(&self, top: &Section<'_>, common: &CommonTables<'_>) {
-        if !common.parts.all::<FreeBody>().is_empty() {
+        // Free bodies move by themselves.
+        if common.parts.smallest_radius().is_finite() {
             return;
         }
         if common.rods.is_empty() {
