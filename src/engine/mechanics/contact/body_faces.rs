@@ -12,7 +12,7 @@
 
 use super::box_tree::AlignedBox;
 use super::contacts::{CandidatePair, ContactMotion, EdgeJacobian, Linearised};
-use super::continuous_collision::{ADVANCES, KEPT_GAP, USED_UP};
+use super::continuous_collision::safe_fraction_from;
 use super::edge_contact::Sliding;
 use super::foot::Foot;
 use super::normal_response::NormalResponse;
@@ -144,34 +144,13 @@ pub(super) fn safe_fraction_at_triangle(
     threshold: f64,
     longest: f64,
 ) -> f64 {
-    let mut separation = separation_from_triangle(corners);
-    let gap = separation.norm() - threshold;
-    if !(gap > 0.0) {
-        return 0.0;
-    }
-    let kept = threshold + KEPT_GAP * gap;
-    let (mut fraction, mut moved) = (0.0, *corners);
-    for _ in 0..ADVANCES {
-        let normal = separation.normalize();
-        let mut advance = longest - fraction;
-        for corner in 1..4 {
-            let slack = ((moved[0] - moved[corner]).dot(&normal) - kept).max(0.0);
-            let approach = (displacements[corner] - displacements[0]).dot(&normal);
-            if slack < approach * advance {
-                advance = slack / approach;
-            }
-        }
-        if advance >= longest - fraction {
-            return longest;
-        }
-        fraction += advance;
-        moved = std::array::from_fn(|m| corners[m] + displacements[m] * fraction);
-        separation = separation_from_triangle(&moved);
-        if separation.norm() - kept <= USED_UP * KEPT_GAP * gap {
-            break;
-        }
-    }
-    fraction
+    safe_fraction_from(
+        separation_from_triangle(corners),
+        [corners, displacements],
+        &[(0, 1), (0, 2), (0, 3)],
+        separation_from_triangle,
+        [threshold, longest],
+    )
 }
 
 impl Foot {
@@ -250,5 +229,94 @@ pub(super) fn motion_jacobian(
         jacobian,
         gap_gradient: motion.gap_gradient,
         traction_gradient: rates,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_support::Random;
+    use super::*;
+
+    /// A node and a triangle of the size of one.
+    fn corners(random: &mut Random) -> [Vector3; 4] {
+        std::array::from_fn(|_| random.vector())
+    }
+
+    #[test]
+    fn nothing_comes_nearer_on_the_free_part_of_a_path() {
+        let mut random = Random::new(5);
+        let (mut stopped, mut free) = (0, 0);
+        for _ in 0..400 {
+            let start = corners(&mut random);
+            let moves = corners(&mut random).map(|x| x * 2.0);
+            let distance = distance_from_triangle(&start);
+            let threshold = 0.5 * distance;
+            let found = safe_fraction_at_triangle(&start, &moves, threshold, 1.0);
+            for sample in 0..=200 {
+                let part = found * f64::from(sample) / 200.0;
+                let there = std::array::from_fn(|k| start[k] + moves[k] * part);
+                let least = threshold + 0.099 * (distance - threshold);
+                assert!(distance_from_triangle(&there) > least, "{part} of {found}");
+            }
+            let end = std::array::from_fn(|k| start[k] + moves[k] * (found + 1e-3));
+            if found < 1.0 {
+                assert!(distance_from_triangle(&end) < distance);
+                stopped += 1;
+            } else {
+                free += 1;
+            }
+        }
+        assert!(stopped > 50 && free > 50, "{stopped} {free}");
+    }
+
+    #[test]
+    fn the_motion_over_a_face_is_that_of_differences() {
+        let mut random = Random::new(8);
+        let mut compared = 0;
+        while compared < 50 {
+            let at = corners(&mut random);
+            let Some(foot) = Foot::of(&at, 1.0) else {
+                continue;
+            };
+            compared += 1;
+            let motion = foot.motion_with(&at, true);
+            for column in 0..12 {
+                let step = 1e-6;
+                let moved = |by: f64| {
+                    let mut moved = at;
+                    moved[column / 3][column % 3] += by;
+                    Foot::in_plane(&moved, 1.0).unwrap()
+                };
+                let [ahead, behind] = [step, -step].map(moved);
+                let rate = |ahead: f64, behind: f64| (ahead - behind) / (2.0 * step);
+                let near = |found: f64, expected: f64| {
+                    assert!(
+                        (found - expected).abs() < 1e-6 * (1.0 + expected.abs()) / foot.scale(&at)
+                    );
+                };
+                near(
+                    motion.gap_gradient[column],
+                    rate(ahead.distance, behind.distance),
+                );
+                for axis in 0..3 {
+                    let expected = rate(ahead.normal[axis], behind.normal[axis]);
+                    near(motion.normal_jacobian[axis][column], expected);
+                }
+                for corner in 0..4 {
+                    let [ahead, behind] = [ahead.all_weights(), behind.all_weights()];
+                    let expected = rate(ahead[corner], behind[corner]);
+                    near(motion.weight_rates[corner][column], expected);
+                }
+            }
+        }
+    }
+
+    impl Foot {
+        /// Squared sine of the narrowest angle of the triangle, by which differences are worse.
+        fn scale(&self, [_, a, b, c]: &[Vector3; 4]) -> f64 {
+            let area = (b - a).cross(&(c - a)).norm();
+            let sides = [b - a, c - b, a - c].map(|side| side.norm_squared());
+            (area / sides.into_iter().fold(0.0, f64::max)).powi(4)
+        }
     }
 }

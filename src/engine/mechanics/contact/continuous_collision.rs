@@ -25,13 +25,13 @@ use crate::mechanics::Vector3;
 /// to return. A larger part would need more steps when a force rises by orders of magnitude.
 pub(super) const KEPT_GAP: f64 = 0.1;
 /// The search ends after an advance that leaves at most this fraction of the kept gap as slack.
-pub(super) const USED_UP: f64 = 0.1;
+const USED_UP: f64 = 0.1;
 /// Maximum number of advances. After these the search returns the path so far, which is safe.
 ///
 /// Usually a few are enough. A pair of edges of length L that turn together by an angle θ needs θL
 /// divided by the gap, since the slabs do not turn: hundreds in the largest steps of a turning
 /// bundle.
-pub(super) const ADVANCES: usize = 1000;
+const ADVANCES: usize = 1000;
 
 /// The largest fraction t of the path `displacements`, at most `longest`, along which the
 /// centrelines of the edges (`nodes[0]`, `nodes[1]`) and (`nodes[2]`, `nodes[3]`) stay farther
@@ -43,14 +43,13 @@ pub(super) fn safe_fraction(
     threshold: f64,
     longest: f64,
 ) -> f64 {
-    let closest = ClosestPoints::of(nodes);
-    let gap = closest.distance() - threshold;
-    if !(gap > 0.0) {
-        return 0.0;
-    }
-    let kept = threshold + KEPT_GAP * gap;
-    let tolerance = USED_UP * KEPT_GAP * gap;
-    advance(closest, nodes, displacements, [kept, tolerance], longest)
+    safe_fraction_from(
+        separation_of_edges(nodes),
+        [nodes, displacements],
+        &ENDS,
+        separation_of_edges,
+        [threshold, longest],
+    )
 }
 
 /// The largest fraction of the path `displacements`, at most `longest`, along which the
@@ -63,31 +62,59 @@ pub(super) fn fraction_beyond(
     longest: f64,
 ) -> f64 {
     advance(
-        ClosestPoints::of(nodes),
-        nodes,
-        displacements,
+        separation_of_edges(nodes),
+        [nodes, displacements],
+        &ENDS,
+        separation_of_edges,
         bounds,
         longest,
     )
 }
 
-/// Like [`fraction_beyond`], from given closest points.
+/// Ends of the first edge with those of the second.
+const ENDS: [(usize, usize); 4] = [(0, 2), (0, 3), (1, 2), (1, 3)];
+
+fn separation_of_edges(nodes: &[Vector3; 4]) -> Vector3 {
+    ClosestPoints::of(nodes).separation
+}
+
+/// [`safe_fraction`] for two bodies that are the convex hulls of some of the four corners; `pairs`
+/// lists each corner of the first with each of the second. `separation` is the vector between
+/// their nearest points, which is `apart` at the start.
+pub(super) fn safe_fraction_from(
+    apart: Vector3,
+    paths: [&[Vector3; 4]; 2],
+    pairs: &[(usize, usize)],
+    separation: impl Fn(&[Vector3; 4]) -> Vector3,
+    [threshold, longest]: [f64; 2],
+) -> f64 {
+    let gap = apart.norm() - threshold;
+    if !(gap > 0.0) {
+        return 0.0;
+    }
+    let kept = threshold + KEPT_GAP * gap;
+    let tolerance = USED_UP * KEPT_GAP * gap;
+    advance(apart, paths, pairs, separation, [kept, tolerance], longest)
+}
+
+/// [`fraction_beyond`] for two such bodies.
 fn advance(
-    mut closest: ClosestPoints,
-    nodes: &[Vector3; 4],
-    displacements: &[Vector3; 4],
+    mut apart: Vector3,
+    [corners, displacements]: [&[Vector3; 4]; 2],
+    pairs: &[(usize, usize)],
+    separation: impl Fn(&[Vector3; 4]) -> Vector3,
     [kept, tolerance]: [f64; 2],
     longest: f64,
 ) -> f64 {
-    let (mut fraction, mut moved) = (0.0, *nodes);
+    let (mut fraction, mut moved) = (0.0, *corners);
     for _ in 0..ADVANCES {
-        let normal = closest.separation / closest.distance();
-        // Heights are measured from a node, so that rounding errors do not depend on the distance
+        let normal = apart / apart.norm();
+        // Heights are measured from a corner, so that rounding errors do not depend on the distance
         // from the origin.
         let height = |m: usize| (moved[m] - moved[0]).dot(&normal);
         let speed = |m: usize| displacements[m].dot(&normal);
         let mut advance = longest - fraction;
-        for (i, j) in [(0, 2), (0, 3), (1, 2), (1, 3)] {
+        for &(i, j) in pairs {
             let slack = (height(i) - height(j) - kept).max(0.0);
             let approach = speed(j) - speed(i);
             if slack < approach * advance {
@@ -98,9 +125,9 @@ fn advance(
             return longest;
         }
         fraction += advance;
-        moved = std::array::from_fn(|m| nodes[m] + displacements[m] * fraction);
-        closest = ClosestPoints::of(&moved);
-        if closest.distance() - kept <= tolerance {
+        moved = std::array::from_fn(|m| corners[m] + displacements[m] * fraction);
+        apart = separation(&moved);
+        if apart.norm() - kept <= tolerance {
             break;
         }
     }
