@@ -11,6 +11,7 @@ mod tendon;
 
 #[cfg(test)]
 pub use actuation::{Actuation, ActuationKind};
+pub use free_body::judge as judge_free_bodies;
 pub use sheath::judge as judge_sheaths;
 pub use tendon::{Eyelets, Tendon};
 

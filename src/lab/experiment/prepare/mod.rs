@@ -112,6 +112,10 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         Ok(wall) => scene.wall = wall,
         Err(issue) => issues.push(issue),
     }
+    if let Err(issue) = parts::judge_free_bodies(&scene) {
+        issues.push(issue);
+        return Err(issues);
+    }
     if issues.0.is_empty()
         && !scene.sheaths.is_empty()
         && let Err(issue) = parts::judge_sheaths(&scene)

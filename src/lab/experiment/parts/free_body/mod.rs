@@ -7,6 +7,7 @@ use super::ScenePart;
 use crate::scenario::keys::{Part, Section};
 use crate::scenario::{Issue, KeyPath, Scheme, Time};
 use keys::{BoxKeys, CylinderKeys, FreeBodyKeys, FreeShapeKeys, MeshKeys};
+use rodlab_engine::mechanics::contact::{FrictionAt, Geometry};
 use rodlab_engine::mechanics::scene::{self, Scene};
 use rodlab_engine::mechanics::{Vector3, rotation};
 use serde::Serialize;
@@ -265,6 +266,50 @@ impl ScenePart for FreeBody {
     }
 }
 
+/// Checks whether the rest of a scene allows its free bodies.
+///
+/// # Errors
+/// What does not, with its key.
+pub fn judge(scene: &Scene) -> Result<(), Issue> {
+    if scene.free_bodies.is_empty() {
+        return Ok(());
+    }
+    let fault = |key: KeyPath, allowed: &str| {
+        Err(Issue::new(key, format!("with [[free_bodies]], {allowed}")))
+    };
+    if scene.fluid.is_some() {
+        return fault(KeyPath::from("fluid").key("model"), "there can be no fluid");
+    }
+    let Some(contact) = &scene.contact else {
+        return Ok(());
+    };
+    let key = |key: &str| KeyPath::from("contact").key(key);
+    if contact.is_complementarity() {
+        return fault(key("model"), "the model is \"imc\" or \"ipc\"");
+    }
+    if contact.geometry == Geometry::Smooth {
+        return fault(key("geometry"), "the geometry is \"polyline\"");
+    }
+    if contact.friction_at == FrictionAt::Surface {
+        let allowed =
+            "friction of rods is at the \"centreline\"; that of the bodies is at their surfaces";
+        return fault(key("friction_at"), allowed);
+    }
+    let mut planes = scene.planes.iter();
+    if let Some(plane) = planes.position(|plane| plane.directed_friction.is_some()) {
+        let key = KeyPath::from("planes")
+            .index(plane)
+            .key("directed_friction");
+        return fault(key, "friction does not depend on the direction");
+    }
+    let mut obstacles = scene.obstacles.iter();
+    if let Some(obstacle) = obstacles.position(|obstacle| obstacle.body.hollow) {
+        let key = KeyPath::from("obstacles").index(obstacle).key("shape");
+        return fault(key, "there can be no obstacle of kind \"tube\"");
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -349,6 +394,37 @@ BODY
             assert!(error.contains(key), "{error}");
         }
         let body = with(&format!("{block}\nmass = 1.0"));
+        let contact = "[contact]\nmodel = \"imc\"\n";
+        for (more, key) in [
+            (
+                "[contact]\nmodel = \"complementarity\"\n".to_owned(),
+                "contact.model",
+            ),
+            (
+                format!("{contact}geometry = \"smooth\"\n"),
+                "contact.geometry",
+            ),
+            (
+                format!("{contact}friction_at = \"surface\"\n"),
+                "contact.friction_at",
+            ),
+            (
+                format!(
+                    "{contact}[[obstacles]]\nshape = {{ kind = \"tube\", start = [0, 0, 0], end = [0, 0, 1], radius = 1.0 }}\n"
+                ),
+                "obstacles.0.shape",
+            ),
+            (
+                "[fluid]\nmodel = \"resistive\"\nviscosity = 1.0\n".to_owned(),
+                "fluid.model",
+            ),
+        ] {
+            let error = prepared(&format!("{body}{more}")).unwrap_err();
+            assert!(
+                error.contains(key) && error.contains("free_bodies"),
+                "{error}"
+            );
+        }
         for (time, expected) in [
             ("mode = \"static\"", "run dynamically"),
             (
