@@ -8,12 +8,11 @@
 //! δd = n·δu,    δn = −Σ ∇λₖ (n·δxₖ),    δλₖ = ∇λₖ·(δu − d δn),    δu = δp − Σ λⱼ δxⱼ.
 //! ```
 //!
-//! The force and its derivative are those of two edges ([`super::edge_contact`]) with four nodes.
+//! The force is that of two edges ([`super::edge_contact`]) with four nodes.
 
 use super::box_tree::AlignedBox;
 use super::contacts::{CandidatePair, ContactMotion, EdgeJacobian, Linearised};
 use super::continuous_collision::safe_fraction_from;
-use super::edge_contact::Sliding;
 use super::foot::Foot;
 use super::normal_response::NormalResponse;
 use super::surface::{ContactFace, ContactSurface};
@@ -188,33 +187,12 @@ impl Foot {
     }
 }
 
-/// Derivative of the force N w ⊗ d of a contact with respect to the coordinates of its four nodes,
-/// N/m, for the friction law linearised at the slip given with `sliding` (m/s).
+/// Derivative of the force N w ⊗ n of a contact without friction with respect to the coordinates of
+/// its four nodes, N/m. Friction at free bodies has the derivatives of [`super::body_turns`].
 pub(super) fn motion_jacobian(
     motion: &ContactMotion,
     response: &NormalResponse,
-    sliding: Option<(&Sliding, Vector3)>,
 ) -> Linearised<EdgeJacobian> {
-    let mut direction = motion.normal;
-    let mut turn = motion.normal_jacobian;
-    let mut rates = [[0.0; 12]; 3];
-    if let Some((sliding, at)) = sliding {
-        let velocity = sliding.relative_velocity(&motion.weights);
-        let law = &sliding.law;
-        let traction = law.traction_derivatives(&motion.normal, &velocity, &at);
-        direction += traction.value;
-        for column in 0..12 {
-            let normal = Vector3::from_fn(|row, _| motion.normal_jacobian[row][column]);
-            let moved = sliding.velocities.iter().zip(&motion.weight_rates);
-            let mut slip: Vector3 = moved.map(|(v, rate)| v * rate[column]).sum();
-            slip[column % 3] += motion.weights[column / 3] / sliding.time_step;
-            let rate = traction.by_normal * normal + traction.by_velocity * slip;
-            for row in 0..3 {
-                rates[row][column] = rate[row];
-                turn[row][column] += rate[row];
-            }
-        }
-    }
     let mut jacobian = [[0.0; 12]; 12];
     for (row, entries) in jacobian.iter_mut().enumerate() {
         let (node, axis) = (row / 3, row % 3);
@@ -222,13 +200,14 @@ pub(super) fn motion_jacobian(
         for (column, entry) in entries.iter_mut().enumerate() {
             let nodal = weight * response.force_slope * motion.gap_gradient[column]
                 + response.force * motion.weight_rates[node][column];
-            *entry = nodal * direction[axis] + response.force * weight * turn[axis][column];
+            *entry = nodal * motion.normal[axis]
+                + response.force * weight * motion.normal_jacobian[axis][column];
         }
     }
     Linearised {
         jacobian,
         gap_gradient: motion.gap_gradient,
-        traction_gradient: rates,
+        traction_gradient: [[0.0; 12]; 3],
     }
 }
 

@@ -359,9 +359,7 @@ impl ContactSystem {
                 is_at_obstacle,
             ),
             NearestPoints::Face(foot) if !is_at_obstacle => {
-                let sliding = sliding.map(|sliding| (sliding, friction.slip));
-                let motion = foot.motion_with(&pair.nodes, turns);
-                motion_jacobian(&motion, &pressure.tangent, sliding)
+                motion_jacobian(&foot.motion_with(&pair.nodes, turns), &pressure.tangent)
             }
             NearestPoints::Face(_) => {
                 let sliding = sliding.map(|sliding| NodeSliding {

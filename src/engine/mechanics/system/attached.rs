@@ -86,14 +86,14 @@ impl AttachedNodes {
         self.bodies_of.get(node).copied().flatten()
     }
 
-    /// Whether a node is a vertex of a body.
-    pub(crate) fn has(&self, node: usize) -> bool {
-        self.body_of(node).is_some()
+    /// Whether one of several nodes is a vertex of a body.
+    fn has_any(&self, nodes: &[usize]) -> bool {
+        nodes.iter().any(|node| self.body_of(*node).is_some())
     }
 
     /// The element of up to four nodes.
     pub(crate) fn element_of(&self, nodes: &[usize]) -> Element {
-        if !nodes.iter().any(|node| self.has(*node)) {
+        if !self.has_any(nodes) {
             return element_of(nodes);
         }
         let mut element = [UNUSED; 12];
@@ -111,24 +111,10 @@ impl AttachedNodes {
     /// The matrix of that element for a derivative of forces over the coordinates of the nodes,
     /// with the opposite sign.
     pub(crate) fn matrix_of(&self, nodes: &[usize], jacobian: &EdgeJacobian) -> ElementMatrix {
-        if !nodes.iter().any(|node| self.has(*node)) {
+        if !self.has_any(nodes) {
             return jacobian.map(|row| row.map(|entry| -entry));
         }
-        // The motion of each coordinate by each unknown.
-        let mut motion = [[0.0; 12]; 12];
-        self.visit(nodes, |corner, node, first| {
-            for axis in 0..3 {
-                motion[3 * corner + axis][first + axis] = 1.0;
-            }
-            if let Some(body) = self.body_of(node) {
-                let turned = -self.arms[node].cross_matrix() * self.bodies[body].rates;
-                for row in 0..3 {
-                    for column in 0..3 {
-                        motion[3 * corner + row][first + 3 + column] = turned[(row, column)];
-                    }
-                }
-            }
-        });
+        let motion = self.motion_by_unknowns::<12>(nodes, [None; 2]);
         transformed(&motion, jacobian)
     }
 
@@ -140,7 +126,18 @@ impl AttachedNodes {
         bodies: [Option<usize>; 2],
         jacobian: &SpunJacobian,
     ) -> ElementMatrix {
-        let mut motion = [[0.0; 12]; SPUN];
+        let motion = self.motion_by_unknowns::<SPUN>(nodes, bodies);
+        transformed(&motion, jacobian)
+    }
+
+    /// P: the motion of the coordinates of several nodes, and of the rotations of the given bodies
+    /// where they belong to the coordinates of a contact, by the unknowns of the element.
+    fn motion_by_unknowns<const N: usize>(
+        &self,
+        nodes: &[usize],
+        bodies: [Option<usize>; 2],
+    ) -> [[f64; 12]; N] {
+        let mut motion = [[0.0; 12]; N];
         self.visit(nodes, |corner, node, first| {
             for axis in 0..3 {
                 motion[3 * corner + axis][first + axis] = 1.0;
@@ -160,7 +157,7 @@ impl AttachedNodes {
                 }
             }
         });
-        transformed(&motion, jacobian)
+        motion
     }
 
     /// Adds a moment on a body, in the fixed frame, to forces on the unknowns.
