@@ -207,7 +207,9 @@ impl Case {
         }
         let allows_bodies = model != "complementarity" && scheme != "implicit-midpoint";
         if allows_bodies && seed % SECTIONED == EMBODIED && !FOUND_BROKEN.contains(&seed) {
-            text.push_str(&bodies(&mut Random(!seed), [radius, size, speed]));
+            let (bodies, free) = bodies(&mut Random(!seed), [radius, size, speed]);
+            text.push_str(&bodies);
+            case.free &= free;
         }
         case.text = text;
         case
@@ -215,9 +217,9 @@ impl Case {
 }
 
 /// One or two free bodies beside rods of a radius (m) within `size` (m) that come towards them with
-/// a speed (m/s).
-fn bodies(random: &mut Random, [radius, size, speed]: [f64; 3]) -> String {
-    let mut text = String::new();
+/// a speed (m/s) or turn about axles, and may carry a rod; and whether none is on an axle.
+fn bodies(random: &mut Random, [radius, size, speed]: [f64; 3]) -> (String, bool) {
+    let (mut text, mut free) = (String::new(), true);
     let mut place = -size - 2.0 * radius;
     for number in 0..random.one_of(&[1, 2]) {
         let reach = size * random.between(0.1, 0.3);
@@ -236,19 +238,55 @@ fn bodies(random: &mut Random, [radius, size, speed]: [f64; 3]) -> String {
         place -= 1.01 * reach;
         let mut velocity = random.vector(0.3 * speed);
         velocity[0] += speed * f64::from(number + 1);
+        let mut spin = random.vector(speed / size);
+        let angle = random.between(0.0, TAU);
+        let density = random.decades(3e2, 8e3);
+        let on_axle = random.chance(0.3);
+        if on_axle {
+            free = false;
+            (velocity, spin) = ([0.0; 3], [0.0, spin[1], 0.0]);
+        }
+        let [y, z] = [0.3 * reach, 0.2 * reach];
+        if random.chance(0.5) {
+            let _ = write!(
+                text,
+                "[[rods]]\nname = \"tail{number}\"\nradius = {:e}\nedges = 8\n\
+                 shape = {{ kind = \"straight\", start = [{place:e}, {y:e}, {:e}], end = [{place:e}, {y:e}, {:e}] }}\n\
+                 velocity = {velocity:?}\n",
+                0.05 * reach,
+                z + random.between(0.0, 0.5) * reach,
+                z + 2.0 * reach,
+            );
+            let kind = random.one_of(&["ball", "rigid", "hinge"]);
+            let axis = if kind == "hinge" {
+                ", axis = [0, 1, 0]"
+            } else {
+                ""
+            };
+            let axis = if on_axle && kind == "hinge" {
+                ", kind = \"ball\"".into()
+            } else {
+                format!(", kind = {kind:?}{axis}")
+            };
+            let _ = write!(
+                text,
+                "[[free_bodies]]\njoined = [{{ rod = \"tail{number}\", at = \"start\"{axis} }}]\n"
+            );
+        } else {
+            text.push_str("[[free_bodies]]\n");
+        }
+        if on_axle {
+            let brake = random.between(0.0, 1.0) * density * reach.powi(3) * speed * speed;
+            let _ = write!(text, "axle = [0, 1, 0]\nbrake = {brake:e}\n");
+        }
         let _ = write!(
             text,
-            "[[free_bodies]]\nshape = {shape}\nposition = [{place:e}, {:e}, {:e}]\naxis = [1, 2, 3]\n\
-             angle = {:e}\ndensity = {:e}\nvelocity = {velocity:?}\nangular_velocity = {:?}\n",
-            0.3 * reach,
-            0.2 * reach,
-            random.between(0.0, TAU),
-            random.decades(3e2, 8e3),
-            random.vector(speed / size),
+            "shape = {shape}\nposition = [{place:e}, {y:e}, {z:e}]\naxis = [1, 2, 3]\n\
+             angle = {angle:e}\ndensity = {density:e}\nvelocity = {velocity:?}\nangular_velocity = {spin:?}\n",
         );
         place -= 1.01 * reach;
     }
-    text
+    (text, free)
 }
 
 /// Sections of a rod of a radius (m) that is longer than `size` (m): a taper and a step.
@@ -347,10 +385,16 @@ impl Invariants {
             first += body.nodes();
         }
         let edges = surface.edges();
+        let are_joined = |i: usize, j: usize| {
+            let [rod, body] = [i, j].map(|edge| edges[edge].rod);
+            let body = body.checked_sub(scene.rods.len());
+            let body = body.and_then(|body| scene.free_bodies.get(body));
+            body.is_some_and(|body| body.joints.iter().any(|joint| joint.at.rod == rod))
+        };
         let mut least_ratio = f64::INFINITY;
         for i in 0..edges.len() {
             for j in i + 1..edges.len() {
-                if surface.may_touch(i, j) {
+                if surface.may_touch(i, j) && !are_joined(i, j) {
                     let [a, b] = edges[i].nodes.map(|node| positions[node]);
                     let [c, d] = edges[j].nodes.map(|node| positions[node]);
                     let ratio = distance(a, b, c, d) / (edges[i].radius + edges[j].radius);

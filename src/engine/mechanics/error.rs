@@ -196,6 +196,19 @@ pub enum JointError {
         /// Name of the rod.
         rod: String,
     },
+    /// A node that is joined to a free body and is held otherwise, too.
+    #[error(
+        "node {node} of rod `{rod}` is joined to this body: no other joint, clamp, slide or body may be there, and no node may slide along its rod"
+    )]
+    HeldAtBody {
+        /// The node.
+        node: usize,
+        /// Name of the rod.
+        rod: String,
+    },
+    /// A joint of a rod and a free body that slides.
+    #[error("a rod cannot slide along a free body: use a ball joint, a hinge or a rigid joint")]
+    SlideOnBody,
     /// Two bodies are welded to each other.
     #[error("is welded to another rigid body: give one body the mass and inertia of both")]
     TwoBodies,

@@ -13,7 +13,7 @@ mod tendon;
 mod yielding;
 
 pub use actuation::{ActuatedStrain, Actuation, Course, Wave};
-pub use free_body::FreeBody;
+pub use free_body::{Axle, BodyJoint, FreeBody};
 
 pub use joint::{
     Body, CoulombFriction, HingeSpring, Joint, JointKind, RodNode, Spring, SpringForce, Strength,

@@ -15,12 +15,38 @@ use super::contacts::{CandidatePair, ContactMotion, EdgeJacobian, Linearised};
 use super::continuous_collision::safe_fraction_from;
 use super::foot::Foot;
 use super::normal_response::NormalResponse;
-use super::surface::{ContactFace, ContactSurface};
+use super::surface::{ContactFace, ContactNode, ContactSurface};
 use crate::mechanics::Vector3;
 
 impl ContactSurface {
-    /// Adds all pairs of a node and a face of another, free body whose surfaces are nearer than
-    /// `clearance` (m), together with the distance of the node from the face.
+    /// Index of a free body, counted from 0, among the rods.
+    pub(crate) fn index_of_body(&self, body: usize) -> Option<usize> {
+        let (nodes, _) = self.bodies().get(body)?;
+        let edges = self.rod_edges().iter();
+        let mut own = edges.filter(|edge| nodes.contains(&edge.nodes[0]));
+        own.next().map(|edge| edge.rod)
+    }
+
+    /// Index among the rods of that to which an edge or a face belongs.
+    pub(crate) fn body_of(&self, index: usize) -> usize {
+        match self.edges().get(index) {
+            Some(edge) => edge.rod,
+            None => self.faces()[index - self.edges().len()].rod,
+        }
+    }
+
+    /// Whether a node is near a joint of its rod with the body of a face.
+    fn is_joined_to(&self, node: &ContactNode, face: &ContactFace) -> bool {
+        let (mut point, mut body) = (self.edges()[node.edge], self.edges()[node.edge]);
+        let end = usize::from(point.nodes[0] != node.node);
+        point.arc_length = [point.arc_length[end]; 2];
+        (body.rod, body.arc_length) = (face.rod, [0.0; 2]);
+        self.are_joined(&point, &body)
+    }
+
+    /// Adds all pairs of a node and a face of another, free body that are nearer than `clearance`
+    /// (m) beyond their radii, together with their distance. The node may be behind the face: within
+    /// a step it may come in front of it, or pass through the body in iterations.
     pub(super) fn find_at_bodies(
         &self,
         positions: &[Vector3],
@@ -29,15 +55,17 @@ impl ContactSurface {
     ) {
         let sides = [positions; 2];
         for pair in self.pairs_at_bodies(sides, clearance) {
-            let corners = pair.nodes.map(|node| positions[node]);
-            let Some(foot) = Foot::in_plane(&corners, 1.0) else {
-                continue;
-            };
-            let distance = distance_from_triangle(&corners);
-            if distance < self.threshold(pair.edges) + clearance && foot.distance >= 0.0 {
+            let distance = distance_from_triangle(&pair.nodes.map(|node| positions[node]));
+            if distance < self.threshold(pair.edges) + clearance {
                 found.push((pair, distance));
             }
         }
+    }
+
+    /// Whether the second body of a pair is a face of a free body.
+    pub(super) fn is_with_body_face(&self, pair: &CandidatePair) -> bool {
+        let face = pair.edges[1].checked_sub(self.edges().len());
+        face.is_some_and(|face| face < self.body_faces().len())
     }
 
     /// Adds all pairs of a node and a face of another, free body whose paths from `start` to `end`
@@ -68,7 +96,9 @@ impl ContactSurface {
         faces.flat_map(move |(index, face)| {
             let near = around(&face.vertices, face.radius + clearance);
             let nodes = self.nodes().iter();
-            let others = nodes.filter(move |one| self.edges()[one.edge].rod != face.rod);
+            let others = nodes.filter(move |one| {
+                self.edges()[one.edge].rod != face.rod && !self.is_joined_to(one, face)
+            });
             let touching = others.filter(move |one| near.meets(&around(&[one.node], one.radius)));
             touching.map(move |one| CandidatePair {
                 edges: [one.edge, edges + index],
@@ -90,8 +120,11 @@ impl ContactSurface {
                 .take_while(|face| face.rod == faces[first].rod)
                 .count();
             let own = first..first + count;
-            let others = self.nodes().iter();
-            for one in others.filter(|one| self.edges()[one.edge].rod != faces[first].rod) {
+            let others = self.nodes().iter().filter(|one| {
+                let face = &faces[first];
+                self.edges()[one.edge].rod != face.rod && !self.is_joined_to(one, face)
+            });
+            for one in others {
                 let depths = own.clone().map(|index| {
                     let nodes = ContactFace::with(&faces[index], one.node);
                     let foot = Foot::in_plane(&nodes.map(|node| positions[node]), 1.0);

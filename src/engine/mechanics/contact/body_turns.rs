@@ -7,14 +7,15 @@
 //! u = v + n̂ × G,   G = Σ_b h_b θ_b/Δt   (m rad/s),
 //!
 //! where v is the relative velocity of segments and vertices and θ_b the rotation vector of a free
-//! body since the stage began. The friction f on the first body has the moment M_b = h_b f × n̂ on
-//! each free body, in addition to the forces on its vertices. Rods in these contacts keep their
-//! friction on the centreline. With ∂θ = J⁻¹(θ) ∂ψ for a rotation ψ in the fixed frame,
+//! body, or of an edge of a rod ([`super::edge_turn`]), since the stage began. The friction f on
+//! the first body has the moment M_b = h_b f × n̂ on each body and edge, in addition to the forces
+//! on their nodes. Where a node of a rod touches a face, its friction is on the centreline. With ∂θ = J⁻¹(θ) ∂ψ for a rotation ψ in the fixed frame,
 //!
 //! ∂u = ∂v + [n̂]ₓ ∂G − [G]ₓ ∂n̂,   ∂M = h ([f]ₓ ∂n̂ − [n̂]ₓ ∂f).
 
 use super::contacts::ContactMotion;
 use super::edge_contact::Sliding;
+use super::edge_turn::EdgeTurn;
 use super::normal_response::NormalResponse;
 use super::surface::ContactSurface;
 use crate::mechanics::Vector3;
@@ -61,9 +62,14 @@ impl BodyTurns {
         self.linearised.clear();
     }
 
+    /// The body of a node.
+    pub(crate) fn body_of(&self, node: usize) -> Option<usize> {
+        self.bodies_of.get(node).copied().flatten()
+    }
+
     /// Rotation of the bodies of two nodes; `None` if neither belongs to one.
     pub(crate) fn spin(&self, nodes: [usize; 2], time_step: f64) -> Option<Spin> {
-        let bodies = nodes.map(|node| self.bodies_of.get(node).copied().flatten());
+        let bodies = nodes.map(|node| self.body_of(node));
         if bodies == [None; 2] {
             return None;
         }
@@ -77,6 +83,7 @@ impl BodyTurns {
             arms: bodies.map(|body| body.map_or(0.0, |body| self.radii[body])),
             turns: bodies.map(|body| body.map_or_else(Vector3::zeros, turn)),
             moved: bodies.map(|body| body.map_or_else(Vector3::zeros, moved)),
+            edges: [None; 2],
             time_step,
         })
     }
@@ -98,6 +105,8 @@ pub(super) struct Spin {
     turns: [Vector3; 2],
     /// Changes of θ since the last linearisation, rad.
     pub moved: [Vector3; 2],
+    /// The edges of rods on both sides.
+    pub edges: [Option<EdgeTurn>; 2],
     /// Δt, s.
     time_step: f64,
 }
@@ -135,8 +144,24 @@ pub(super) struct SpinRates {
 impl Spin {
     /// G, m rad/s.
     fn swing(&self) -> Vector3 {
-        let sum = self.turns[0] * self.arms[0] + self.turns[1] * self.arms[1];
-        sum / self.time_step
+        let of_bodies = self.turns[0] * self.arms[0] + self.turns[1] * self.arms[1];
+        let of_edges = self.edges.iter().flatten().map(|edge| edge.turn * edge.arm);
+        (of_bodies + of_edges.sum::<Vector3>()) / self.time_step
+    }
+
+    /// Forces of the couples on the edges of rods on four nodes, N, under a friction, N.
+    pub(crate) fn couples(&self, normal: &Vector3, friction: &Vector3) -> [f64; 12] {
+        let lever = friction.cross(&normal.normalize());
+        let mut forces = [0.0; 12];
+        for (side, edge) in self.edges.iter().enumerate() {
+            let Some(edge) = edge else { continue };
+            let force = edge.couple(&(lever * edge.arm));
+            for axis in 0..3 {
+                forces[6 * side + axis] = -force[axis];
+                forces[6 * side + 3 + axis] = force[axis];
+            }
+        }
+        forces
     }
 
     /// Velocity that rotation adds to the relative velocity, m/s.
@@ -200,6 +225,17 @@ impl Spin {
                 slid[column % 3] += place.weights[column / 3] * per_step;
                 pressed = place.gap_gradient[column];
             }
+            // Change of the vector between the ends of an edge.
+            let mut spans = [Vector3::zeros(); 2];
+            if column < TURNS {
+                let end = if column / 3 % 2 == 0 { -1.0 } else { 1.0 };
+                spans[column / 6][column % 3] = end;
+            }
+            for (edge, span) in self.edges.iter().zip(&spans) {
+                if let Some(edge) = edge {
+                    slid += unit.cross(&(edge.by_span * span)) * (edge.arm * per_step);
+                }
+            }
             let unit_rate = (turned - unit * unit.dot(&turned)) / length;
             slid -= swing.cross(&unit_rate);
             if let Some(turn) = column.checked_sub(TURNS) {
@@ -216,6 +252,15 @@ impl Spin {
                     force[axis] * weight_rates[node] + force_rate[axis] * place.weights[node];
             }
             let lever = friction_rate.cross(&unit) + friction.cross(&unit_rate);
+            for (side, (edge, span)) in self.edges.iter().zip(&spans).enumerate() {
+                let Some(edge) = edge else { continue };
+                let moment = friction.cross(&unit) * edge.arm;
+                let rate = edge.couple_rate(&moment, &(lever * edge.arm), span);
+                for axis in 0..3 {
+                    found.jacobian[6 * side + axis][column] -= rate[axis];
+                    found.jacobian[6 * side + 3 + axis][column] += rate[axis];
+                }
+            }
             for (b, (_, arm)) in spun.iter().enumerate() {
                 for axis in 0..3 {
                     found.jacobian[TURNS + 3 * b + axis][column] = lever[axis] * arm;

@@ -8,7 +8,7 @@ use super::contact_system::ContactSystem;
 use super::contacts::{
     ActiveContact, CandidatePair, ContactPair, EDGE, EdgeJacobian, Linearised, Proximity,
 };
-use super::edge_contact::{Sliding, contact_force, edge_jacobian};
+use super::edge_contact::{Sliding, edge_jacobian};
 use super::foot::Points;
 use super::friction::{FrictionLaw, slip};
 use super::multipliers::{LinearLaw, Moved};
@@ -17,6 +17,7 @@ use super::normal_law::NormalLaw;
 use super::normal_response::NormalResponse;
 use super::plane_contact::{NodeSliding, plane_jacobian};
 use super::rim::rim_jacobian;
+use super::spun_contacts::force_on_nodes;
 use super::surface_turns::TurnedBodies;
 use super::tractions::{Displaced, LinearTraction, correction};
 use super::turned_contacts::{Turned, with_turning};
@@ -177,7 +178,11 @@ impl ContactSystem {
             let nodes = points.of(pair.nodes);
             let threshold = self.surface.threshold(pair.edges);
             let smoothing = parameters.smoothing(threshold);
-            let Some(nearest) = NearestPoints::of(&self.surface, &pair, &points, smoothing) else {
+            let nearest = NearestPoints::of(&self.surface, &pair, &points, smoothing);
+            let Some(nearest) = nearest.or_else(|| {
+                let start = self.obstacles.points_at_start(motion.previous);
+                NearestPoints::through_face(&self.surface, &pair, [&points, &start])
+            }) else {
                 continue;
             };
             let core = self.surface.core(&pair);
@@ -218,7 +223,7 @@ impl ContactSystem {
                 let positions = [motion.positions, motion.previous];
                 self.turning_of_pair(&pair, &nearest, positions, motion.time_step)
             });
-            let spin = sliding.and_then(|_| self.spin_of_pair(&pair, motion.time_step));
+            let spin = sliding.and_then(|_| self.spin_of_pair(&pair, &motion));
             let slip = sliding.map_or_else(Vector3::zeros, |sliding| {
                 let of_centrelines = sliding.relative_velocity(&weights);
                 let of_surfaces = with_turning(of_centrelines, turning.as_ref(), &normal);
@@ -227,7 +232,8 @@ impl ContactSystem {
             });
             let traction = friction.map_or_else(Vector3::zeros, |law| law.traction_of_slip(&slip));
             let sign = pair.sign();
-            let force = contact_force(&weights, &normal, sign * response.force, &traction);
+            let pressed = sign * response.force;
+            let force = force_on_nodes(spin.as_ref(), &weights, &normal, pressed, &traction);
             self.contacts.push(ActiveContact {
                 candidate,
                 nodes: pair.nodes,
@@ -395,7 +401,8 @@ impl ContactSystem {
     fn push_correction(&mut self, pair: &TouchingPair, laws: (&LinearLaw, &LinearTraction)) {
         let (weights, normal) = (pair.nearest.weights(), pair.nearest.normal());
         let with = |force: f64, traction: &Vector3| {
-            contact_force(&weights, &normal, pair.sign * force, traction)
+            let pressed = pair.sign * force;
+            force_on_nodes(pair.spin.as_ref(), &weights, &normal, pressed, traction)
         };
         let corrected = correction(laws.0, laws.1, pair.force, with);
         self.linear_corrections.push(corrected);

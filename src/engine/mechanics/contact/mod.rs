@@ -62,6 +62,7 @@ mod dampers;
 mod directed_friction;
 mod distance;
 mod edge_contact;
+mod edge_turn;
 mod evaluation;
 mod foot;
 mod friction;

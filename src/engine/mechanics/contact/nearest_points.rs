@@ -22,8 +22,8 @@ pub(super) enum NearestPoints {
 
 impl NearestPoints {
     /// Nearest points of a pair at `points`, smoothed over parallel edges by c (m²). `None` if the
-    /// node of a pair is not over its face or not within the ends of its tube, or if a rim does
-    /// not act.
+    /// node of a pair is not over its face, is behind the face of a free body, or is not within the
+    /// ends of its tube, or if a rim does not act.
     pub(crate) fn of(
         surface: &ContactSurface,
         pair: &CandidatePair,
@@ -37,8 +37,27 @@ impl NearestPoints {
             side if pair.is_with_rim() => {
                 RimPoint::of(side, &nodes, &surface.rim_of(pair, points)).map(Self::Rim)
             }
-            side => Foot::of(&nodes, f64::from(side)).map(Self::Face),
+            side => {
+                let foot = Foot::of(&nodes, f64::from(side))?;
+                let is_behind = foot.distance < 0.0 && surface.is_with_body_face(pair);
+                (!is_behind).then_some(Self::Face(foot))
+            }
         }
+    }
+
+    /// A node that iterations have moved from `start` through a face of a free body, which must
+    /// still repel it.
+    pub(crate) fn through_face(
+        surface: &ContactSurface,
+        pair: &CandidatePair,
+        [points, start]: [&Points; 2],
+    ) -> Option<Self> {
+        if !surface.is_with_body_face(pair) {
+            return None;
+        }
+        let before = Foot::in_plane(&start.of(pair.nodes), 1.0)?;
+        let foot = Foot::of(&points.of(pair.nodes), 1.0)?;
+        (before.distance >= 0.0).then_some(Self::Face(foot))
     }
 
     /// Distance, m; negative for a node in a tube or on the other side of a face.

@@ -56,6 +56,13 @@ impl ContactSystem {
         self.surface.add_root(root);
     }
 
+    /// Ignores contact of a rod with a free body near a joint at an arc length, m. Call this before
+    /// the first candidates.
+    pub(crate) fn join_body(&mut self, rods: [usize; 2], arc_length: f64, reach: f64) {
+        self.surface
+            .join(rods, [Some(arc_length), Some(0.0)], reach);
+    }
+
     /// Ignores contact of two rods near two clamped nodes without relative motion, as at a joint.
     /// The nodes are given by their arc lengths (m), and `angle` (rad) is the angle at which the
     /// rods leave them. Returns the reach, m. Call this before the first candidates.

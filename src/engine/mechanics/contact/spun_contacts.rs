@@ -2,8 +2,10 @@
 
 use super::body_turns::{Spin, SpunContact};
 use super::contact_system::ContactSystem;
-use super::contacts::{CandidatePair, ContactMotion};
-use super::edge_contact::Sliding;
+use super::contacts::{CandidatePair, ContactMotion, EDGE};
+use super::edge_contact::{Sliding, contact_force};
+use super::edge_turn::EdgeTurn;
+use super::evaluation::Motion;
 use super::multipliers::LinearLaw;
 use super::tractions::{LinearTraction, correction};
 use crate::mechanics::Vector3;
@@ -15,10 +17,24 @@ impl ContactSystem {
         own.zip(turns).for_each(|(own, turn)| *own = turn);
     }
 
-    /// Rotation of the free bodies of a pair; `None` if it has none.
-    pub(super) fn spin_of_pair(&self, pair: &CandidatePair, time_step: f64) -> Option<Spin> {
-        self.body_turns
-            .spin([pair.nodes[0], pair.nodes[3]], time_step)
+    /// Rotation of the free bodies of a pair, and of a rod's edge at such a body; `None` if there is
+    /// no free body.
+    pub(super) fn spin_of_pair(&self, pair: &CandidatePair, motion: &Motion) -> Option<Spin> {
+        let ends = [pair.nodes[0], pair.nodes[3]];
+        let mut spin = self.body_turns.spin(ends, motion.time_step)?;
+        if pair.side == EDGE {
+            for (side, edge) in pair.edges.into_iter().enumerate() {
+                let [from, to] = [pair.nodes[2 * side], pair.nodes[2 * side + 1]];
+                let is_of_rod = self.is_of_rod(from) && self.body_turns.body_of(from).is_none();
+                if is_of_rod && from != to {
+                    let span = |of: &[Vector3]| of[to] - of[from];
+                    let arm = self.surface.edges()[edge].radius;
+                    let sides = [motion.previous, motion.positions].map(span);
+                    spin.edges[side] = Some(EdgeTurn::between(&sides[0], &sides[1], arm));
+                }
+            }
+        }
+        Some(spin)
     }
 
     /// Rotation of the free body of a node over a plane; `None` if it has none.
@@ -76,4 +92,24 @@ impl ContactSystem {
     pub(super) fn has_bodies(&self) -> bool {
         !self.body_turns.radii.is_empty()
     }
+}
+
+/// Force on the four nodes of a contact, N, with the couples on the edges of rods at free bodies.
+pub(super) fn force_on_nodes(
+    spin: Option<&Spin>,
+    weights: &[f64; 4],
+    normal: &Vector3,
+    normal_force: f64,
+    traction: &Vector3,
+) -> [f64; 12] {
+    let mut force = contact_force(weights, normal, normal_force, traction);
+    if let Some(spin) = spin {
+        let friction = traction * (normal_force * normal.norm());
+        let couples = spin.couples(normal, &friction);
+        force
+            .iter_mut()
+            .zip(couples)
+            .for_each(|(own, couple)| *own += couple);
+    }
+    force
 }

@@ -341,7 +341,7 @@ impl ContactSurface {
     }
 
     /// Whether two edges are neighbours through a joint.
-    fn are_joined(&self, a: &ContactEdge, b: &ContactEdge) -> bool {
+    pub(super) fn are_joined(&self, a: &ContactEdge, b: &ContactEdge) -> bool {
         if self.joints.is_empty() {
             return false;
         }

@@ -29,6 +29,8 @@ fn cuboid(name: &str, centre: Vector3, sides: [f64; 3]) -> FreeBody {
         axes,
         velocity: Vector3::zeros(),
         angular_velocity: Vector3::zeros(),
+        axle: None,
+        joints: Vec::new(),
     }
 }
 

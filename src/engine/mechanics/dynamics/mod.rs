@@ -96,6 +96,8 @@ mod inertia_tests;
 #[cfg(test)]
 mod intervene_tests;
 #[cfg(test)]
+mod joined_body_tests;
+#[cfg(test)]
 mod joint_start_tests;
 #[cfg(test)]
 mod joint_tests;

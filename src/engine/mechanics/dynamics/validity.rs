@@ -9,7 +9,7 @@ use super::report::{Energies, StepReport};
 use super::validity_memory::{CaughtSlide, Gain, LargeStrain, SmallSteps, ValidityMemory};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::edge_distance;
-use crate::mechanics::scene::{Clamp, Load, LoadKind, RodDescription, Scene, Tendon};
+use crate::mechanics::scene::{Clamp, FreeBody, Load, LoadKind, RodDescription, Scene, Tendon};
 use crate::mechanics::system::{SectionScales, Strain, System};
 use tracing::warn;
 
@@ -135,6 +135,7 @@ impl Validity {
                     && scene.actuations.is_empty()
                     && scene.sheaths.is_empty()
                     && scene.tendons.iter().all(Tendon::is_conservative)
+                    && !scene.free_bodies.iter().any(FreeBody::is_driven)
                     && scene.loads.iter().all(is_accounted_for)
                     && !scene.clamps.iter().any(turns),
                 ..ValidityMemory::default()

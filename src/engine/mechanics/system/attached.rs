@@ -27,9 +27,9 @@ pub(crate) struct AttachedNodes {
 struct Body {
     /// Index of its frame.
     frame: usize,
-    /// First unknowns of its centre of mass and of its rotation vector.
-    unknowns: [usize; 2],
-    /// Rotation per unknown, J/ℓ.
+    /// Those of its centre of mass, and of its rotation vector or its angle about an axle.
+    unknowns: [usize; 6],
+    /// Rotation per unknown of the rotation: the columns of J/ℓ, or the axle.
     rates: Matrix3,
 }
 
@@ -42,9 +42,15 @@ impl AttachedNodes {
             attached.arms.resize(assembly.rods.nodes, Vector3::zeros());
             let body = attached.bodies.len();
             attached.bodies_of[vertices.nodes()].fill(Some(body));
+            let [centre, first] = [STRIDE * vertices.centre, frame.first_unknown];
+            let turning = match frame.hinge {
+                None => [first, first + 1, first + 2],
+                Some(_) => [first + 3, UNUSED, UNUSED],
+            };
+            let [x, y, z] = turning;
             attached.bodies.push(Body {
                 frame: number,
-                unknowns: [STRIDE * vertices.centre, frame.first_unknown],
+                unknowns: [centre, centre + 1, centre + 2, x, y, z],
                 rates: Matrix3::identity(),
             });
         }
@@ -55,7 +61,9 @@ impl AttachedNodes {
     pub(crate) fn turn(&mut self, assembly: &Assembly, unknowns: &[f64]) {
         for body in &mut self.bodies {
             let joints = &assembly.joints;
-            body.rates = joints.rates_of_frame(body.frame, unknowns).0;
+            let (of_vector, axle) = joints.rates_of_frame(body.frame, unknowns);
+            let about = |axle| Matrix3::from_columns(&[axle, Vector3::zeros(), Vector3::zeros()]);
+            body.rates = axle.map_or(of_vector, about);
             let rotation = joints.rotation(body.frame);
             if let Some(vertices) = &joints.frames[body.frame].vertices {
                 for (node, arm) in vertices.nodes().zip(&vertices.arms) {
@@ -75,8 +83,10 @@ impl AttachedNodes {
             let force = Vector3::from_column_slice(own);
             own.fill(0.0);
             let moment = body.rates.transpose() * self.arms[node].cross(&force);
-            for (first, part) in body.unknowns.iter().zip([force, moment]) {
-                (0..3).for_each(|axis| forces[first + axis] += part[axis]);
+            for (unknown, part) in body.unknowns.iter().zip(force.iter().chain(&moment)) {
+                if *unknown != UNUSED {
+                    forces[*unknown] += part;
+                }
             }
         }
     }
@@ -99,11 +109,7 @@ impl AttachedNodes {
         let mut element = [UNUSED; 12];
         self.visit(nodes, |_, node, first| match self.body_of(node) {
             None => (0..3).for_each(|axis| element[first + axis] = STRIDE * node + axis),
-            Some(body) => {
-                for (part, unknown) in self.bodies[body].unknowns.iter().enumerate() {
-                    (0..3).for_each(|axis| element[first + 3 * part + axis] = unknown + axis);
-                }
-            }
+            Some(body) => element[first..first + 6].copy_from_slice(&self.bodies[body].unknowns),
         });
         element
     }
@@ -164,7 +170,11 @@ impl AttachedNodes {
     pub(crate) fn add_moment(&self, body: usize, moment: &Vector3, forces: &mut [f64]) {
         let own = &self.bodies[body];
         let over = own.rates.transpose() * moment;
-        (0..3).for_each(|axis| forces[own.unknowns[1] + axis] += over[axis]);
+        for (unknown, part) in own.unknowns[3..].iter().zip(&over) {
+            if *unknown != UNUSED {
+                forces[*unknown] += part;
+            }
+        }
     }
 
     /// Passes the corner, the node and its first place in the element of several nodes.

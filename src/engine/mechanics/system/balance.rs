@@ -196,7 +196,11 @@ impl System {
         // forces.
         let joints = &self.assembly.joints;
         let slides = (joints.slides.iter()).map(|slide| [slide.node, slide.rail().start]);
-        for nodes in joints.points.iter().copied().chain(slides) {
+        let pins = joints.pins.iter().map(|pin| {
+            let frame = &joints.frames[pin.frame];
+            [pin.node, frame.node]
+        });
+        for nodes in joints.points.iter().copied().chain(slides).chain(pins) {
             let rods = nodes.map(|node| self.assembly.locate(node).0);
             let rounding = rods.map(|rod| tolerances[rod].rounding);
             let rounding = rounding[0].max(rounding[1]);
@@ -276,7 +280,11 @@ impl System {
 
     /// Largest residual of the unknowns of a frame of a joint, N; the moment about a hinge is divided by the shortest edge.
     fn residual_of_frame(&self, first: usize, rod: usize) -> f64 {
-        let own = &self.residual[first..first + STRIDE];
+        let free = |k: usize| match self.assembly.held[first + k] {
+            true => 0.0,
+            false => self.residual[first + k],
+        };
+        let own: [f64; STRIDE] = std::array::from_fn(free);
         let per_length = 1.0 / self.assembly.scales[rod].shortest_edge;
         // A NaN stays one.
         let larger = |most: f64, size: f64| {
@@ -445,10 +453,12 @@ impl System {
             let rod = self.assembly.locate(frame.node).0;
             let weight = self.tolerances.rods[rod].weight;
             let per_length = weight / self.assembly.scales[rod].shortest_edge;
-            let own = &residual[frame.first_unknown..frame.first_unknown + STRIDE];
-            for (k, sum) in sums.iter_mut().enumerate() {
-                let value = own[k] * if k == 3 { per_length } else { weight };
-                *sum += value * value;
+            let own = frame.first_unknown..frame.first_unknown + STRIDE;
+            let held = &self.assembly.held[own.clone()];
+            for (k, residual) in residual[own].iter().enumerate() {
+                let weight = if k == 3 { per_length } else { weight };
+                let value = if held[k] { 0.0 } else { weight * residual };
+                sums[k] += value * value;
             }
         }
         for slide in &self.assembly.joints.slides {

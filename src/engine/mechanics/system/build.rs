@@ -1,7 +1,6 @@
 //! Conversion of a scene description to numbered rods, masses, held unknowns and moving clamps.
 
 use super::clamps::{Drive, HeldEdge};
-use super::joints::frame::BODY_PLACES;
 use super::joints::{JointPlan, Joints};
 use super::rod_scale::RodScale;
 use super::shared_mass::ConsistentMasses;
@@ -82,8 +81,7 @@ impl Assembly {
             .chain(scene.free_bodies.iter().map(FreeBody::nodes))
             .sum();
         let plan = JointPlan::new(scene)?;
-        let first_place = nodes + plan.places();
-        let places = first_place + BODY_PLACES * scene.free_bodies.len();
+        let places = nodes + plan.places();
         let mut assembly = Self {
             rods: ElasticRods {
                 nodes,
@@ -125,8 +123,8 @@ impl Assembly {
             first_node += rod.centreline.len();
         }
         assembly.consistent.share(&assembly.rods);
+        assembly.add_free_bodies(scene, first_node)?;
         assembly.join(scene, &plan)?;
-        assembly.add_free_bodies(scene, first_node, first_place)?;
         if assembly.force_scale == 0.0 {
             assembly.force_scale = 1.0;
             assembly.shortest_edge = 1.0;

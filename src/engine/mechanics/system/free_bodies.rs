@@ -1,18 +1,20 @@
-//! Rigid bodies that no rod carries: a centre of mass, a frame that turns about it
-//! ([`super::joints`], `frame`), and vertices that follow both,
+//! Free rigid bodies: a centre of mass, a frame that turns about it ([`super::joints`], `frame`),
+//! and vertices that follow both,
 //!
 //! ```text
 //! xᵥ = x + R dᵥ,    F = Σ Fᵥ,    T = Σ R dᵥ × Fᵥ
 //! ```
 //!
+//! On an axle the centre of mass is held, and the frame turns by an angle alone, to which the
+//! moment of inertia belongs.
+//!
 //! The vertices are nodes without mass. Contact treats them like nodes of rods, and the segments
 //! between them like edges; [`super::attached`] converts the derivatives of its forces.
 
-use super::joints::frame::{BODY_PLACES, Vertices};
-use super::joints::{Joints, TurningFrame};
+use super::joints::frame::Vertices;
+use super::joints::{JointPlan, Joints, Pin, TurningFrame};
 use super::rod_scale::RodScale;
 use super::{Assembly, System};
-use crate::linalg::UNUSED;
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::{RodRange, STRIDE};
 use crate::mechanics::scene::{FreeBody, LoadKind, Scene};
@@ -23,8 +25,7 @@ const NO_FLUID: SceneError = SceneError::Unsuitable(
 );
 
 impl Assembly {
-    /// Numbers and places the free bodies of a scene, whose nodes begin at `first_node` and whose
-    /// frames begin at `first_place`.
+    /// Numbers and places the nodes of the free bodies of a scene, which begin at `first_node`.
     ///
     /// # Errors
     /// [`SceneError::Unsuitable`] in a scene with a fluid.
@@ -32,7 +33,6 @@ impl Assembly {
         &mut self,
         scene: &Scene,
         mut first_node: usize,
-        mut first_place: usize,
     ) -> Result<(), SceneError> {
         if !scene.free_bodies.is_empty() && scene.fluid.is_some() {
             return Err(NO_FLUID);
@@ -45,7 +45,7 @@ impl Assembly {
                 closed: false,
                 rigid: true,
             };
-            self.place_free_body(body, &range, STRIDE * first_place);
+            self.place_free_body(body, &range);
             let reach = body.reach();
             let force = body.mass * weight;
             self.scales.push(RodScale {
@@ -60,25 +60,18 @@ impl Assembly {
             self.names.push(body.name.clone());
             self.radii.push(body.shape.radius);
             first_node += range.nodes;
-            first_place += BODY_PLACES;
-        }
-        if !scene.free_bodies.is_empty() {
-            let mut unknowns = std::mem::take(&mut self.unknowns);
-            self.joints.complete(&mut unknowns);
-            self.unknowns = unknowns;
         }
         Ok(())
     }
 
-    fn place_free_body(&mut self, body: &FreeBody, range: &RodRange, first_unknown: usize) {
+    fn place_free_body(&mut self, body: &FreeBody, range: &RodRange) {
         let centre = range.first_node;
         let vertices = &body.shape.vertices;
-        let reach = body.reach();
         for (node, x) in range
             .node_indices()
             .zip([body.centre].iter().chain(vertices))
         {
-            let velocity = body.velocity + body.angular_velocity.cross(&(x - body.centre));
+            let velocity = body.velocity_at(x);
             let own = STRIDE * node..STRIDE * node + 3;
             self.unknowns[own.clone()].copy_from_slice(x.as_slice());
             self.velocity[own.clone()].copy_from_slice(velocity.as_slice());
@@ -87,22 +80,49 @@ impl Assembly {
         }
         let own = STRIDE * centre..STRIDE * centre + 3;
         self.masses[own.clone()].fill(body.mass);
-        self.held[own].fill(false);
-        let axes = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| body.axes * axis);
-        let first_tip = first_unknown + STRIDE;
-        let mut frame = TurningFrame::new(first_unknown, None);
-        frame.length = reach;
-        frame.body = Some((first_tip, axes));
+        self.held[own].fill(body.axle.is_some());
+    }
+
+    /// Gives free bodies the frames of a plan, and joins rods to them.
+    pub(super) fn turn_free_bodies(&mut self, scene: &Scene, plan: &JointPlan) {
+        for (number, body) in scene.free_bodies.iter().enumerate() {
+            let centre = self.rods.rods[scene.rods.len() + number].first_node;
+            let own = plan.frame_of_body(scene, number);
+            self.turn_free_body(own, body, centre);
+            self.joints.bodies.push(own);
+        }
+        for (at, number) in &plan.pins {
+            let body = &scene.free_bodies[*number];
+            let node = self.number(at);
+            let place = position(&self.unknowns, node);
+            let velocity = body.velocity_at(&place);
+            self.velocity[STRIDE * node..STRIDE * node + 3].copy_from_slice(velocity.as_slice());
+            let frame = self.joints.bodies[*number];
+            (self.joints.pins).push(Pin::new(node, frame, place - body.centre));
+        }
+    }
+
+    fn turn_free_body(&mut self, number: usize, body: &FreeBody, centre: usize) {
+        let frame = &mut self.joints.frames[number];
+        frame.length = frame.length.min(body.reach());
         frame.node = centre;
-        frame.element = self.rods.elements.len();
         frame.vertices = Some(Vertices {
             centre,
             radius: body.shape.radius,
-            arms: vertices.iter().map(|x| x - body.centre).collect(),
+            arms: (body.shape.vertices.iter())
+                .map(|x| x - body.centre)
+                .collect(),
         });
-        self.rods.elements.push([UNUSED; 12]);
-        self.held[first_unknown + 3] = true;
+        let (first_unknown, reach) = (frame.first_unknown, frame.length);
         let spin = body.angular_velocity;
+        if let Some(axle) = &body.axle {
+            self.masses[first_unknown + 3] = axle.inertia;
+            self.velocity[first_unknown + 3] = spin.dot(&axle.direction);
+            return;
+        }
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| body.axes * axis);
+        let first_tip = first_unknown + STRIDE;
+        frame.body = Some((first_tip, axes));
         self.velocity[first_unknown..first_unknown + 3].copy_from_slice((spin * reach).as_slice());
         let sum: f64 = body.inertia.iter().sum();
         for (k, (moment, axis)) in body.inertia.iter().zip(&axes).enumerate() {
@@ -112,16 +132,15 @@ impl Assembly {
             self.velocity[tip..tip + 3].copy_from_slice(velocity.as_slice());
             self.held[tip..tip + STRIDE].fill(true);
         }
-        self.joints.add_frame(frame);
     }
 
-    /// Whether the position of each node is prescribed. Vertices of free bodies are not, although
-    /// they are no unknowns.
+    /// Whether the position of each node is prescribed. Those of free bodies are not, although
+    /// vertices are no unknowns, and a centre on an axle does not move.
     pub(crate) fn prescribed_nodes(&self) -> Vec<bool> {
         let nodes = self.held.iter().step_by(STRIDE).take(self.rods.nodes);
         let mut prescribed: Vec<bool> = nodes.copied().collect();
         for (_, _, vertices) in self.joints.free_frames() {
-            prescribed[vertices.nodes()].fill(false);
+            prescribed[vertices.centre..vertices.nodes().end].fill(false);
         }
         prescribed
     }
@@ -130,10 +149,14 @@ impl Assembly {
     /// moment of inertia I, with the nodes.
     pub(super) fn masses_at_vertices(&self) -> impl Iterator<Item = (usize, f64)> {
         self.joints.free_frames().flat_map(|(_, frame, vertices)| {
-            let first = frame.first_unknown + STRIDE;
-            let tips = [0, 1, 2].map(|k| self.masses[first + STRIDE * k]);
-            // The moments add up to twice the sum of the masses at the tips.
-            let mean = 2.0 / 3.0 * tips.iter().sum::<f64>() * frame.length * frame.length;
+            let mean = match frame.body {
+                // The moments add up to twice the sum of the masses at the tips.
+                Some((first, _)) => {
+                    let tips = [0, 1, 2].map(|k| self.masses[first + STRIDE * k]);
+                    2.0 / 3.0 * tips.iter().sum::<f64>() * frame.length * frame.length
+                }
+                None => self.masses[frame.first_unknown + 3],
+            };
             let mass = self.masses[STRIDE * vertices.centre];
             vertices
                 .nodes()
@@ -161,7 +184,10 @@ impl Joints {
     /// Frames of the free bodies with their indices and the vertices that follow them, in the order
     /// of the bodies.
     pub(crate) fn free_frames(&self) -> impl Iterator<Item = (usize, &TurningFrame, &Vertices)> {
-        let frames = self.frames.iter().enumerate();
+        let frames = self
+            .bodies
+            .iter()
+            .map(|number| (*number, &self.frames[*number]));
         frames.filter_map(|(number, frame)| Some((number, frame, frame.vertices.as_ref()?)))
     }
 
@@ -172,7 +198,7 @@ impl Joints {
         start: &'a [f64],
     ) -> impl Iterator<Item = Vector3> + use<'a> {
         self.free_frames().map(|(number, frame, _)| {
-            let before = rotation::from_vector(frame.rotation_vector(start)) * frame.base;
+            let before = self.rotation_at(frame, start);
             rotation::to_vector(&(self.rotation(number) * before.inverse()))
         })
     }
@@ -190,12 +216,17 @@ impl System {
         let found = joints.free_frames().nth(body);
         let (number, frame, vertices) = found.expect("the body exists");
         let centre = vertices.centre;
-        let tip = frame.first_unknown / STRIDE + 1;
+        // On an axle there are no tips, and the frame has the inertia.
+        let own = frame.first_unknown / STRIDE;
+        let turning = match frame.body {
+            Some(_) => own + 1..own + 4,
+            None => own..own + 1,
+        };
         let energy = |place| self.assembly.kinetic_energy(&place, velocity);
         BodyMotion {
             position: position(unknowns, centre),
             turn: rotation::to_vector(&joints.rotation(number)),
-            kinetic_energy: energy(centre..centre + 1) + energy(tip..tip + 3),
+            kinetic_energy: energy(centre..centre + 1) + energy(turning),
         }
     }
 }

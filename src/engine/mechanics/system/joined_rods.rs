@@ -24,11 +24,8 @@ impl Assembly {
         }
         for (number, planned) in plan.frames.iter().enumerate() {
             let clamp = self.clamp_of_frame(scene, plan, number)?;
-            self.free_frame(
-                number,
-                &planned.nodes[0],
-                planned.hinge.is_some() || clamp.is_some(),
-            );
+            let is_held = planned.hinge.is_some() || clamp.is_some() || planned.is_ground;
+            self.free_frame(number, &planned.nodes[0], is_held);
             self.joints.frames[number].clamp = clamp;
             let mut bodies = scene.bodies.iter();
             let here =
@@ -45,6 +42,7 @@ impl Assembly {
         for (place, slide) in (first_place..).zip(&plan.slides) {
             self.free_slide(slide, place);
         }
+        self.turn_free_bodies(scene, plan);
         self.add_masses(scene)?;
         self.start_rotations(scene);
         let mut unknowns = std::mem::take(&mut self.unknowns);
@@ -54,7 +52,7 @@ impl Assembly {
     }
 
     /// Index of a node among those of all rods.
-    fn number(&self, at: &RodNode) -> usize {
+    pub(super) fn number(&self, at: &RodNode) -> usize {
         self.rods.rods[at.rod].first_node + at.node
     }
 
@@ -124,9 +122,10 @@ impl Assembly {
         let may_be_held = planned.hinge.is_none()
             && planned.weld.is_none()
             && !planned.bears_body
+            && planned.body.is_none()
             && !plan.frames.iter().any(is_tied);
         let mut holding = None;
-        for at in &planned.nodes {
+        for at in planned.nodes.iter().filter(|at| at.rod < scene.rods.len()) {
             if scene.rods[at.rod].held {
                 return Err(wrong(scene, at, JointError::HeldRod));
             }
@@ -244,7 +243,7 @@ impl Assembly {
     fn start_rotations(&mut self, scene: &Scene) {
         for number in 0..self.joints.frames.len() {
             let frame = &self.joints.frames[number];
-            let Some((first, axes)) = frame.body else {
+            let Some((first, axes)) = frame.body.filter(|_| frame.vertices.is_none()) else {
                 continue;
             };
             let (rod, _) = self.locate(frame.node);

@@ -59,6 +59,9 @@ impl Assembly {
     fn turn_frames(&mut self, start: &Start) -> Result<(), SceneError> {
         for number in 0..self.joints.frames.len() {
             let frame = &self.joints.frames[number];
+            if frame.is_ground() {
+                continue;
+            }
             let found = frame.ghosts.iter().find_map(|(ghost, placed)| {
                 let node = self.node_of_ghost(*ghost);
                 let placed = [placed.tangent, placed.director];
@@ -85,8 +88,11 @@ impl Assembly {
     /// Angular velocity with which the description of the scene starts a frame, rad/s.
     fn spin_as_placed(&self, number: usize) -> Vector3 {
         let frames = &self.joints.frames;
-        let base = frames[number].hinge.map_or(number, |(base, _)| base);
-        frames[base].vector_of(&self.velocity) / frames[base].length
+        let of_base = |base: usize| frames[base].vector_of(&self.velocity) / frames[base].length;
+        match frames[number].hinge {
+            None => of_base(number),
+            Some((base, axis)) => of_base(base) + axis * frames[number].hinge_angle(&self.velocity),
+        }
     }
 
     /// Gives a frame a rotation since it was placed, and an angular velocity, rad/s.

@@ -51,7 +51,7 @@ impl System {
     /// The unknown at which the matrix is singular.
     pub fn factor(&mut self) -> Result<Option<Inertia>, SingularMatrix> {
         let slides = &self.assembly.joints.slides;
-        if slides.is_empty() {
+        if slides.is_empty() && self.assembly.joints.pins.is_empty() {
             // The last factorisation may have failed.
             self.border = Border::default();
             return self.matrix.factor();

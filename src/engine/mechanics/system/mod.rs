@@ -16,6 +16,7 @@
 mod actuation;
 mod attached;
 mod balance;
+mod bearings;
 mod breaking;
 mod build;
 mod centreline;
@@ -40,6 +41,7 @@ mod free_bodies;
 mod grasp;
 mod immersion;
 mod inertia;
+mod joined_bodies;
 mod joined_rods;
 mod joined_start;
 mod joints;

@@ -1,6 +1,7 @@
 //! The list of all forces of a scene.
 
 use super::actuation::Actuators;
+use super::bearings::Bearings;
 use super::build::Assembly;
 use super::contact::Contact;
 use super::cross_flow::CrossFlow;
@@ -66,6 +67,8 @@ terms! {
     springs: Springs,
     /// Cables through eyelets.
     tendons: Tendons,
+    /// Moments about axles.
+    bearings: Bearings,
     /// Forces that the scene defines by code.
     node_forces: NodeForces,
     /// Dashpots of the material, which change the natural strains and the stiffness of rods in a stage.

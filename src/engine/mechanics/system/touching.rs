@@ -1,6 +1,7 @@
 //! The contact model of a scene, and names of bodies in contact.
 
 use super::centreline::{arc_length, directions};
+use super::joined_bodies::pass_over_joined_bodies;
 use super::roots::pass_over_roots;
 use super::{Assembly, System, copy_positions};
 use crate::mechanics::contact::{
@@ -108,6 +109,7 @@ pub(super) fn contact_of(
         Some(_) => Vec::new(),
         None => pass_over_roots(&mut contact, scene, assembly, &positions),
     };
+    pass_over_joined_bodies(&mut contact, scene, &positions);
     if let Some(overlap) = contact.initial_overlaps(&positions).first() {
         return Err(name_overlap(overlap, &contact, assembly));
     }

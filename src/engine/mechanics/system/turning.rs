@@ -10,6 +10,7 @@
 
 use super::System;
 use crate::mechanics::rotation;
+use std::f64::consts::PI;
 
 /// Largest angle by which an edge may turn within a step, rad.
 const LARGEST: f64 = 2.0;
@@ -40,7 +41,11 @@ impl System {
         let joints = &self.assembly.joints;
         let turns = joints.free_frames().map(|(number, frame, vertices)| {
             let turn = joints.rotation(number) * frame.committed.inverse();
-            (vertices.centre, rotation::angle(&turn))
+            // On an axle it may turn by more than π. Elsewhere, rotation vectors longer than that
+            // are no solutions of a step: near 2π, where J is singular, no moment remains.
+            let beyond = if frame.turned > PI { frame.turned } else { 0.0 };
+            let angle = rotation::angle(&turn).max(frame.hinge_turn().abs());
+            (vertices.centre, angle.max(beyond))
         });
         let (node, angle) = turns.max_by(|one, other| one.1.total_cmp(&other.1))?;
         (angle > LARGEST_OF_BODY).then(|| Turn {

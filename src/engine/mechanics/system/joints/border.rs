@@ -9,7 +9,8 @@
 //! ```
 //!
 //! where E selects the sliding node and W the nodes that carry it: the first rows of the border
-//! are δx = W δq + X' σ. N is L except in the middle of a step, where the node moves by weights
+//! are δx = W δq + X' σ. A node that is a point of a free body has these rows alone, with the
+//! unknowns of the body and without σ. N is L except in the middle of a step, where the node moves by weights
 //! other than those of its force ([`super::slide`]), and with friction, which adds to the last row
 //! ([`super::rubbing`]). So K keeps its pattern wherever a node
 //! slides, and a band remains a band. The price is four additional solutions per joint and a small
@@ -24,14 +25,18 @@ use crate::mechanics::Vector3;
 use crate::mechanics::rod::STRIDE;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
-/// Unknowns of a joint in the border: its force, and its parameter.
+/// Unknowns of a slide in the border: its force, and its parameter.
 const OWN: usize = 4;
+/// Unknowns of a point of a free body: its force.
+const OF_PIN: usize = 3;
 
-/// Factors of the border; empty without sliding nodes.
+/// Factors of the border; empty without sliding nodes and points of free bodies.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Border {
     /// Values of the border when it was factored.
     slides: Vec<Slide>,
+    /// Number of points of free bodies.
+    pins: usize,
     /// Entries of Nᵀ and their unknowns: a row for each unknown of the border.
     rows: Vec<Vec<(usize, f64)>>,
     /// Columns of K⁻¹ L.
@@ -58,7 +63,8 @@ impl Border {
         mut solve: impl FnMut(&mut [f64]) -> Solved,
     ) -> Result<Option<Inertia>, SingularMatrix> {
         self.slides.clone_from(&joints.slides);
-        let size = OWN * self.slides.len();
+        self.pins = joints.pins.len();
+        let size = OWN * self.slides.len() + OF_PIN * self.pins;
         let (mut columns, mut rows) = (Vec::with_capacity(size), Vec::with_capacity(size));
         let mut schur = DMatrix::zeros(size, size);
         for (number, slide) in self.slides.iter().enumerate() {
@@ -79,6 +85,12 @@ impl Border {
                 slide.over_parameter() + diagonals[number]
             };
         }
+        for pin in &joints.pins {
+            for axis in 0..OF_PIN {
+                columns.push(pin.constraint(axis, held.len()));
+                rows.push(pin.constraint(axis, held.len()));
+            }
+        }
         for column in columns.iter_mut().chain(&mut rows) {
             joints.gather_points(column);
             for (entry, _) in column.iter_mut().zip(held).filter(|(_, held)| **held) {
@@ -97,11 +109,11 @@ impl Border {
         self.solutions = columns;
         let inertia = inertia.map(|inertia| self.whole(inertia, &schur));
         let factors = schur.lu();
-        if let Some(slide) = self.slides.first()
-            && !factors.is_invertible()
-        {
+        if !factors.is_invertible() {
+            let of_slide = self.slides.first().map(|slide| slide.unknown);
+            let of_pin = joints.pins.first().map(|pin| STRIDE * pin.node);
             return Err(SingularMatrix {
-                unknown: slide.unknown,
+                unknown: of_slide.or(of_pin).unwrap_or_default(),
                 pivot: 0.0,
             });
         }
@@ -122,7 +134,7 @@ impl Border {
         let Some(schur) = &self.schur else {
             return solve(right_hand_side);
         };
-        let mut own = DVector::zeros(OWN * self.slides.len());
+        let mut own = DVector::zeros(OWN * self.slides.len() + OF_PIN * self.pins);
         for (number, slide) in self.slides.iter().enumerate() {
             let along = std::mem::take(&mut right_hand_side[slide.unknown]);
             if !slide.is_stopped {
@@ -166,6 +178,8 @@ impl Border {
                 along.push(OWN * number + 3);
             }
         }
+        let of_pins = OWN * self.slides.len()..schur.nrows();
+        forces.extend(of_pins);
         let part = |rows: &[usize], columns: &[usize]| {
             DMatrix::from_fn(rows.len(), columns.len(), |i, j| {
                 schur[(rows[i], columns[j])]
@@ -187,7 +201,7 @@ impl Border {
             own - between.transpose() * carried
         });
         let negative = of_rods.negative + negative(of_forces) + of_parameters.map_or(0, negative);
-        let constraints = 3 * self.slides.len();
+        let constraints = forces.len();
         let all = of_rods.positive + of_rods.negative;
         let negative = negative.saturating_sub(constraints);
         Inertia {

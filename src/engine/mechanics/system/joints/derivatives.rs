@@ -79,6 +79,19 @@ impl Joints {
                 let curved = rotation::left_jacobian_derivative(&vector, &moment);
                 own += bent + curved / (frame.length * frame.length);
             }
+            // Of a constant force at the end of an arm.
+            let turned = |arm: &Vector3, force: &Vector3| {
+                let product = arm * force.transpose();
+                (product + product.transpose()) * 0.5 - Matrix3::identity() * arm.dot(force)
+            };
+            let mut second = Matrix3::zeros();
+            if let Some(vertices) = &frame.vertices {
+                let pins = self.pins.iter().filter(|pin| pin.frame == number);
+                let arms = vertices.arms.iter().chain(pins.map(|pin| &pin.arm));
+                for (arm, force) in arms.zip(vertex_forces.by_ref()) {
+                    second += turned(&(self.rotations[number] * arm), force);
+                }
+            }
             if let Some((first, tips)) = frame.tips(&self.rotations[number]) {
                 let per_square =
                     stage.map_or(0.0, |stage| 1.0 / (stage.step * stage.acceleration_step));
@@ -90,19 +103,9 @@ impl Joints {
                 let resistance = stage
                     .and_then(|stage| Some(stage.resistance.get(first / STRIDE)?.m11 / stage.step));
                 let of_drag = resistance.unwrap_or(0.0);
-                // Of a constant force at the end of an arm.
-                let turned = |arm: &Vector3, force: &Vector3| {
-                    let product = arm * force.transpose();
-                    (product + product.transpose()) * 0.5 - Matrix3::identity() * arm.dot(force)
-                };
-                let mut second = Matrix3::zeros();
                 for (k, tip) in tips.iter().enumerate() {
                     second += turned(tip, &self.tip_forces[number][k])
                         + of_force(tip, masses[first + STRIDE * k] * per_square + of_drag);
-                }
-                let arms = frame.vertices.iter().flat_map(|vertices| &vertices.arms);
-                for (arm, force) in arms.zip(vertex_forces.by_ref()) {
-                    second += turned(&(self.rotations[number] * arm), force);
                 }
                 if let Some(eccentric) = &frame.eccentric {
                     let arm = eccentric.arm_of(&tips);
@@ -120,6 +123,8 @@ impl Joints {
                     axis.into_iter()
                         .for_each(|axis| add(OWN_HINGE, over * axis));
                 }
+            }
+            if frame.body.is_some() || frame.vertices.is_some() {
                 let mut whole: ElementMatrix = [[0.0; 12]; 12];
                 for i in 0..3 {
                     for j in 0..3 {

@@ -36,7 +36,8 @@ pub struct EccentricMass {
     pub parts: [f64; 3],
 }
 
-/// The vertices of a free body, which turn with its frame about its centre of mass.
+/// The vertices of a free body, which turn with its frame about its centre of mass. On an axle, a
+/// hinge ties the frame to one that never turns, and the inertia of the body is that of its angle.
 #[derive(Clone, Debug)]
 pub struct Vertices {
     /// Node of the centre of mass; those of the vertices follow it.
@@ -66,6 +67,10 @@ pub struct TurningFrame {
     pub base: UnitQuaternion,
     /// Rotation when the reference frames were committed.
     pub committed: UnitQuaternion,
+    /// Angle of the hinge at the last evaluation, and when the reference frames were committed, rad.
+    pub angles: [f64; 2],
+    /// Length of φ at the last evaluation, rad.
+    pub turned: f64,
     /// Index of the frame to which a hinge ties this frame, and the axis a of the hinge as placed.
     pub hinge: Option<(usize, Vector3)>,
     /// The spring about that hinge.
@@ -99,6 +104,8 @@ impl TurningFrame {
             length: f64::INFINITY,
             base: UnitQuaternion::identity(),
             committed: UnitQuaternion::identity(),
+            angles: [0.0; 2],
+            turned: 0.0,
             hinge,
             spring: None,
             body: None,
@@ -113,6 +120,12 @@ impl TurningFrame {
         }
     }
 
+    /// Whether it never turns, and carries axles.
+    pub(crate) fn is_ground(&self) -> bool {
+        let turns_with = !self.ghosts.is_empty() || self.vertices.is_some();
+        self.hinge.is_none() && !turns_with
+    }
+
     /// φ.
     pub(crate) fn rotation_vector(&self, unknowns: &[f64]) -> Vector3 {
         self.vector_of(unknowns) / self.length
@@ -121,6 +134,11 @@ impl TurningFrame {
     /// Angle of the hinge, rad.
     pub(crate) fn hinge_angle(&self, unknowns: &[f64]) -> f64 {
         unknowns[self.first_unknown + 3]
+    }
+
+    /// Rotation about the hinge since the reference frames were committed, rad.
+    pub(crate) fn hinge_turn(&self) -> f64 {
+        self.angles[0] - self.angles[1]
     }
 
     /// Tips of the principal axes of a body, relative to its centre, m.

@@ -4,7 +4,9 @@ use super::tests::{compare_to_differences, stage_at};
 use super::*;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::rigid_body::RigidBody;
-use crate::mechanics::scene::{FreeBody, RodDescription, Scene};
+use crate::mechanics::scene::{
+    Axle, BodyJoint, FreeBody, JointKind, RodDescription, RodNode, Scene,
+};
 use crate::mechanics::test_support::{
     SOFT_MODELS, contact, ground, line, obstacle, section, weight,
 };
@@ -21,6 +23,8 @@ fn cuboid(name: &str, centre: Vector3, turned: Vector3) -> FreeBody {
         axes,
         velocity: Vector3::new(0.1, 0.2, -0.1),
         angular_velocity: Vector3::new(0.3, -0.2, 0.4),
+        axle: None,
+        joints: Vec::new(),
     }
 }
 
@@ -93,6 +97,87 @@ fn the_jacobian_of_free_bodies_in_contact_is_exact() {
                 let kinds = kinds(&system);
                 assert!(kinds.iter().all(|count| *count > 0), "{model:?} {kinds:?}");
             }
+        }
+    }
+}
+
+/// A body that hangs from a rod by a ball joint, from another by a rigid joint and from a third by
+/// a hinge, and a drum on an axle, to which a rod is welded and over which another one lies.
+fn joined(model: ContactModel) -> Scene {
+    let stiffness = section(3.0, [0.02, 0.05], 0.03);
+    let rod = |name: &str, from: [f64; 3], to: [f64; 3]| {
+        let nodes = line(Vector3::from(from), Vector3::from(to), 3);
+        RodDescription::uniform(name, nodes, stiffness, 0.05, 0.8)
+    };
+    let joint = |rod: usize, node: usize, kind: JointKind| BodyJoint {
+        at: RodNode { rod, node },
+        kind,
+    };
+    let hinge = JointKind::Hinge {
+        axis: Vector3::new(0.6, 0.0, 0.8),
+        spring: None,
+    };
+    let axle = Axle {
+        direction: Vector3::new(0.0, 0.8, 0.6),
+        inertia: 0.04,
+        brake: 0.3,
+        torque: vec![(0.0, 0.2)],
+    };
+    let along = axle.direction * 0.5;
+    let drum = Vector3::new(3.0, 0.0, 0.0);
+    Scene {
+        rods: vec![
+            rod("ball", [0.3, 0.2, 1.0], [0.2, 0.1, 0.2]),
+            rod("rigid", [-0.2, 0.1, 0.1], [-1.0, 0.2, 0.4]),
+            rod("hinge", [0.1, -0.8, 0.2], [0.1, -0.3, 0.1]),
+            rod("spoke", [2.9, 0.1, 0.0], [2.0, 0.1, 0.2]),
+            rod("rope", [2.5, 0.1, 0.38], [3.5, -0.1, 0.42]),
+        ],
+        free_bodies: vec![
+            FreeBody {
+                joints: vec![
+                    joint(0, 3, JointKind::Ball),
+                    joint(1, 0, JointKind::Rigid),
+                    joint(2, 3, hinge),
+                ],
+                ..cuboid("box", Vector3::zeros(), Vector3::new(0.2, -0.1, 0.3))
+            },
+            FreeBody {
+                shape: RigidBody::capsule([drum - along, drum + along], 0.25),
+                angular_velocity: axle.direction * 0.4,
+                velocity: Vector3::zeros(),
+                axle: Some(axle),
+                joints: vec![joint(3, 0, JointKind::Rigid)],
+                ..cuboid("drum", drum, Vector3::zeros())
+            },
+        ],
+        loads: vec![weight(Vector3::new(0.1, 0.2, -1.0))],
+        contact: Some(ContactParameters {
+            friction: 0.4,
+            slip_tolerance: 1.0,
+            ..contact(model, 0.04)
+        }),
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn the_jacobian_of_joined_bodies_and_axles_is_exact() {
+    for model in SOFT_MODELS {
+        let scene = joined(model);
+        let mut system = System::new(&scene).unwrap();
+        let joints = &system.assembly.joints;
+        assert_eq!([joints.pins.len(), joints.bodies.len()], [4, 2]);
+        let stage = stage_at(&system);
+        if let Some(contact) = &mut system.terms.contact.model {
+            contact.set_stiffness(0.5);
+        }
+        for size in [0.0, 0.0004, 0.0007] {
+            compare_to_differences(&mut system, Some(&stage), size, 1e-6);
+            assert!(
+                !system.contact().unwrap().contacts().is_empty(),
+                "{model:?}"
+            );
         }
     }
 }

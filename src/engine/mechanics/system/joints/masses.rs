@@ -90,5 +90,22 @@ impl Joints {
             *matrix += &rates * rows + columns * moves.transpose();
             *matrix += &rates * block * moves.transpose();
         }
+        for pin in &self.pins {
+            for axis in 0..3 {
+                let own = STRIDE * pin.node + axis;
+                for (unknown, rate) in pin.rates(axis) {
+                    let row = matrix.row(own) * rate;
+                    let mut rows = matrix.row_mut(unknown);
+                    rows += row;
+                }
+                matrix.row_mut(own).fill(0.0);
+                for (unknown, rate) in pin.rates(axis) {
+                    let column = matrix.column(own) * rate;
+                    let mut columns = matrix.column_mut(unknown);
+                    columns += column;
+                }
+                matrix.column_mut(own).fill(0.0);
+            }
+        }
     }
 }

@@ -14,13 +14,15 @@
 //!
 //! **Slides.** A node that slides along a rod has the position of a point of the rod ([`slide`]),
 //! which depends on the rod and on one unknown. Since the nodes that carry it change from edge to
-//! edge, it is not eliminated within the matrix, but by a border of the matrix ([`border`]).
+//! edge, it is not eliminated within the matrix, but by a border of the matrix ([`border`]). So is
+//! a node that is a point of a free body ([`pin`]).
 
 pub(crate) mod border;
 mod charts;
 mod derivatives;
 pub(crate) mod frame;
 mod masses;
+mod pin;
 mod plan;
 mod rubbing;
 pub(crate) mod slide;
@@ -40,6 +42,7 @@ pub(crate) use border::Border;
 use derivatives::{HINGE, OWN_HINGE, OWN_NODE};
 pub(super) use frame::EccentricMass;
 pub(crate) use frame::TurningFrame;
+pub(super) use pin::Pin;
 pub use plan::joint_unknowns;
 pub(super) use plan::{JointPlan, PlannedFrame, PlannedSlide};
 use rubbing::Rubbing;
@@ -72,6 +75,10 @@ pub struct Joints {
     pub welds: Vec<[usize; 2]>,
     /// Nodes that slide along rods; each owns its position.
     pub slides: Vec<Slide>,
+    /// Nodes that are points of free bodies; each owns its position.
+    pub pins: Vec<Pin>,
+    /// Frames of the free bodies.
+    pub bodies: Vec<usize>,
     /// Unknowns at the start of the step if the scheme solves for the middle of the step; `None`
     /// if it solves for the end.
     start: Option<Vec<f64>>,
@@ -82,7 +89,8 @@ pub struct Joints {
     moments: Vec<Vector3>,
     /// Scratch: forces on the tips of bodies at the last evaluation, N.
     tip_forces: Vec<[Vector3; 3]>,
-    /// Scratch: forces on the vertices of free bodies at the last evaluation, N, body after body.
+    /// Scratch: forces on the vertices and pins of free bodies at the last evaluation, N, body
+    /// after body.
     vertex_forces: Vec<Vector3>,
 }
 
@@ -98,16 +106,10 @@ impl Joints {
             frames,
             welds: Vec::new(),
             slides: Vec::new(),
+            pins: Vec::new(),
+            bodies: Vec::new(),
             start: None,
         }
-    }
-
-    /// Adds a frame as placed.
-    pub(super) fn add_frame(&mut self, frame: TurningFrame) {
-        self.rotations.push(UnitQuaternion::identity());
-        self.moments.push(Vector3::zeros());
-        self.tip_forces.push([Vector3::zeros(); 3]);
-        self.frames.push(frame);
     }
 
     /// Checks whether a scene with these joints meets a demand.
@@ -195,6 +197,20 @@ impl Joints {
         self.rotations[frame]
     }
 
+    /// Rotation of a frame since it was placed, at any unknowns.
+    pub(crate) fn rotation_at(&self, frame: &TurningFrame, unknowns: &[f64]) -> UnitQuaternion {
+        let of_vector = |frame: &TurningFrame| {
+            rotation::from_vector(frame.rotation_vector(unknowns)) * frame.base
+        };
+        match frame.hinge {
+            None => of_vector(frame),
+            Some((base, axis)) => {
+                let turn = rotation::from_vector(axis * frame.hinge_angle(unknowns));
+                of_vector(&self.frames[base]) * turn
+            }
+        }
+    }
+
     /// First unknown of the rotation that moves a frame, and the angle of its hinge.
     pub(crate) fn unknowns_of_frame(&self, number: usize) -> (usize, Option<usize>) {
         let frame = &self.frames[number];
@@ -211,20 +227,17 @@ impl Joints {
     /// Computes the rotations of all frames.
     pub(crate) fn rotate(&mut self, unknowns: &[f64]) {
         for number in 0..self.frames.len() {
-            let frame = &self.frames[number];
-            self.rotations[number] = match frame.hinge {
-                None => rotation::from_vector(frame.rotation_vector(unknowns)) * frame.base,
-                Some((base, axis)) => {
-                    let turn = rotation::from_vector(axis * frame.hinge_angle(unknowns));
-                    self.rotations[base] * turn
-                }
-            };
+            self.rotations[number] = self.rotation_at(&self.frames[number], unknowns);
+            let frame = &mut self.frames[number];
+            frame.angles[0] = frame.hinge_angle(unknowns);
+            frame.turned = frame.rotation_vector(unknowns).norm();
         }
     }
 
     /// Updates the ghost edges that turn with the frames at `unknowns`.
     pub(crate) fn turn_ghosts(&mut self, unknowns: &[f64], ghosts: &mut [GhostEdge]) {
         self.rotate(unknowns);
+        self.turn_pins(unknowns);
         for (frame, rotation) in self.frames.iter().zip(&self.rotations) {
             let turn = rotation::to_vector(&(rotation * frame.committed.inverse()));
             for (ghost, placed) in &frame.ghosts {
@@ -268,6 +281,7 @@ impl Joints {
     pub(crate) fn commit(&mut self) {
         for (frame, rotation) in self.frames.iter_mut().zip(&self.rotations) {
             frame.committed = *rotation;
+            frame.angles[1] = frame.angles[0];
         }
         self.rubbing_mut().for_each(Rubbing::commit);
     }
@@ -317,12 +331,11 @@ impl Joints {
         }
         self.rotate(unknowns);
         for (frame, rotation) in self.frames.iter().zip(&self.rotations) {
-            let Some((first, tips)) = frame.tips(rotation) else {
-                continue;
-            };
-            for (k, tip) in tips.iter().enumerate() {
-                let unknown = first + STRIDE * k;
-                unknowns[unknown..unknown + 3].copy_from_slice(tip.as_slice());
+            if let Some((first, tips)) = frame.tips(rotation) {
+                for (k, tip) in tips.iter().enumerate() {
+                    let unknown = first + STRIDE * k;
+                    unknowns[unknown..unknown + 3].copy_from_slice(tip.as_slice());
+                }
             }
             if let Some(vertices) = &frame.vertices {
                 let centre = position(unknowns, vertices.centre);
@@ -330,6 +343,14 @@ impl Joints {
                     let vertex = centre + rotation * arm;
                     unknowns[STRIDE * node..STRIDE * node + 3].copy_from_slice(vertex.as_slice());
                 }
+            }
+        }
+        for pin in &self.pins {
+            if let Some(vertices) = &self.frames[pin.frame].vertices {
+                let centre = position(unknowns, vertices.centre);
+                let place = centre + self.rotations[pin.frame] * pin.arm;
+                unknowns[STRIDE * pin.node..STRIDE * pin.node + 3]
+                    .copy_from_slice(place.as_slice());
             }
         }
     }
@@ -362,11 +383,13 @@ impl Joints {
         self.points.iter().any(|pair| pair.contains(&node))
     }
 
-    /// Unknowns determined by others: those of joined and of sliding nodes.
+    /// Unknowns determined by others: those of joined nodes, of sliding nodes and of points of free
+    /// bodies.
     pub(crate) fn dependent(&self) -> Vec<usize> {
         let mut dependent: Vec<usize> = self.shared().iter().map(|one| one.unknown).collect();
-        let of_slide = |slide: &Slide| STRIDE * slide.node..STRIDE * slide.node + 3;
-        dependent.extend(self.slides.iter().flat_map(of_slide));
+        let slides = self.slides.iter().map(|slide| slide.node);
+        let nodes = slides.chain(self.pins.iter().map(|pin| pin.node));
+        dependent.extend(nodes.flat_map(|node| STRIDE * node..STRIDE * node + 3));
         dependent
     }
 
@@ -416,12 +439,14 @@ impl Joints {
                 matrix[(slide.unknown, k)] += turning[0][k];
                 matrix[(k, slide.unknown)] += turning[1][k];
             }
-            for axis in 0..3 {
-                let own = STRIDE * slide.node + axis;
+        }
+        let slides = self.slides.iter().map(|slide| slide.node);
+        for node in slides.chain(self.pins.iter().map(|pin| pin.node)) {
+            for own in STRIDE * node..STRIDE * node + 3 {
                 matrix[(own, own)] = 1.0;
             }
         }
-        if self.slides.is_empty() {
+        if self.slides.is_empty() && self.pins.is_empty() {
             return;
         }
         for k in (0..held.len()).filter(|k| held[*k]) {
@@ -450,6 +475,12 @@ impl Joints {
                 for (node, arm) in vertices.nodes().zip(&vertices.arms) {
                     let force = take(forces, STRIDE * node);
                     moment += (self.rotations[number] * arm).cross(&force);
+                    add_to_node(forces, vertices.centre, &force);
+                    self.vertex_forces.push(force);
+                }
+                for pin in self.pins.iter().filter(|pin| pin.frame == number) {
+                    let force = take(forces, STRIDE * pin.node);
+                    moment += (self.rotations[number] * pin.arm).cross(&force);
                     add_to_node(forces, vertices.centre, &force);
                     self.vertex_forces.push(force);
                 }

@@ -6,7 +6,9 @@ use super::frame::{BODY_PLACES, TurningFrame};
 use super::span::span;
 use super::turned::turned_nodes;
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{CoulombFriction, HingeSpring, Joint, JointKind, RodNode, Scene};
+use crate::mechanics::scene::{
+    BodyJoint, CoulombFriction, HingeSpring, Joint, JointKind, RodNode, Scene,
+};
 use crate::mechanics::{JointError, SceneError, Vector3};
 use std::collections::BTreeMap;
 
@@ -21,8 +23,12 @@ pub(in crate::mechanics::system) struct PlannedFrame {
     pub spring: Option<HingeSpring>,
     /// The frame with which this frame turns until the weld breaks.
     pub weld: Option<usize>,
-    /// Whether a body with inertia turns with it.
+    /// Whether a body with inertia that a rod carries turns with it.
     pub bears_body: bool,
+    /// The free body that turns with it, with its index.
+    pub body: Option<usize>,
+    /// Whether it never turns, and carries axles.
+    pub is_ground: bool,
 }
 
 /// A node that slides along a rod.
@@ -53,23 +59,29 @@ pub fn joint_unknowns(scene: &Scene) -> [usize; 2] {
     let taken = plan.points.iter().map(|point| 3 * (point.len() - 1));
     // A slide removes three unknowns of a position and adds one for the parameter along the rod.
     let slides = plan.slides.len();
-    let added = plan
-        .frames
-        .iter()
-        .map(|frame| match (frame.hinge, frame.weld) {
-            (Some(_), _) => 1,
-            (_, Some(_)) => 0,
-            _ => 3,
-        });
+    let frames = plan.frames.iter().filter(|frame| !frame.is_ground);
+    let added = frames.map(|frame| match (frame.hinge, frame.weld) {
+        (None, _) if frame.body.is_some() => 6,
+        (Some(_), _) => 1,
+        (_, Some(_)) => 0,
+        _ => 3,
+    });
     [
-        taken.sum::<usize>() + 3 * slides,
+        taken.sum::<usize>() + 3 * (slides + plan.pins.len()),
         added.sum::<usize>() + slides,
     ]
 }
 
 impl PlannedFrame {
     fn places(&self) -> usize {
-        if self.bears_body { BODY_PLACES } else { 1 }
+        // On an axle, the inertia of a body is that of its angle.
+        let has_tips = self.bears_body || self.body.is_some() && !self.is_on_axle();
+        if has_tips { BODY_PLACES } else { 1 }
+    }
+
+    /// Whether it is that of a free body that turns about an axle.
+    fn is_on_axle(&self) -> bool {
+        self.body.is_some() && self.hinge.is_some()
     }
 }
 
@@ -82,6 +94,9 @@ pub(in crate::mechanics::system) struct JointPlan {
     pub frames: Vec<PlannedFrame>,
     /// Nodes that slide along rods.
     pub slides: Vec<PlannedSlide>,
+    /// Nodes that are points of free bodies, with the indices of the bodies.
+    pub pins: Vec<(RodNode, usize)>,
+    /// Frames by the nodes that turn with them, and by free bodies ([`stand_in`]).
     frame_of: BTreeMap<RodNode, usize>,
 }
 
@@ -147,13 +162,17 @@ impl JointPlan {
         for body in scene.bodies.iter().filter(|body| body.inertia.is_some()) {
             rigid.add(body.at);
         }
+        let pins = join_to_bodies(scene, &points, &mut rigid, &mut hinges)?;
         judge_slides(scene, &slides, &points)?;
         let mut plan = Self {
             slides: slides.into_iter().map(|(_, slide)| slide).collect(),
             points: points.into_groups(),
+            pins,
             ..Self::default()
         };
-        plan.add_frames(rigid.into_groups(), hinges)?;
+        plan.add_ground(scene);
+        plan.add_frames(scene, rigid.into_groups(), hinges)?;
+        plan.add_axles(scene)?;
         for weld in welds {
             let [base, tied] = weld.map(|node| plan.frame_of[&node]);
             plan.frames[tied].weld = Some(base);
@@ -170,10 +189,41 @@ impl JointPlan {
         Ok(plan)
     }
 
-    /// Builds the frames of groups of nodes. Of frames tied together by hinges, the one with the
-    /// most hinges carries the others.
+    /// Adds the frame that carries all axles, if there are any.
+    fn add_ground(&mut self, scene: &Scene) {
+        let mut bodies = scene.free_bodies.iter();
+        if let Some(body) = bodies.position(|body| body.axle.is_some()) {
+            self.frames.push(PlannedFrame {
+                nodes: vec![stand_in(scene, body)],
+                is_ground: true,
+                ..PlannedFrame::default()
+            });
+        }
+    }
+
+    /// Ties the frames of bodies on axles to the ground.
+    fn add_axles(&mut self, scene: &Scene) -> Result<(), SceneError> {
+        for (number, body) in scene.free_bodies.iter().enumerate() {
+            let own = self.frame_of[&stand_in(scene, number)];
+            self.frames[own].body = Some(number);
+            let Some(axle) = &body.axle else { continue };
+            let mut hinges = self.frames.iter().filter_map(|frame| frame.hinge);
+            if hinges.any(|(base, _)| base == own) {
+                return Err(SceneError::Joint {
+                    name: body.name.clone(),
+                    reason: JointError::HingeOnHinge,
+                });
+            }
+            self.frames[own].hinge = Some((0, axle.direction));
+        }
+        Ok(())
+    }
+
+    /// Builds the frames of groups of nodes. Of frames tied together by hinges, that of a free
+    /// body or else the one with the most hinges carries the others.
     fn add_frames(
         &mut self,
+        scene: &Scene,
         mut groups: Vec<Vec<RodNode>>,
         mut hinges: Vec<PlannedHinge>,
     ) -> Result<(), SceneError> {
@@ -181,7 +231,8 @@ impl JointPlan {
             let ends = hinges.iter().flat_map(|hinge| &hinge.nodes);
             ends.filter(|node| group.contains(node)).count()
         };
-        groups.sort_by_key(|group| std::cmp::Reverse(count(group)));
+        let of_rods = |group: &Vec<RodNode>| group.iter().all(|at| at.rod < scene.rods.len());
+        groups.sort_by_key(|group| (of_rods(group), std::cmp::Reverse(count(group))));
         while !groups.is_empty() {
             let base = self.frames.len();
             self.add_frame(groups.remove(0));
@@ -250,10 +301,75 @@ impl JointPlan {
         Joints::new(Vec::new(), frames.collect())
     }
 
+    /// The frame of a free body.
+    pub(crate) fn frame_of_body(&self, scene: &Scene, body: usize) -> usize {
+        self.frame_of[&stand_in(scene, body)]
+    }
+
     /// The frame to which a rod is clamped at a node.
     pub(crate) fn frame_at(&self, rod: usize, node: usize) -> Option<usize> {
         self.frame_of.get(&RodNode { rod, node }).copied()
     }
+}
+
+/// The node that stands for the frame of a free body among those of the rods.
+fn stand_in(scene: &Scene, body: usize) -> RodNode {
+    RodNode {
+        rod: scene.rods.len() + body,
+        node: 0,
+    }
+}
+
+/// Joins rods to free bodies; returns the nodes that are points of the bodies.
+fn join_to_bodies(
+    scene: &Scene,
+    points: &Groups,
+    rigid: &mut Groups,
+    hinges: &mut Vec<PlannedHinge>,
+) -> Result<Vec<(RodNode, usize)>, SceneError> {
+    let mut pins: Vec<(RodNode, usize)> = Vec::new();
+    for (number, body) in scene.free_bodies.iter().enumerate() {
+        let own = stand_in(scene, number);
+        rigid.add(own);
+        for BodyJoint { at, kind } in &body.joints {
+            let wrong = |reason| SceneError::Joint {
+                name: body.name.clone(),
+                reason,
+            };
+            let nodes = scene.rods.get(at.rod).map_or(0, |rod| rod.centreline.len());
+            if at.node >= nodes {
+                let node = at.node;
+                return Err(wrong(JointError::NoSuchNode { node, nodes }));
+            }
+            let slides = |joint: &Joint| joint.kind.slides() && joint.nodes[1].rod == at.rod;
+            let is_taken = scene.rods[at.rod].held
+                || points.parent.contains_key(at)
+                || pins.iter().any(|(other, _)| other == at)
+                || scene.bodies.iter().any(|other| other.at == *at)
+                || (scene.clamps.iter()).any(|one| (one.rod, one.node) == (at.rod, at.node))
+                || (scene.joints.iter()).any(|joint| joint.nodes.contains(at) || slides(joint));
+            if is_taken {
+                let rod = scene.rods[at.rod].name.clone();
+                return Err(wrong(JointError::HeldAtBody { node: at.node, rod }));
+            }
+            match *kind {
+                JointKind::Ball => {}
+                JointKind::Rigid => rigid.join([*at, own]),
+                JointKind::Hinge { axis, spring } => {
+                    rigid.add(*at);
+                    hinges.push(PlannedHinge {
+                        name: body.name.clone(),
+                        nodes: [own, *at],
+                        axis,
+                        spring,
+                    });
+                }
+                JointKind::Slide { .. } => return Err(wrong(JointError::SlideOnBody)),
+            }
+            pins.push((*at, number));
+        }
+    }
+    Ok(pins)
 }
 
 /// First and last node along which the first node of a slide may slide: the ends of the other rod,

@@ -1,7 +1,9 @@
 //! Keys of free bodies.
 
-use crate::scenario::keys::{FINITE, POSITIVE, keys};
-use crate::scenario::units::{Angle, AngularVelocity, Density, Length, Mass, Velocity};
+use crate::scenario::keys::{FINITE, NON_NEGATIVE, POSITIVE, keys};
+use crate::scenario::units::{
+    Angle, AngularVelocity, Density, Length, Mass, Moment, MomentOfInertia, Velocity,
+};
 
 /// Upwards, the default axis of rotations.
 const UP: [f64; 3] = [0.0, 0.0, 1.0];
@@ -10,7 +12,7 @@ const SIDES: usize = 24;
 const MOST_SIDES: usize = 200;
 
 keys! {
-    /// A rigid body that no rod carries. It moves freely, and touches rods, planes, obstacles and
+    /// A rigid body. It moves freely or turns about an axle, and touches rods, planes, obstacles and
     /// other free bodies with friction if there is a table `[contact]`.
     table FreeBodyKeys "free_body" {
         /// Name for probes, loads and messages. Default: "free body 0", "free body 1", ...
@@ -31,7 +33,60 @@ keys! {
         velocity: vector(Velocity) default([0.0; 3]),
         /// Angular velocity at time zero.
         angular_velocity: vector(AngularVelocity) default([0.0; 3]),
+        /// Direction of an axle through its centre of mass, which does not move: the body only
+        /// turns about it, as a pulley, a drum or a roller.
+        axle: direction() optional,
+        /// Moment of inertia about the axle. Default: that of the uniform body.
+        inertia: number(MomentOfInertia, POSITIVE) optional,
+        /// Largest moment of the friction in the bearing of the axle.
+        brake: number(Moment, NON_NEGATIVE) optional,
+        /// Moment about the axle at given times, [[time, moment], ...], linear between them and
+        /// constant outside: a motor. Default: none.
+        torque: corners(Moment) derived,
+        /// Rods that are joined to the body where their nodes are placed: a weight on a rope, a
+        /// table on legs.
+        #[serde(default)]
+        joined: tables(Vec<JoinedKeys>) raw,
     }
+}
+
+keys! {
+    /// A node of a rod that is a point of the body.
+    table JoinedKeys "joined_rod" {
+        /// Name of the rod.
+        rod: text("the name of a rod") required,
+        /// Node that is joined: "start", "end" or a number.
+        at: place() required,
+        /// What the joint leaves free: "ball" (every rotation of the rod against the body), "rigid"
+        /// (nothing) or "hinge" (the rotation about `axis`).
+        kind: word(JoinedKind) default(JoinedKind::Ball),
+        /// Axis of a hinge as placed; it turns with the body.
+        axis: direction() optional,
+    }
+}
+
+/// What a joint of a rod and a body leaves free.
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Serialize,
+    serde::Deserialize,
+    schemars::JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum JoinedKind {
+    #[default]
+    /// Every rotation.
+    Ball,
+    /// Nothing.
+    Rigid,
+    /// The rotation about an axis.
+    Hinge,
 }
 
 /// The shape of a free body. Corners and edges are rounded.

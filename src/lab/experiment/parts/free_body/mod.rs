@@ -1,15 +1,18 @@
-//! Rigid bodies that no rod carries.
+//! Free rigid bodies.
 
+mod joined;
 mod keys;
 mod solid;
 
 use super::ScenePart;
 use crate::scenario::keys::{Part, Section};
 use crate::scenario::{Issue, KeyPath, Scheme, Time};
+use joined::{Axle, Joined};
 use keys::{BoxKeys, CylinderKeys, FreeBodyKeys, FreeShapeKeys, MeshKeys};
 use rodlab_engine::mechanics::contact::{FrictionAt, Geometry};
 use rodlab_engine::mechanics::scene::{self, Scene};
-use rodlab_engine::mechanics::{Vector3, rotation};
+use rodlab_engine::mechanics::system::check_joints;
+use rodlab_engine::mechanics::{SceneError, Vector3, rotation};
 use serde::Serialize;
 use solid::Solid;
 
@@ -36,6 +39,12 @@ pub struct FreeBody {
     pub velocity: [f64; 3],
     /// Angular velocity, rad/s.
     pub angular_velocity: [f64; 3],
+    /// The axle about which alone it turns.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub axle: Option<Axle>,
+    /// Rods that are joined to it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub joined: Vec<Joined>,
 }
 
 /// The shape of a free body.
@@ -174,7 +183,7 @@ impl Part for FreeBody {
 
     const KEY: &'static str = "free_bodies";
     const DESCRIPTION: &'static str =
-        "Rigid bodies that no rod carries: balls, boxes, cylinders, convex meshes.";
+        "Rigid bodies: balls, boxes, cylinders, convex meshes, pulleys, weights on rods.";
 
     fn contact_radius(&self) -> f64 {
         match self.shape {
@@ -213,6 +222,10 @@ impl Part for FreeBody {
             density,
             velocity: typed.velocity(section),
             angular_velocity: typed.angular_velocity(section),
+            axle: Axle::resolve(section, typed),
+            joined: (section.elements("joined", &typed.joined))
+                .map(|(section, typed)| Joined::resolve(&section, typed))
+                .collect(),
         }
     }
 
@@ -252,15 +265,23 @@ impl ScenePart for FreeBody {
             .vertices
             .iter_mut()
             .for_each(|vertex| *vertex = placed(vertex));
+        let (inertia, axes) = (solid.inertia.map(|one| one * mass), rotation * solid.axes);
+        let of_axes = axes.to_rotation_matrix().into_inner();
+        let mut joints = Vec::new();
+        for (index, joined) in self.joined.iter().enumerate() {
+            joints.push(joined.placed(&scene.rods, &path.key("joined").index(index))?);
+        }
         scene.free_bodies.push(scene::FreeBody {
             name: self.name.clone(),
             shape,
             mass,
             centre: placed(&solid.centre),
-            inertia: solid.inertia.map(|of_unit_mass| of_unit_mass * mass),
-            axes: rotation * solid.axes,
+            inertia,
+            axes,
             velocity: Vector3::from(self.velocity),
             angular_velocity: Vector3::from(self.angular_velocity),
+            axle: (self.axle.as_ref()).map(|axle| axle.placed(inertia, &of_axes)),
+            joints,
         });
         Ok(())
     }
@@ -277,6 +298,13 @@ pub fn judge(scene: &Scene) -> Result<(), Issue> {
     let fault = |key: KeyPath, allowed: &str| {
         Err(Issue::new(key, format!("with [[free_bodies]], {allowed}")))
     };
+    if let Err(SceneError::Joint { name, reason }) = check_joints(scene) {
+        let mut bodies = scene.free_bodies.iter();
+        let index = bodies.position(|body| body.name == name);
+        let path = KeyPath::from(FreeBody::KEY).index(index.unwrap_or_default());
+        let message = format!("`{name}`: {reason}");
+        return Err(Issue::new(path.key("joined"), message));
+    }
     if scene.fluid.is_some() {
         return fault(KeyPath::from("fluid").key("model"), "there can be no fluid");
     }
@@ -314,6 +342,7 @@ pub fn judge(scene: &Scene) -> Result<(), Issue> {
 mod tests {
     use super::*;
     use crate::experiment::parts::test_support::prepared;
+    use rodlab_engine::mechanics::scene::JointKind;
 
     const SCENE: &str = r#"experiment = "scene"
 [material]
@@ -350,6 +379,79 @@ BODY
         assert!((farthest.fold(0.0, f64::max) - 0.095).abs() < 1e-12);
         let [x, y, z] = body.inertia;
         assert!((x - 1.0 / 600.0).abs() < 1e-12 && (y - 5.0 / 1200.0).abs() < 1e-12 && y == z);
+    }
+
+    #[test]
+    fn a_body_is_joined_to_rods_and_turns_about_an_axle_with_its_moment_of_inertia() {
+        let ball =
+            "shape = { kind = \"sphere\", radius = 0.1 }\nposition = [1.1, 0, 0]\nmass = 2.0";
+        let joined = |joint: &str| {
+            let text = with(&format!("{ball}\njoined = [{{ rod = \"wire\", {joint} }}]"));
+            prepared(&text).map(|scene| scene.free_bodies[0].joints.clone())
+        };
+        let joint = joined("at = \"end\"").unwrap()[0];
+        assert_eq!((joint.at.rod, joint.at.node), (0, 10));
+        assert_eq!(joint.kind, JointKind::Ball);
+        let joint = joined("at = 3, kind = \"hinge\", axis = [0, 0, 2]").unwrap()[0];
+        let JointKind::Hinge { axis, .. } = joint.kind else {
+            panic!("a hinge: {joint:?}");
+        };
+        assert_eq!((joint.at.node, axis), (3, Vector3::z()));
+        let keys = "axle = [0, 3, 4]\nbrake = \"5 mN m\"\ntorque = [[0, 1], [2, 3]]";
+        let disk = "shape = { kind = \"cylinder\", radius = 0.2, length = 0.1 }\nposition = [0, 0, 1]\nmass = 2.0";
+        let axle = prepared(&with(&format!("{disk}\n{keys}"))).unwrap();
+        let axle = axle.free_bodies[0].axle.clone().unwrap();
+        assert!((axle.direction - Vector3::new(0.0, 0.6, 0.8)).norm() < 1e-15);
+        let (along, across) = (0.04, 0.02 + 0.1 * 0.1 / 6.0);
+        let inertia = 0.36 * across + 0.64 * along;
+        assert!((axle.inertia - inertia).abs() < 1e-15, "{}", axle.inertia);
+        assert_eq!((axle.brake, axle.torque.len()), (5e-3, 2));
+        let given = format!("{disk}\n{keys}\ninertia = \"3 kg m^2\"");
+        let given = prepared(&with(&given)).unwrap();
+        assert_eq!(given.free_bodies[0].axle.as_ref().unwrap().inertia, 3.0);
+        for (keys, key, expected) in [
+            ("brake = 1.0", "brake", "with an `axle`"),
+            (
+                "axle = [0, 0, 1]\nvelocity = [1, 0, 0]",
+                "velocity",
+                "does not move",
+            ),
+            (
+                "axle = [0, 0, 1]\nangular_velocity = [1, 0, 1]",
+                "angular_velocity",
+                "about its `axle` alone",
+            ),
+            (
+                "joined = [{ rod = \"wire\", at = 3, axis = [0, 0, 1] }]",
+                "axis",
+                "of the kind \"hinge\"",
+            ),
+            (
+                "joined = [{ rod = \"wire\", at = 3, kind = \"hinge\" }]",
+                "axis",
+                "missing key `axis`",
+            ),
+            (
+                "joined = [{ rod = \"wir\", at = 3 }]",
+                "rod",
+                "no rod is called `wir`",
+            ),
+            ("joined = [{ rod = \"wire\", at = 11 }]", "at", "11"),
+            (
+                "joined = [{ rod = \"wire\", at = 3 }, { rod = \"wire\", at = 3 }]",
+                "joined",
+                "no other joint, clamp, slide or body",
+            ),
+            (
+                "axle = [0, 0, 1]\njoined = [{ rod = \"wire\", at = 3, kind = \"hinge\", axis = [0, 1, 0] }]",
+                "joined",
+                "connected to another hinge",
+            ),
+        ] {
+            let error = prepared(&with(&format!("{ball}\n{keys}"))).unwrap_err();
+            assert!(error.contains(expected), "{keys}: {error}");
+            assert!(error.contains(key), "{error}");
+        }
     }
 
     #[test]
