@@ -1,4 +1,5 @@
-//! Free rigid bodies: in flight, on an incline, in a collision, and as the jaws of a gripper.
+//! Free rigid bodies: in flight, on an incline, in a collision, as the jaws of a gripper, and as a
+//! pulley with the weights on its rope.
 
 use super::rods::run_until;
 use super::scenario::{moved, simulation};
@@ -14,7 +15,14 @@ const SLIDING: Expectation = Expectation::new("a = g (sin α − μ cos α)", "C
 const MOMENTA: Expectation = Expectation::new("P, L conserved", "Newton's third law");
 const GRIP: Expectation = Expectation::new("P = 2 μ F + m g", "Coulomb");
 
+const PULLEY: Expectation = Expectation::new(
+    "a = g (m₁ − m₂)/(m₁ + m₂ + m + I/ϱ²)",
+    "Atwood's machine with the rope's mass m, at the distance ϱ from the axle",
+);
+
 const GRAVITY: f64 = 9.81;
+/// Distance of a rope on a pulley from its axle, m: the radii, and the gap as placed.
+const AROUND: f64 = 0.0313;
 /// Speed of the wire at which it has slipped, m/s; while it sticks it creeps a hundred times more slowly.
 const SLIPPED: f64 = 5e-3;
 
@@ -26,7 +34,28 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     }
     checks.extend(collision()?);
     checks.push(grip()?);
+    for model in ["imc", "ipc"] {
+        checks.push(pulley(model)?);
+    }
     Ok(checks)
+}
+
+/// Two weights on a rope over a pulley with inertia.
+fn pulley(model: &str) -> Result<Check, GroupError> {
+    let (end, step) = (0.3, 1e-3);
+    let set = [format!("contact.model={model:?}")];
+    let simulation = moved(include_str!("scenes/pulley.toml"), &set, end)?;
+    let turn = simulation.body_motion(0).turn.y;
+    let rope = simulation.rod_ranges()[0].nodes - 1;
+    let edge = 2.0 * AROUND * libm::sin(std::f64::consts::PI / 40.0);
+    let mass = 50.0 * std::f64::consts::PI * 1e-6 * rope as f64 * edge;
+    let inertia = 0.25 + mass + 1e-4 / (AROUND * AROUND);
+    let acceleration = GRAVITY * 0.05 / inertia;
+    // Implicit Euler adds up velocities at the ends of steps.
+    let expected = 0.5 * acceleration * end * (end + step) / AROUND;
+    let row =
+        format!("two weights on a rope over a pulley, {model}: turn of the pulley after 0.3 s");
+    Ok(PULLEY.of(row, "rad").relative(expected, turn, 2e-3))
 }
 
 /// A can thrown with a spin.

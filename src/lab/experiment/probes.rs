@@ -6,7 +6,7 @@ use crate::run::probes::{
 };
 use crate::run::{Observer, PreparedRun};
 use crate::scenario::{self, Issue, Issues, KeyPath, Place, ProbeKind, Scenario, did_you_mean};
-use rodlab_engine::mechanics::scene::{RodDescription, Scene};
+use rodlab_engine::mechanics::scene::{FreeBody, RodDescription, Scene};
 use rodlab_files::results::{SummaryRow, series_columns};
 
 /// Adds the probes of a scenario to the observers of a run.
@@ -261,6 +261,18 @@ impl Rods<'_> {
     }
 
     fn reaction(&self, rod: Option<&String>, at: Place) -> Result<Quantity, Issue> {
+        let scene = self.scene;
+        if let Some(index) = rod.and_then(|name| body_called(name, scene)) {
+            let body = index - scene.rods.len();
+            let Some(_) = &scene.free_bodies[body].axle else {
+                let name = &scene.free_bodies[body].name;
+                let message = format!("nothing holds the free body `{name}`: it has no `axle`");
+                return Err(Issue::new(self.key.key("rod"), message));
+            };
+            let before = scene.free_bodies[..body].iter().map(FreeBody::nodes);
+            let node = self.first_node(scene.rods.len()) + before.sum::<usize>();
+            return Ok(Quantity::Reaction { node });
+        }
         let (rod, along) = self.place(rod, at)?;
         let mut clamps = self.scene.clamps.iter();
         if !clamps.any(|clamp| (clamp.rod, clamp.node) == (rod, along)) {

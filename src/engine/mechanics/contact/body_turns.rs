@@ -14,7 +14,7 @@
 //! ∂u = ∂v + [n̂]ₓ ∂G − [G]ₓ ∂n̂,   ∂M = h ([f]ₓ ∂n̂ − [n̂]ₓ ∂f).
 
 use super::contacts::ContactMotion;
-use super::edge_contact::Sliding;
+use super::edge_contact::{Sliding, contact_force};
 use super::edge_turn::EdgeTurn;
 use super::normal_response::NormalResponse;
 use super::surface::ContactSurface;
@@ -286,4 +286,24 @@ impl Spin {
         }
         found
     }
+}
+
+/// Force on the four nodes of a contact, N, with the couples on the edges of rods at free bodies.
+pub(super) fn force_on_nodes(
+    spin: Option<&Spin>,
+    weights: &[f64; 4],
+    normal: &Vector3,
+    normal_force: f64,
+    traction: &Vector3,
+) -> [f64; 12] {
+    let mut force = contact_force(weights, normal, normal_force, traction);
+    if let Some(spin) = spin {
+        let friction = traction * (normal_force * normal.norm());
+        let couples = spin.couples(normal, &friction);
+        force
+            .iter_mut()
+            .zip(couples)
+            .for_each(|(own, couple)| *own += couple);
+    }
+    force
 }

@@ -1,7 +1,7 @@
 //! Forces and Jacobians of all contacts at one configuration.
 
 use super::body_faces::motion_jacobian;
-use super::body_turns::Spin;
+use super::body_turns::{Spin, force_on_nodes};
 use super::candidates::approach;
 use super::closest_points::edge_distance;
 use super::contact_system::ContactSystem;
@@ -17,7 +17,6 @@ use super::normal_law::NormalLaw;
 use super::normal_response::NormalResponse;
 use super::plane_contact::{NodeSliding, plane_jacobian};
 use super::rim::rim_jacobian;
-use super::spun_contacts::force_on_nodes;
 use super::surface_turns::TurnedBodies;
 use super::tractions::{Displaced, LinearTraction, correction};
 use super::turned_contacts::{Turned, with_turning};
@@ -180,7 +179,8 @@ impl ContactSystem {
             let smoothing = parameters.smoothing(threshold);
             let nearest = NearestPoints::of(&self.surface, &pair, &points, smoothing);
             let Some(nearest) = nearest.or_else(|| {
-                let start = self.obstacles.points_at_start(motion.previous);
+                let previous = motion.previous;
+                let start = self.obstacles.points_at_start(previous);
                 NearestPoints::through_face(&self.surface, &pair, [&points, &start])
             }) else {
                 continue;

@@ -3,7 +3,7 @@
 use super::body_turns::{Spin, SpunContact};
 use super::contact_system::ContactSystem;
 use super::contacts::{CandidatePair, ContactMotion, EDGE};
-use super::edge_contact::{Sliding, contact_force};
+use super::edge_contact::Sliding;
 use super::edge_turn::EdgeTurn;
 use super::evaluation::Motion;
 use super::multipliers::LinearLaw;
@@ -92,24 +92,4 @@ impl ContactSystem {
     pub(super) fn has_bodies(&self) -> bool {
         !self.body_turns.radii.is_empty()
     }
-}
-
-/// Force on the four nodes of a contact, N, with the couples on the edges of rods at free bodies.
-pub(super) fn force_on_nodes(
-    spin: Option<&Spin>,
-    weights: &[f64; 4],
-    normal: &Vector3,
-    normal_force: f64,
-    traction: &Vector3,
-) -> [f64; 12] {
-    let mut force = contact_force(weights, normal, normal_force, traction);
-    if let Some(spin) = spin {
-        let friction = traction * (normal_force * normal.norm());
-        let couples = spin.couples(normal, &friction);
-        force
-            .iter_mut()
-            .zip(couples)
-            .for_each(|(own, couple)| *own += couple);
-    }
-    force
 }

@@ -48,9 +48,10 @@ keys! {
             to: place() optional,
         },
         /// Force and moment that a clamp exerts on the rod at its node: columns _force_x_n, _force_y_n, _force_z_n,
-        /// _moment_x_n_m, _moment_y_n_m, _moment_z_n_m. Empty before the first step.
+        /// _moment_x_n_m, _moment_y_n_m, _moment_z_n_m. Empty before the first step. Also the force
+        /// of an axle on its free body.
         Reaction {
-            /// Name of the rod. Default: the only rod there is.
+            /// Name of the rod, or of a free body with an `axle`. Default: the only rod there is.
             rod: text() optional,
             /// "start", "end", or the number of a node, counted from zero.
             at: place() required,
