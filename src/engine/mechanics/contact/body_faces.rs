@@ -246,8 +246,12 @@ pub(super) fn motion_jacobian(
 
 #[cfg(test)]
 mod tests {
+    use super::super::contact_system::ContactSystem;
+    use super::super::parameters::ContactParameters;
     use super::super::test_support::Random;
     use super::*;
+    use crate::mechanics::UnitQuaternion;
+    use crate::mechanics::rigid_body::RigidBody;
 
     /// A node and a triangle of the size of one.
     fn corners(random: &mut Random) -> [Vector3; 4] {
@@ -279,6 +283,42 @@ mod tests {
             }
         }
         assert!(stopped > 50 && free > 50, "{stopped} {free}");
+    }
+
+    #[test]
+    fn a_body_repels_a_node_that_was_behind_its_face_when_candidates_were_built() {
+        let radius = 0.05;
+        let upright = UnitQuaternion::identity();
+        let body = RigidBody::cuboid(Vector3::zeros(), Vector3::repeat(1.0), &upright, radius);
+        let tip = |height: f64| Vector3::new(0.1, 0.15, height);
+        let rod = |height: f64| vec![tip(height), tip(height + 2.0)];
+        let mut surface = ContactSurface::new();
+        surface.add_rod(0, &rod(1.0), false, radius, false);
+        surface.add_body(2, &body);
+        let parameters = ContactParameters {
+            distance_tolerance: 0.01,
+            friction: 0.0,
+            ..ContactParameters::default()
+        };
+        let mut contact = ContactSystem::new(parameters, surface, Vec::new(), 1.0);
+        let at = |height: f64| {
+            let mut positions = rod(height);
+            positions.extend(&body.vertices);
+            positions
+        };
+        // The face is at 0.45; the surfaces touch at 0.55.
+        let (touching, above, within) = (at(0.549), at(0.8), at(0.4));
+        contact.update_candidates(&within);
+        let pushed = |contact: &mut ContactSystem, now: &[Vector3], start: &[Vector3]| {
+            contact.evaluate_forces(now, start, 1e-3);
+            let forces = contact.contacts().iter().filter(|one| one.nodes[0] == 0);
+            forces.map(|one| one.force[2]).sum::<f64>()
+        };
+        let light = pushed(&mut contact, &touching, &above);
+        assert!(light > 0.0);
+        // A node that comes through the face is pushed back, one that was always behind it is not.
+        assert!(pushed(&mut contact, &within, &above) > 10.0 * light);
+        assert_eq!(pushed(&mut contact, &within, &within), 0.0);
     }
 
     #[test]

@@ -181,3 +181,24 @@ fn the_jacobian_of_joined_bodies_and_axles_is_exact() {
         }
     }
 }
+
+#[test]
+fn a_whole_turn_within_a_step_is_not_taken_for_none() {
+    let mut system = System::new(&joined(ContactModel::ImplicitContact)).unwrap();
+    assert!(system.excessive_turn().is_none());
+    let joints = &system.assembly.joints;
+    // The box turns freely, the drum about its axle.
+    let [cuboid, drum] = [0, 1].map(|body| &joints.frames[joints.bodies[body]]);
+    let full = std::f64::consts::TAU;
+    let turned = [
+        (cuboid.first_unknown + 1, full * cuboid.length),
+        (drum.first_unknown + 3, full),
+    ];
+    for (unknown, value) in turned {
+        let mut unknowns = system.assembly.unknowns.clone();
+        unknowns[unknown] += value;
+        system.update_geometry(&unknowns);
+        let turn = system.excessive_turn().unwrap();
+        assert!((turn.angle - full).abs() < 1e-9, "{turn:?}");
+    }
+}
