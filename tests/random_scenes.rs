@@ -61,6 +61,8 @@ const REFUSALS: f64 = 0.05;
 const SECTIONED: u64 = 4;
 /// Remainder by that number of the scenes with free bodies, where models and schemes allow them.
 const EMBODIED: u64 = 1;
+/// Remainder by that number of the scenes with boxes that do not move.
+const WALLED: u64 = 2;
 /// Allowed penetration, as a fraction of the sum of the radii, plus rounding errors.
 const BOUND: f64 = 0.05 + 1e-9;
 
@@ -210,6 +212,21 @@ impl Case {
             let (bodies, free) = bodies(&mut Random(!seed), [radius, size, speed]);
             text.push_str(&bodies);
             case.free &= free;
+        }
+        if seed % SECTIONED == WALLED && !FOUND_BROKEN.contains(&seed) {
+            case.free = false;
+            let mut random = Random(!seed);
+            let thick = size * random.between(0.1, 1.0);
+            let [x, y] = [0, 1].map(|_| size * random.between(-0.5, 0.5));
+            let _ = write!(
+                text,
+                "[[obstacles]]\nname = \"wall\"\nshape = {{ kind = \"box\", centre = [{x:e}, {y:e}, {:e}], \
+                 size = [{:e}, {:e}, {thick:e}], rounding = {:e} }}\n",
+                -size - 2.0 * radius - 0.5 * thick,
+                size * random.between(0.5, 2.0),
+                size * random.between(0.5, 2.0),
+                0.1 * thick * random.between(0.1, 1.0),
+            );
         }
         case.text = text;
         case

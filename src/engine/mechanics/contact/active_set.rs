@@ -165,7 +165,7 @@ impl ContactSystem {
                 if pair.is_with_rim() {
                     return None;
                 }
-                let nearest = NearestPoints::of(&self.surface, &own, &points, 0.0)?;
+                let nearest = NearestPoints::on_either_side(&self.surface, &own, &points, 0.0)?;
                 let friction = self.surface.friction_between(pair.edges);
                 (
                     nearest.weights(),

@@ -62,10 +62,14 @@ impl ContactSurface {
         }
     }
 
-    /// Whether the second body of a pair is a face of a free body.
-    pub(super) fn is_with_body_face(&self, pair: &CandidatePair) -> bool {
+    /// Whether the second body of a pair is a face of a solid: of a free body, or of an obstacle that
+    /// is closed.
+    pub(super) fn is_with_solid(&self, pair: &CandidatePair) -> bool {
         let face = pair.edges[1].checked_sub(self.edges().len());
-        face.is_some_and(|face| face < self.body_faces().len())
+        face.is_some_and(|face| {
+            let obstacle = self.faces()[face].obstacle;
+            obstacle.is_none_or(|obstacle| self.obstacles()[obstacle].closed)
+        })
     }
 
     /// Adds all pairs of a node and a face of another, free body whose paths from `start` to `end`
@@ -286,39 +290,46 @@ mod tests {
     }
 
     #[test]
-    fn a_body_repels_a_node_that_was_behind_its_face_when_candidates_were_built() {
+    fn a_solid_repels_a_node_that_was_behind_its_face_when_candidates_were_built() {
         let radius = 0.05;
         let upright = UnitQuaternion::identity();
         let body = RigidBody::cuboid(Vector3::zeros(), Vector3::repeat(1.0), &upright, radius);
         let tip = |height: f64| Vector3::new(0.1, 0.15, height);
         let rod = |height: f64| vec![tip(height), tip(height + 2.0)];
-        let mut surface = ContactSurface::new();
-        surface.add_rod(0, &rod(1.0), false, radius, false);
-        surface.add_body(2, &body);
-        let parameters = ContactParameters {
-            distance_tolerance: 0.01,
-            friction: 0.0,
-            ..ContactParameters::default()
-        };
-        let mut contact = ContactSystem::new(parameters, surface, Vec::new(), 1.0);
-        let at = |height: f64| {
-            let mut positions = rod(height);
-            positions.extend(&body.vertices);
-            positions
-        };
-        // The face is at 0.45; the surfaces touch at 0.55.
-        let (touching, above, within) = (at(0.549), at(0.8), at(0.4));
-        contact.update_candidates(&within);
-        let pushed = |contact: &mut ContactSystem, now: &[Vector3], start: &[Vector3]| {
-            contact.evaluate_forces(now, start, 1e-3);
-            let forces = contact.contacts().iter().filter(|one| one.nodes[0] == 0);
-            forces.map(|one| one.force[2]).sum::<f64>()
-        };
-        let light = pushed(&mut contact, &touching, &above);
-        assert!(light > 0.0);
-        // A node that comes through the face is pushed back, one that was always behind it is not.
-        assert!(pushed(&mut contact, &within, &above) > 10.0 * light);
-        assert_eq!(pushed(&mut contact, &within, &within), 0.0);
+        for is_free in [true, false] {
+            let mut surface = ContactSurface::new();
+            surface.add_rod(0, &rod(1.0), false, radius, false);
+            if is_free {
+                surface.add_body(2, &body);
+            } else {
+                surface.add_obstacle(body.clone(), 0.0);
+            }
+            let parameters = ContactParameters {
+                distance_tolerance: 0.01,
+                friction: 0.0,
+                ..ContactParameters::default()
+            };
+            let mut contact = ContactSystem::new(parameters, surface, Vec::new(), 1.0);
+            let at = |height: f64| {
+                let vertices = body.vertices.iter().filter(|_| is_free);
+                rod(height).iter().chain(vertices).copied().collect()
+            };
+            // The face is at 0.45; the surfaces touch at 0.55.
+            let [touching, above, within]: [Vec<Vector3>; 3] = [0.549, 0.8, 0.4].map(at);
+            contact.update_candidates(&within);
+            let pushed = |contact: &mut ContactSystem, now: &[Vector3], start: &[Vector3]| {
+                contact.begin_at(start);
+                contact.evaluate_forces(now, start, 1e-3);
+                let forces = contact.contacts().iter().filter(|one| one.nodes[0] == 0);
+                forces.map(|one| one.force[2]).sum::<f64>()
+            };
+            let light = pushed(&mut contact, &touching, &above);
+            assert!(light > 0.0);
+            // A node that comes through the face is pushed back, one that was always behind it is
+            // not.
+            assert!(pushed(&mut contact, &within, &above) > 10.0 * light);
+            assert_eq!(pushed(&mut contact, &within, &within), 0.0);
+        }
     }
 
     #[test]

@@ -52,7 +52,7 @@ impl ContactSystem {
             if !is_known && last_gap - approach(pair, &self.motion) >= farthest + slack {
                 continue;
             }
-            let Some(nearest) = NearestPoints::of(&self.surface, pair, &points, 0.0) else {
+            let Some(nearest) = self.nearest_in_step(pair, &points, 0.0) else {
                 continue;
             };
             let threshold = self.surface.threshold(pair.edges);

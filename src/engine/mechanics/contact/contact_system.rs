@@ -50,6 +50,8 @@ pub struct ContactSystem {
     pub(super) chords: Vec<[usize; 2]>,
     pub(super) obstacles: PlacedObstacles,
     pub(super) candidates: Candidates,
+    /// Positions at the start of the step, m; empty before the first.
+    pub(super) start: Vec<Vector3>,
     pub(super) multipliers: Multipliers,
     pub(super) carried_tractions: Tractions,
     pub(super) stiffness: f64,
@@ -126,6 +128,7 @@ impl ContactSystem {
             surface,
             planes,
             candidates,
+            start: Vec::new(),
             multipliers: Multipliers::default(),
             carried_tractions: Tractions::default(),
             tractions: Vec::new(),

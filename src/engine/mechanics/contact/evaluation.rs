@@ -177,12 +177,7 @@ impl ContactSystem {
             let nodes = points.of(pair.nodes);
             let threshold = self.surface.threshold(pair.edges);
             let smoothing = parameters.smoothing(threshold);
-            let nearest = NearestPoints::of(&self.surface, &pair, &points, smoothing);
-            let Some(nearest) = nearest.or_else(|| {
-                let previous = motion.previous;
-                let start = self.obstacles.points_at_start(previous);
-                NearestPoints::through_face(&self.surface, &pair, [&points, &start])
-            }) else {
+            let Some(nearest) = self.nearest_in_step(&pair, &points, smoothing) else {
                 continue;
             };
             let core = self.surface.core(&pair);

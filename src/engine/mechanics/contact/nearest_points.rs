@@ -22,9 +22,25 @@ pub(super) enum NearestPoints {
 
 impl NearestPoints {
     /// Nearest points of a pair at `points`, smoothed over parallel edges by c (m²). `None` if the
-    /// node of a pair is not over its face, is behind the face of a free body, or is not within the
-    /// ends of its tube, or if a rim does not act.
+    /// node of a pair is not over its face, is behind the face of a solid, or is not within the ends
+    /// of its tube, or if a rim does not act.
     pub(crate) fn of(
+        surface: &ContactSurface,
+        pair: &CandidatePair,
+        points: &Points,
+        smoothing: f64,
+    ) -> Option<Self> {
+        let nearest = Self::on_either_side(surface, pair, points, smoothing)?;
+        (!nearest.is_behind(surface, pair)).then_some(nearest)
+    }
+
+    /// Whether the node of the pair is behind the face of a solid.
+    fn is_behind(&self, surface: &ContactSurface, pair: &CandidatePair) -> bool {
+        pair.is_with_face() && self.distance() < 0.0 && surface.is_with_solid(pair)
+    }
+
+    /// Like `of`, but also if the node is behind the face of a solid; the distance is then negative.
+    pub(crate) fn on_either_side(
         surface: &ContactSurface,
         pair: &CandidatePair,
         points: &Points,
@@ -37,27 +53,8 @@ impl NearestPoints {
             side if pair.is_with_rim() => {
                 RimPoint::of(side, &nodes, &surface.rim_of(pair, points)).map(Self::Rim)
             }
-            side => {
-                let foot = Foot::of(&nodes, f64::from(side))?;
-                let is_behind = foot.distance < 0.0 && surface.is_with_body_face(pair);
-                (!is_behind).then_some(Self::Face(foot))
-            }
+            side => Foot::of(&nodes, f64::from(side)).map(Self::Face),
         }
-    }
-
-    /// A node that iterations have moved from `start` through a face of a free body, which must
-    /// still repel it.
-    pub(crate) fn through_face(
-        surface: &ContactSurface,
-        pair: &CandidatePair,
-        [points, start]: [&Points; 2],
-    ) -> Option<Self> {
-        if !surface.is_with_body_face(pair) {
-            return None;
-        }
-        let before = Foot::in_plane(&start.of(pair.nodes), 1.0)?;
-        let foot = Foot::of(&points.of(pair.nodes), 1.0)?;
-        (before.distance >= 0.0).then_some(Self::Face(foot))
     }
 
     /// Distance, m; negative for a node in a tube or on the other side of a face.
@@ -143,6 +140,36 @@ pub(super) fn separation(
 }
 
 impl ContactSystem {
+    /// Sets the positions at the start of a step, m.
+    pub(crate) fn begin_at(&mut self, positions: &[Vector3]) {
+        self.start.clear();
+        self.start.extend_from_slice(positions);
+    }
+
+    /// Nearest points of a candidate during the iterations of a step. A solid repels a node behind
+    /// its face if the node was in front of it at the start of the step, or without steps, when the
+    /// candidates were built.
+    pub(super) fn nearest_in_step(
+        &self,
+        pair: &CandidatePair,
+        points: &Points,
+        smoothing: f64,
+    ) -> Option<NearestPoints> {
+        let nearest = NearestPoints::on_either_side(&self.surface, pair, points, smoothing)?;
+        if nearest.is_behind(&self.surface, pair) {
+            let nodes = match self.start.is_empty() {
+                true => self.candidates.positions(),
+                false => &self.start,
+            };
+            let start = self.obstacles.points_at_start(nodes);
+            let before = Foot::in_plane(&start.of(pair.nodes), 1.0)?;
+            if before.distance < 0.0 {
+                return None;
+            }
+        }
+        Some(nearest)
+    }
+
     /// Distance between the surfaces of a pair at which the gap of the force law is zero, m.
     pub(super) fn standoff(&self, pair: &CandidatePair) -> f64 {
         if pair.side == EDGE {

@@ -207,8 +207,8 @@ impl PlacedObstacles {
                     };
                     let distance = distance_from_face(&corners, &foot) - obstacle.radius;
                     let is_behind = foot.distance < 0.0;
-                    if distance < end.radius + clearance && !(obstacle.closed && is_behind) {
-                        let side = if is_behind { -1 } else { 1 };
+                    if distance < end.radius + clearance {
+                        let side = if is_behind && !obstacle.closed { -1 } else { 1 };
                         let pair = pair_with_face(surface, [end.edge, face], end.node, side);
                         found.push((pair, distance));
                     }

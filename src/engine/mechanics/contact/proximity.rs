@@ -4,7 +4,6 @@ use super::broad_phase::BroadPhase;
 use super::candidates::approach;
 use super::contact_system::ContactSystem;
 use super::contacts::{CandidatePair, ContactPair, Proximity};
-use super::nearest_points::separation;
 use crate::mechanics::Vector3;
 
 /// Surfaces that touch to rounding error do not count as overlapping.
@@ -90,7 +89,9 @@ impl ContactSystem {
     }
 
     fn separation(&self, pair: &CandidatePair, positions: &[Vector3]) -> Option<f64> {
-        separation(&self.surface, pair, &self.obstacles.points(positions))
+        let points = self.obstacles.points(positions);
+        let nearest = self.nearest_in_step(pair, &points, 0.0)?;
+        Some(nearest.distance() - self.surface.core(pair))
     }
 
     /// Nodes inside closed obstacles; the distance is minus that from the nearest face.

@@ -350,8 +350,9 @@ impl System {
     /// `extrapolates`. Candidates must be those of the start.
     pub(crate) fn note_start(&mut self, unknowns: &[f64], extrapolates: bool) {
         let contact = &mut self.terms.contact;
-        if let Some(model) = &contact.model {
+        if let Some(model) = &mut contact.model {
             copy_positions(unknowns, &mut contact.step_start);
+            model.begin_at(&contact.step_start);
             contact.stored_at_start = if extrapolates {
                 model.energy_at(&contact.step_start)
             } else {
