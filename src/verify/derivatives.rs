@@ -84,6 +84,7 @@ impl Sample {
         let position = |node: usize| Vector3::from_column_slice(&start[4 * node..4 * node + 3]);
         Stage {
             step: 0.01,
+            keeps_spin: false,
             acceleration_step: 0.012,
             velocity: vec![0.0; start.len()],
             drag: Vec::new(),

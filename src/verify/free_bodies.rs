@@ -28,7 +28,10 @@ const SLIPPED: f64 = 5e-3;
 
 /// Runs all checks.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
-    let mut checks = vec![precession()?];
+    let mut checks = Vec::new();
+    for scheme in ["backward-differences", "implicit-euler"] {
+        checks.push(precession(scheme)?);
+    }
     for model in ["imc", "ipc"] {
         checks.push(sliding(model)?);
     }
@@ -59,9 +62,10 @@ fn pulley(model: &str) -> Result<Check, GroupError> {
 }
 
 /// A can thrown with a spin.
-fn precession() -> Result<Check, GroupError> {
+fn precession(scheme: &str) -> Result<Check, GroupError> {
     let end = 0.7;
-    let simulation = moved(include_str!("scenes/thrown_cylinder.toml"), &[], end)?;
+    let set = [format!("time.scheme={scheme:?}")];
+    let simulation = moved(include_str!("scenes/thrown_cylinder.toml"), &set, end)?;
     let turn = rotation::from_vector(simulation.body_motion(0).turn);
     let (mass, radius, length) = (0.3, 0.03, 0.14);
     let along = 0.5 * mass * radius * radius;
@@ -70,7 +74,7 @@ fn precession() -> Result<Check, GroupError> {
     let precession = rotation::from_vector(momentum * (end / across));
     let (found, expected) = (turn * Vector3::z(), precession * Vector3::z());
     let apart = (found - expected).norm();
-    let row = "spinning cylinder thrown: direction of its axis after 0.7 s";
+    let row = format!("spinning cylinder thrown, {scheme}: direction of its axis after 0.7 s");
     Ok(PRECESSION.of(row, "").zero(apart, 1e-4))
 }
 

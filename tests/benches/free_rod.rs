@@ -14,6 +14,7 @@ pub fn free_rod() -> (System, Vec<f64>, Stage) {
         .collect();
     let stage = Stage {
         step: 1e-3,
+        keeps_spin: false,
         acceleration_step: 1e-3,
         velocity: vec![0.0; start.len()],
         drag: Vec::new(),

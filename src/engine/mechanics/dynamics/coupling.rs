@@ -245,6 +245,7 @@ mod tests {
         let stage = Stage {
             step: 1.0,
             acceleration_step: 1.0,
+            keeps_spin: false,
             start: Vec::new(),
             velocity: Vec::new(),
             drag: vec![Vector3::zeros(); nodes],

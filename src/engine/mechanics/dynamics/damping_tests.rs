@@ -63,6 +63,7 @@ fn stage(system: &System, start: &[f64], step: f64) -> Stage {
     Stage {
         step,
         acceleration_step: f64::INFINITY,
+        keeps_spin: false,
         start: start.to_vec(),
         velocity: vec![0.0; start.len()],
         drag: Vec::new(),

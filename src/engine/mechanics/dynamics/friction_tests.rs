@@ -95,6 +95,7 @@ fn the_tolerance_of_friction_is_never_below_rounding() {
         let stage = Stage {
             step,
             acceleration_step: step,
+            keeps_spin: false,
             start: lying.clone(),
             velocity: vec![0.0; lying.len()],
             drag: Vec::new(),

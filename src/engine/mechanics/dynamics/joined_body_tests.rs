@@ -87,14 +87,18 @@ fn a_body_that_is_rigidly_joined_moves_like_one_that_the_rod_carries() {
         kind: JointKind::Rigid,
     };
     let free = free_body(centre, vec![joint]);
-    for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
+    // With implicit Euler free bodies keep their spin, which others do to first order.
+    for (scheme, bound) in [
+        (Scheme::ImplicitEuler, 1e-3),
+        (Scheme::BackwardDifferences, 1e-7),
+    ] {
         let one = run(&scene(vec![carried.clone()], Vec::new()), scheme, 1e-3, 0.4);
         let other = run(&scene(Vec::new(), vec![free.clone()]), scheme, 1e-3, 0.4);
         let rods = &other.positions()[..=edges];
         let moved = (rods[edges] - end).norm();
         assert!(moved > 0.05, "{moved}");
         let apart = farthest(one.positions(), rods);
-        assert!(apart < 1e-7 * moved, "{scheme:?}: {apart:e}");
+        assert!(apart < bound * moved, "{scheme:?}: {apart:e}");
     }
 }
 

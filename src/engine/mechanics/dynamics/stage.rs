@@ -71,6 +71,7 @@ impl Workspace {
             stage: Stage {
                 step: 0.0,
                 acceleration_step: 0.0,
+                keeps_spin: false,
                 start: unknowns.clone(),
                 velocity: velocity.clone(),
                 drag: vec![Vector3::zeros(); wet],

@@ -44,6 +44,7 @@ fn moves(scene: &Scene, velocity: Vector3) -> Option<Vec<Vector3>> {
     let nodes = start.len() / STRIDE;
     let mut stage = Stage {
         step: STEP,
+        keeps_spin: false,
         acceleration_step: STEP,
         start: start.clone(),
         velocity: vec![0.0; start.len()],

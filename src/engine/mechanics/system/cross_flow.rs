@@ -385,6 +385,7 @@ mod tests {
         Stage {
             step: 0.02,
             acceleration_step: 0.015,
+            keeps_spin: false,
             start: start.collect(),
             velocity: (0..unknowns.len()).map(|k| 3.0 * moved(k + 1)).collect(),
             drag: Vec::new(),

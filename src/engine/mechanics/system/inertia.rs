@@ -1,6 +1,6 @@
 //! Inertia as a term, M/hₐ ((q − qₙ)/h − vₙ), including the masses that neighbours share
-//! ([`super::mass`]) and those of bodies with a centre away from their node
-//! ([`super::eccentric`]).
+//! ([`super::mass`]), those of bodies with a centre away from their node ([`super::eccentric`]), and
+//! the spin of free bodies ([`super::spin`]).
 
 use super::build::Assembly;
 use super::newton_matrix::Entries;
@@ -38,6 +38,7 @@ impl Term for Inertia {
         }
         assembly.add_shared_inertia(stage, at.unknowns, residual);
         assembly.add_eccentric_inertia(stage, at.unknowns, residual);
+        assembly.add_moments_of_spin(stage, at.unknowns, residual);
     }
 
     fn add_jacobian(&self, at: &Configuration, entries: &mut Entries) {

@@ -57,6 +57,7 @@ fn unit_stage(assembly: &Assembly) -> Stage {
     Stage {
         step: 1.0,
         acceleration_step: 1.0,
+        keeps_spin: false,
         velocity: start.clone(),
         start,
         drag: Vec::new(),

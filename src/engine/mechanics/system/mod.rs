@@ -64,6 +64,7 @@ mod roots;
 mod shared_mass;
 mod sheaths;
 mod small_motions;
+mod spin;
 mod springs;
 mod stage;
 mod start;

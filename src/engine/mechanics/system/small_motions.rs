@@ -45,6 +45,7 @@ impl System {
         let stage = Stage {
             step,
             acceleration_step: step,
+            keeps_spin: false,
             start: unknowns.to_vec(),
             velocity: vec![0.0; unknowns.len()],
             drag: Vec::new(),

@@ -97,6 +97,7 @@ fn stage_at(system: &System, start: Vec<f64>) -> Stage {
         angles: angles_of(&start),
         step: 0.05,
         acceleration_step: 0.06,
+        keeps_spin: false,
         velocity: start.iter().map(|q| (3.0 * q).sin()).collect(),
         start,
         drag: vec![Vector3::new(0.1, -0.2, 0.3); nodes],

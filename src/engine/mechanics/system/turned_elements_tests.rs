@@ -81,6 +81,7 @@ fn compare(scene: &Scene, touching: [usize; 2]) {
     let nodes = 0..system.assembly.rods.nodes;
     let stage = Stage {
         step: STEP,
+        keeps_spin: false,
         acceleration_step: STEP,
         velocity: vec![0.0; start.len()],
         drag: Vec::new(),

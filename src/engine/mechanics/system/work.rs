@@ -250,6 +250,7 @@ mod tests {
         let mut stage = Stage {
             step: STEP,
             acceleration_step: STEP,
+            keeps_spin: false,
             velocity: velocity.collect(),
             positions: vec![Vector3::zeros(); places.len()],
             angles: vec![0.0; places.len()],

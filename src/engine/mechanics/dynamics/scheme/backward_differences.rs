@@ -324,6 +324,7 @@ impl TimeScheme for BackwardDifferences {
         let difference = BackwardDifference::after(step, state, turning);
         stage.step = difference.step;
         stage.acceleration_step = difference.acceleration_step;
+        stage.keeps_spin = false;
         for k in 0..state.unknowns.len() {
             let mut velocities = [state.velocity[k]; VELOCITIES];
             for (velocity, earlier) in velocities[1..].iter_mut().zip(past) {

@@ -51,6 +51,7 @@ impl TimeScheme for ImplicitEuler {
         prediction: &mut Prediction,
     ) {
         begin_at_the_start(step, 1.0, state, stage, prediction);
+        stage.keeps_spin = true;
     }
 
     fn finish(&self, solved: &SolvedStep, velocity: &mut [f64]) -> f64 {

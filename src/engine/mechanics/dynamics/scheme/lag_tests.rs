@@ -16,6 +16,7 @@ fn velocity_after(scheme: Scheme, inertia: f64, resistance: f64) -> f64 {
     let mut stage = Stage {
         step: 0.0,
         acceleration_step: 0.0,
+        keeps_spin: false,
         start: vec![0.0; STRIDE],
         velocity: vec![0.0; STRIDE],
         drag: Vec::new(),

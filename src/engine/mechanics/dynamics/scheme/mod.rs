@@ -159,6 +159,7 @@ fn begin_at_the_start(
 ) {
     stage.step = size;
     stage.acceleration_step = size;
+    stage.keeps_spin = false;
     stage.start.copy_from_slice(&state.unknowns);
     stage.velocity.copy_from_slice(&state.velocity);
     stage.start_at(&state.unknowns);

@@ -14,6 +14,7 @@
 //! angle is D' a.
 
 use super::super::Stage;
+use super::super::spin::over_turns;
 use super::Joints;
 use crate::linalg::ElementMatrix;
 use crate::mechanics::rod::topology::position;
@@ -106,6 +107,9 @@ impl Joints {
                 for (k, tip) in tips.iter().enumerate() {
                     second += turned(tip, &self.tip_forces[number][k])
                         + of_force(tip, masses[first + STRIDE * k] * per_square + of_drag);
+                }
+                if let Some(stage) = stage.filter(|_| frame.vertices.is_some()) {
+                    second += over_turns(stage, first, &tips, masses);
                 }
                 if let Some(eccentric) = &frame.eccentric {
                     let arm = eccentric.arm_of(&tips);

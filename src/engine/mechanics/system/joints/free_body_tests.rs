@@ -85,7 +85,9 @@ fn the_jacobian_of_free_bodies_in_contact_is_exact() {
     for model in SOFT_MODELS {
         for friction in [0.0, 0.4] {
             let mut system = System::new(&heap(model, friction)).unwrap();
-            let stage = stage_at(&system);
+            let mut stage = stage_at(&system);
+            // With friction, the Jacobian is not symmetric in any case.
+            stage.keeps_spin = friction > 0.0;
             if let Some(contact) = &mut system.terms.contact.model {
                 contact.set_stiffness(0.5);
             }

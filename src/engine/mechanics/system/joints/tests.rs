@@ -182,6 +182,7 @@ pub(super) fn stage_at(system: &System) -> Stage {
         angles: start.iter().skip(3).step_by(4).copied().collect(),
         step: 0.05,
         acceleration_step: 0.06,
+        keeps_spin: false,
         velocity: start.iter().map(|q| (3.0 * q).sin()).collect(),
         start,
         drag: Vec::new(),
