@@ -9,11 +9,17 @@ use crate::mechanics::SceneError;
 use crate::mechanics::scene::Scene;
 
 /// Forces of inertia.
-pub(crate) struct Inertia;
+pub(crate) struct Inertia {
+    /// Whether there are free bodies whose spin counts.
+    spins: bool,
+}
 
 impl Term for Inertia {
-    fn new(_: &Scene, _: &mut Assembly) -> Result<Self, SceneError> {
-        Ok(Self)
+    fn new(scene: &Scene, _: &mut Assembly) -> Result<Self, SceneError> {
+        let mut bodies = scene.free_bodies.iter();
+        Ok(Self {
+            spins: bodies.any(|body| body.axle.is_none()),
+        })
     }
 
     fn kind(&self) -> Kind {
@@ -22,6 +28,11 @@ impl Term for Inertia {
 
     fn has_copies(&self) -> bool {
         true
+    }
+
+    /// The moments of spin have none.
+    fn has_potential(&self) -> bool {
+        !self.spins
     }
 
     fn add_forces(&self, at: &Configuration, residual: &mut [f64]) {
