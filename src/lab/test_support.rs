@@ -81,6 +81,7 @@ pub fn run_of_scene(name: &str, scene: Scene, mode: Mode, interval: f64) -> Prep
             interval,
             nodes: true,
             forces: false,
+            contacts: false,
             vtk: false,
         },
         observers: Vec::new(),

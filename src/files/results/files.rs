@@ -10,6 +10,8 @@ pub const SERIES: &str = "series.csv";
 pub const NODES: &str = "nodes.csv";
 /// Node velocities and forces at each output time.
 pub const NODE_FORCES: &str = "node_forces.csv";
+/// Places of contacts.
+pub const CONTACTS: &str = "contacts.csv";
 /// The final state of the run.
 pub const END_STATE: &str = "end_state.csv";
 /// The initial state of the run, if it did not start as placed.
@@ -22,6 +24,8 @@ pub const TIMINGS: &str = "timings.csv";
 pub const RODS_FIGURE: &str = "rods.svg";
 /// Figure of the series over time.
 pub const SERIES_FIGURE: &str = "series.svg";
+/// Normal forces on the nodes of rods over time.
+pub const CONTACTS_FIGURE: &str = "contacts.svg";
 /// Figure of the outcomes of a sweep over its parameters.
 pub const SWEEP_FIGURE: &str = "sweep.svg";
 /// Points of a path of equilibria.
@@ -67,11 +71,12 @@ pub(super) fn is_frame_name(name: &str) -> bool {
 }
 
 /// Names of all files that runs of any kind write; `--force` removes them, the manifest last.
-const FILES: [&str; 15] = [
+const FILES: [&str; 17] = [
     SCENARIO,
     SERIES,
     NODES,
     NODE_FORCES,
+    CONTACTS,
     END_STATE,
     START,
     SUMMARY,
@@ -79,6 +84,7 @@ const FILES: [&str; 15] = [
     VTK_COLLECTION,
     RODS_FIGURE,
     SERIES_FIGURE,
+    CONTACTS_FIGURE,
     SWEEP_FIGURE,
     BRANCH,
     BRANCH_FIGURE,

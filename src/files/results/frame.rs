@@ -22,8 +22,29 @@ pub struct Frame {
     pub fluid_forces: Vec<Vector3<f64>>,
     /// Contact forces on the nodes, N; empty without contact.
     pub contact_forces: Vec<Vector3<f64>>,
+    /// Places at which surfaces press on each other; may be empty unless contacts are written.
+    pub contacts: Vec<ContactRecord>,
     /// Motion of obstacles since time zero; may be empty if none moves.
     pub obstacle_poses: Vec<Isometry3<f64>>,
+}
+
+/// A place at which two surfaces press on each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactRecord {
+    /// Names of the rods, free bodies, obstacles or planes.
+    pub names: [String; 2],
+    /// Nodes along rods; `None` for others.
+    pub nodes: [Option<usize>; 2],
+    /// The place on the surface of the first, m.
+    pub place: Vector3<f64>,
+    /// Unit normal, towards the first.
+    pub normal: Vector3<f64>,
+    /// Distance between the surfaces, m.
+    pub gap: f64,
+    /// Normal force, N.
+    pub normal_force: f64,
+    /// Friction on the first, N.
+    pub friction: Vector3<f64>,
 }
 
 /// A node of a frame: its rod, its index along the rod, its index among all nodes.

@@ -17,6 +17,7 @@ mod branch;
 mod case_record;
 mod checkpoint;
 mod columns;
+mod contacts;
 mod difference;
 mod directory;
 mod end_state;
@@ -47,15 +48,17 @@ pub use branch::{BranchKind, BranchRow, read_branches};
 pub use case_record::{CaseRecord, CaseStatus};
 pub use checkpoint::CheckpointFiles;
 pub use columns::{Column, ColumnGroup, FILES, FileDescription, always, file, table};
+pub use contacts::{PressedNode, read_pressed_nodes};
 pub use directory::{Opened, ResultsDirectory};
 pub use end_state::{EndRow, read_end_state, write_end_state};
 pub use error::ResultsError;
 pub use files::{
-    BRANCH, BRANCH_FIGURE, END_STATE, MANIFEST, NODE_FORCES, NODES, PAGE, RODS_FIGURE, SCENARIO,
-    SERIES, SERIES_FIGURE, START, SUMMARY, SWEEP_FIGURE, TIMINGS, VTK_COLLECTION, VTK_FOLDER,
+    BRANCH, BRANCH_FIGURE, CONTACTS, CONTACTS_FIGURE, END_STATE, MANIFEST, NODE_FORCES, NODES,
+    PAGE, RODS_FIGURE, SCENARIO, SERIES, SERIES_FIGURE, START, SUMMARY, SWEEP_FIGURE, TIMINGS,
+    VTK_COLLECTION, VTK_FOLDER,
 };
 pub use forces::{NodeForces, read_node_forces};
-pub use frame::Frame;
+pub use frame::{ContactRecord, Frame};
 pub use later_sync::{LaterSync, sync_file_system};
 pub use lease::{HEARTBEAT, Lease, LeaseAttempt, Leases, Owner, host_name};
 pub use manifest::{MAIN_CASE, Manifest, RodRecord, scenario_hash, scenario_hash_with_inputs};

@@ -1,7 +1,9 @@
 //! Writes each output time to all files that grow during a run.
 
+use super::contacts::write_contacts;
 use super::files::{
-    NODE_FORCES, NODES, OBSTACLE_FRAMES, SERIES, VTK_FOLDER, frame_name, obstacle_frame_name,
+    CONTACTS, NODE_FORCES, NODES, OBSTACLE_FRAMES, SERIES, VTK_FOLDER, frame_name,
+    obstacle_frame_name,
 };
 use super::forces::write_forces;
 use super::frame::Frame;
@@ -21,6 +23,8 @@ pub struct RecorderPlan {
     pub nodes: bool,
     /// `node_forces.csv`.
     pub forces: bool,
+    /// `contacts.csv`.
+    pub contacts: bool,
     /// `vtk/` and `rods.pvd`.
     pub vtk: bool,
     /// Writer for the obstacles in `vtk/`.
@@ -35,6 +39,7 @@ pub struct Recorder {
     observed: Vec<String>,
     nodes: Option<CsvStream>,
     forces: Option<CsvStream>,
+    contacts: Option<CsvStream>,
     /// Mark of the frames written so far.
     frames: Option<Marker>,
     obstacles: Option<ObstacleFrames>,
@@ -53,6 +58,7 @@ impl Recorder {
             observed: plan.observed,
             nodes: plan.nodes.then(|| stream(NODES)).transpose()?,
             forces: plan.forces.then(|| stream(NODE_FORCES)).transpose()?,
+            contacts: plan.contacts.then(|| stream(CONTACTS)).transpose()?,
             frames: plan.vtk.then(Marker::default),
             obstacles: plan
                 .obstacles
@@ -87,6 +93,7 @@ impl Recorder {
             observed: plan.observed,
             nodes: plan.nodes.then(|| stream(NODES)).transpose()?,
             forces: plan.forces.then(|| stream(NODE_FORCES)).transpose()?,
+            contacts: plan.contacts.then(|| stream(CONTACTS)).transpose()?,
             frames: plan.vtk.then(frames).transpose()?,
             obstacles: plan
                 .obstacles
@@ -103,6 +110,11 @@ impl Recorder {
         self.forces.is_some() || self.frames.is_some()
     }
 
+    /// Whether the frames must hold contacts.
+    pub fn needs_contacts(&self) -> bool {
+        self.contacts.is_some()
+    }
+
     /// Whether the frames must hold the poses of obstacles.
     pub fn needs_obstacle_poses(&self) -> bool {
         self.obstacles
@@ -112,7 +124,7 @@ impl Recorder {
 
     /// Whether frames are written at all.
     pub fn needs_frames(&self) -> bool {
-        self.nodes.is_some() || self.needs_forces()
+        self.nodes.is_some() || self.needs_forces() || self.needs_contacts()
     }
 
     /// Writes output number `index`, which readers can then see. `observed` are the values of the
@@ -129,6 +141,9 @@ impl Recorder {
         }
         if let Some(forces) = &mut self.forces {
             write_forces(forces, &self.rods, frame)?;
+        }
+        if let Some(contacts) = &mut self.contacts {
+            write_contacts(contacts, frame)?;
         }
         if let Some(frames) = &mut self.frames {
             frames.update(&vtk::write_frame(
@@ -152,7 +167,11 @@ impl Recorder {
     /// [`ResultsError::Altered`] if one was removed or replaced meanwhile, [`ResultsError::Io`].
     pub fn sync(&mut self, times: impl Iterator<Item = f64>) -> Result<FileMarks, ResultsError> {
         let mut marks = FileMarks::from([(SERIES.to_owned(), self.series.sync()?)]);
-        for (name, stream) in [(NODES, &mut self.nodes), (NODE_FORCES, &mut self.forces)] {
+        for (name, stream) in [
+            (NODES, &mut self.nodes),
+            (NODE_FORCES, &mut self.forces),
+            (CONTACTS, &mut self.contacts),
+        ] {
             if let Some(stream) = stream {
                 marks.insert(name.to_owned(), stream.sync()?);
             }
@@ -172,7 +191,7 @@ impl Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{Surface, check_files, read_series_as};
+    use crate::results::{ContactRecord, Surface, check_files, read_series_as};
     use nalgebra::{Isometry3, Vector3};
     use serde::Deserialize;
     use std::fs;
@@ -199,6 +218,15 @@ mod tests {
             velocities: vec![Vector3::x(); 5],
             fluid_forces: Vec::new(),
             contact_forces: vec![Vector3::new(0.0, -2e-3, 0.0); 5],
+            contacts: vec![ContactRecord {
+                names: ["beam".into(), "plane 0".into()],
+                nodes: [Some(1), None],
+                place: Vector3::new(0.0, 0.125, -1e-3),
+                normal: Vector3::z(),
+                gap: 1e-5,
+                normal_force: 2e-3,
+                friction: Vector3::new(time, 0.0, 0.0),
+            }],
             obstacle_poses: vec![Isometry3::translation(time, 0.0, 0.0)],
         }
     }
@@ -216,6 +244,7 @@ mod tests {
             observed: Vec::new(),
             nodes: true,
             forces: true,
+            contacts: true,
             vtk: true,
             obstacles: Some(ObstacleSurfaces {
                 surfaces: vec![Surface {
@@ -253,6 +282,13 @@ mod tests {
         assert_eq!(
             forces.lines().nth(1),
             Some("0.0,beam,0,1.0,0.0,0.0,0.0,0.0,0.0,0.0,-0.002,0.0,2.5")
+        );
+        let contacts = read(CONTACTS);
+        let header = "time_s,first,first_node,second,second_node,x_m,y_m,z_m,normal_x,normal_y,normal_z,gap_m,normal_force_n,friction_x_n,friction_y_n,friction_z_n";
+        assert_eq!(contacts.lines().next(), Some(header));
+        assert_eq!(
+            contacts.lines().nth(2),
+            Some("0.1,beam,1,plane 0,,0.0,0.125,-0.001,0.0,0.0,1.0,0.00001,0.002,0.1,0.0,0.0")
         );
     }
 
@@ -318,6 +354,7 @@ mod tests {
             SERIES,
             NODES,
             NODE_FORCES,
+            CONTACTS,
             "rods.pvd",
             "vtk/rods_000001.vtp",
             "vtk/obstacles_000001.vtp",

@@ -355,6 +355,7 @@ mod tests {
             velocities: (7..14).map(spiral).collect(),
             fluid_forces: Vec::new(),
             contact_forces: (14..21).map(spiral).collect(),
+            contacts: Vec::new(),
             obstacle_poses: Vec::new(),
         }
     }

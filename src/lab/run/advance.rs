@@ -2,11 +2,11 @@
 
 use rodlab_engine::mechanics::contact::Proximity;
 use rodlab_engine::mechanics::dynamics::{
-    Energies, Simulation, SimulationError, SimulationState, StepReport,
+    Energies, Simulation, SimulationError, SimulationState, StepReport, Touch,
 };
 use rodlab_engine::mechanics::scene::Start;
 use rodlab_engine::mechanics::statics::{PathPlan, PathPoint, Tracer};
-use rodlab_files::results::Frame;
+use rodlab_files::results::{ContactRecord, Frame};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -45,6 +45,11 @@ pub trait Advance {
     fn remarks(&self) -> Vec<String>;
     /// The current nodes; with velocities and forces if requested.
     fn frame(&self, with_forces: bool) -> Frame;
+
+    /// Places at which surfaces press on each other in the last step.
+    fn contacts(&self) -> Vec<ContactRecord> {
+        Vec::new()
+    }
     /// The simulation that observers measure; `None` in a test double, which has no observers.
     fn simulation(&self) -> Option<&Simulation>;
     /// The simulation on which controllers act.
@@ -121,6 +126,19 @@ impl Advance for Simulation {
             frame.contact_forces = self.contact_forces();
         }
         frame
+    }
+
+    fn contacts(&self) -> Vec<ContactRecord> {
+        let record = |one: Touch| ContactRecord {
+            names: one.names,
+            nodes: one.nodes,
+            place: one.place,
+            normal: one.normal,
+            gap: one.gap,
+            normal_force: one.normal_force,
+            friction: one.friction,
+        };
+        self.touches().into_iter().map(record).collect()
     }
 
     fn simulation(&self) -> Option<&Simulation> {

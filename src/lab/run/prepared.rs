@@ -93,6 +93,8 @@ pub struct OutputPlan {
     pub nodes: bool,
     /// Whether velocities, fluid and contact forces of the nodes are written (`node_forces.csv`).
     pub forces: bool,
+    /// Whether the places of contacts are written (`contacts.csv`).
+    pub contacts: bool,
     /// Whether a VTK PolyData series is written.
     pub vtk: bool,
 }

@@ -63,6 +63,7 @@ pub fn recorder_plan(prepared: &PreparedRun) -> RecorderPlan {
         observed: columns(&prepared.observers),
         nodes: output.nodes,
         forces: output.forces,
+        contacts: output.contacts,
         vtk: output.vtk,
         obstacles: (output.vtk && !prepared.scene.obstacles.is_empty())
             .then(|| obstacle_surfaces(&prepared.scene)),

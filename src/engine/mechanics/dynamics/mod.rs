@@ -50,6 +50,7 @@ mod simulation;
 mod stage;
 mod state;
 mod step_control;
+mod touches;
 mod validity;
 mod validity_memory;
 
@@ -59,6 +60,7 @@ pub use measure::HeldPose;
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
 pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
 pub use simulation::Simulation;
+pub use touches::Touch;
 pub use validity::{LARGEST_CATCH, apparent_friction};
 
 #[cfg(test)]

@@ -14,16 +14,9 @@
 //! forces do.
 
 use super::{Assembly, Stage};
+use crate::mechanics::Vector3;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::{add_to_node, position};
-use crate::mechanics::{Matrix3, Vector3};
-
-impl Stage {
-    /// Tip of a body at the start, relative to its centre (m), and its velocity there, m/s.
-    fn tip_at_start(&self, place: usize) -> [Vector3; 2] {
-        [&self.start, &self.velocity].map(|of| position(of, place))
-    }
-}
 
 impl Assembly {
     /// Adds that moment, N m, to those on the frames of free bodies.
@@ -51,26 +44,4 @@ impl Assembly {
             add_to_node(residual, frame.first_unknown / STRIDE, &moment);
         }
     }
-}
-
-/// Second derivative S of that moment of a free body ([`super::joints`], `derivatives`), N m: its
-/// `tips` begin at an unknown.
-pub(super) fn over_turns(
-    stage: &Stage,
-    first: usize,
-    tips: &[Vector3; 3],
-    masses: &[f64],
-) -> Matrix3 {
-    if !stage.keeps_spin {
-        return Matrix3::zeros();
-    }
-    let of_tip = |(tip, p): (usize, &Vector3)| {
-        let place = first / STRIDE + tip;
-        let [start, velocity] = stage.tip_at_start(place);
-        let moment = (p - start).cross(&velocity);
-        let over = velocity.cross_matrix() * p.cross_matrix() + moment.cross_matrix() * 0.5;
-        over * masses[STRIDE * place]
-    };
-    let sum: Matrix3 = tips.iter().enumerate().map(of_tip).sum();
-    sum / stage.acceleration_step
 }

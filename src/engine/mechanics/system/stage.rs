@@ -35,6 +35,11 @@ pub struct Stage {
 }
 
 impl Stage {
+    /// Tip of a body at the start, relative to its centre (m), and its velocity there, m/s.
+    pub(crate) fn tip_at_start(&self, place: usize) -> [Vector3; 2] {
+        [&self.start, &self.velocity].map(|of| position(of, place))
+    }
+
     /// The same stage without the drag of a fluid, but with its local resistance.
     pub(crate) fn without_drag(&self) -> Self {
         let mut stage = self.clone();

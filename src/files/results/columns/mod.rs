@@ -15,7 +15,8 @@ macro_rules! columns {
 mod tables;
 
 use tables::{
-    BRANCH, END_STATE, MANIFEST, NODE_FORCES, NODES, SEARCH, SERIES, SLURM, SUMMARY, TIMINGS,
+    BRANCH, CONTACTS, END_STATE, MANIFEST, NODE_FORCES, NODES, SEARCH, SERIES, SLURM, SUMMARY,
+    TIMINGS,
 };
 
 /// A column of a table, or a key of a JSON file.
@@ -102,6 +103,11 @@ pub const FILES: &[FileDescription] = &[
         &["node_forces.csv"],
         "Velocity, forces and twist of every node at each output time ([output] forces = true).",
         &[always(NODE_FORCES)],
+    ),
+    table(
+        &["contacts.csv"],
+        "Places at which surfaces press on each other at each output time ([output] contacts = true).",
+        &[always(CONTACTS)],
     ),
     table(
         &["end_state.csv", "start_state.csv"],

@@ -46,6 +46,25 @@ pub(super) const NODE_FORCES: &[Column] = columns! {
     "twist_rad_per_m": "Twist per length at the node, rad/m; 0 at free ends.",
 };
 
+pub(super) const CONTACTS: &[Column] = columns! {
+    "time_s": "Simulated time, s.",
+    "first": "Name of the rod or free body.",
+    "first_node": "Node at which its edge in contact begins, or node in contact; empty for a free body.",
+    "second": "Name of the other rod, free body or obstacle, or \"plane 0\", \"plane 1\", ...",
+    "second_node": "Node at which its edge in contact begins; empty for what is not a rod.",
+    "x_m": "Place on the surface of the first along x, m.",
+    "y_m": "Place along y, m.",
+    "z_m": "Place along z, m.",
+    "normal_x": "Unit normal, from the second to the first, along x.",
+    "normal_y": "Its component along y.",
+    "normal_z": "Its component along z.",
+    "gap_m": "Distance between the surfaces, m.",
+    "normal_force_n": "Normal force, N.",
+    "friction_x_n": "Friction on the first along x, N.",
+    "friction_y_n": "Friction on the first along y, N.",
+    "friction_z_n": "Friction on the first along z, N.",
+};
+
 pub(super) const END_STATE: &[Column] = columns! {
     "rod": "Name of the rod.",
     "node": "Number of the node along the rod, from 0.",

@@ -156,6 +156,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             interval: scenario.output.interval.unwrap_or(0.0),
             nodes: scenario.output.nodes,
             forces: scenario.output.forces,
+            contacts: scenario.output.contacts,
             vtk: scenario.output.vtk,
         },
         observers: Vec::new(),

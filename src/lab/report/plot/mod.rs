@@ -2,6 +2,7 @@
 
 mod branch;
 mod close_up;
+mod contacts;
 mod curves;
 mod custom;
 mod error;
@@ -20,13 +21,15 @@ use crate::experiment::{from_text, kind_named};
 use crate::scenario::Scenario;
 use branch::branch_figure;
 use close_up::cut_straight_ends;
+use contacts::contact_map;
 use rodlab_files::figure::{
     Figure, FigureOptions, Format, Plane, RodCurve, RodsFigure, Snapshot, View, is_picture,
     line_plots,
 };
 use rodlab_files::results::{
-    BRANCH_FIGURE, Manifest, NODES, NodePositions, RODS_FIGURE, ResultsError, RodRecord, SERIES,
-    SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, Table, read_nodes, read_series, replace_own,
+    BRANCH_FIGURE, CONTACTS_FIGURE, Manifest, NODES, NodePositions, RODS_FIGURE, ResultsError,
+    RodRecord, SERIES, SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, Table, read_nodes, read_pressed_nodes,
+    read_series, replace_own,
 };
 use series::series_plots;
 use std::path::{Path, PathBuf};
@@ -40,7 +43,8 @@ const NAMED_RODS: usize = 12;
 /// Draws the figures of a results directory into it and returns their paths.
 ///
 /// `rods`: the rods at up to four times, evenly spaced over the run; needs `nodes.csv`. `series`:
-/// energies, contacts, distance and iterations over time; needs more than one output. `sweep`:
+/// energies, contacts, distance and iterations over time; needs more than one output. `contacts`:
+/// the normal forces on the nodes of rods over time; needs `contacts.csv`. `sweep`:
 /// outcomes over the swept parameters; needs a `summary.csv` in which a number is swept. `branch`:
 /// displacement and energy over the parameter of a path of equilibria; needs `branch.csv`. The
 /// kind of experiment may add figures, see [`Kind::figures`](crate::experiment::Kind::figures).
@@ -73,6 +77,9 @@ pub fn plot_results(directory: &Path, options: &FigureOptions) -> Result<Vec<Pat
             };
             write(SERIES_FIGURE, line_plots(plots, label))?;
         }
+    }
+    if let Some(figure) = read_pressed_nodes(directory)?.and_then(|nodes| contact_map(&nodes)) {
+        write(CONTACTS_FIGURE, figure)?;
     }
     let summary = directory.join(SUMMARY);
     if summary.exists()

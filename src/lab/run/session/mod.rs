@@ -296,6 +296,11 @@ impl Session {
             Frame {
                 time,
                 obstacle_poses: self.obstacle_poses(time),
+                contacts: if self.recorder.needs_contacts() {
+                    simulation.contacts()
+                } else {
+                    Vec::new()
+                },
                 ..simulation.frame(self.recorder.needs_forces())
             }
         } else {

@@ -44,6 +44,7 @@ fn prepared(mode: Mode) -> PreparedRun {
             interval: 0.1,
             nodes: true,
             forces: true,
+            contacts: false,
             vtk: true,
         },
         ..run_of_scene("pendulum", scene, mode, 0.1)

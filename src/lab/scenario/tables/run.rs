@@ -31,6 +31,9 @@ keys! {
         nodes: flag() default(true),
         /// Whether velocities, fluid and contact forces of the nodes are written (node_forces.csv).
         forces: flag() default(false),
+        /// Whether the places at which surfaces press on each other are written, with normal forces
+        /// and friction (contacts.csv).
+        contacts: flag() default(false),
         /// Whether a VTK PolyData series for ParaView is written.
         vtk: flag() default(false),
     }

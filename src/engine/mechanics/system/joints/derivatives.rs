@@ -14,7 +14,6 @@
 //! angle is D' a.
 
 use super::super::Stage;
-use super::super::spin::over_turns;
 use super::Joints;
 use crate::linalg::ElementMatrix;
 use crate::mechanics::rod::topology::position;
@@ -193,4 +192,21 @@ fn over_vector(matrix: &mut ElementMatrix, jacobian: &Matrix3) {
             .zip(turned.iter())
             .for_each(|(place, value)| matrix[*place][column] = *value);
     }
+}
+
+/// Second derivative S of the moment of the spin of a free body ([`super::super::spin`]), N m: its
+/// `tips` begin at an unknown.
+fn over_turns(stage: &Stage, first: usize, tips: &[Vector3; 3], masses: &[f64]) -> Matrix3 {
+    if !stage.keeps_spin {
+        return Matrix3::zeros();
+    }
+    let of_tip = |(tip, p): (usize, &Vector3)| {
+        let place = first / STRIDE + tip;
+        let [start, velocity] = stage.tip_at_start(place);
+        let moment = (p - start).cross(&velocity);
+        let over = velocity.cross_matrix() * p.cross_matrix() + moment.cross_matrix() * 0.5;
+        over * masses[STRIDE * place]
+    };
+    let sum: Matrix3 = tips.iter().enumerate().map(of_tip).sum();
+    sum / stage.acceleration_step
 }
