@@ -1,4 +1,5 @@
-//! Complete time steps of 1 ms of towers of boxes at rest, with a rope over the first one.
+//! Complete time steps of 1 ms of towers of boxes at rest, with a rope over the first one, and of a
+//! rope on a drum and a pulley, with a crate on its end.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rodlab::experiment;
@@ -33,22 +34,28 @@ fn towers(count: usize) -> Simulation {
             );
         }
     }
-    let loaded = experiment::from_text("towers", &text, Path::new(""), &[]).expect("valid");
+    simulation("towers", &text)
+}
+
+fn simulation(name: &str, text: &str) -> Simulation {
+    let loaded = experiment::from_text(name, text, Path::new(""), &[]).expect("valid");
     let prepared = experiment::prepare(&loaded.scenario).expect("a valid scene");
     Simulation::new(&prepared.scene, &prepared.integration).expect("sound")
 }
 
 fn steps(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("step of 1 ms of towers of boxes");
+    let mut group = criterion.benchmark_group("20 steps of 1 ms with free bodies");
     group.sample_size(10);
+    let towers = [1, 3, 10].map(|count| (format!("{} boxes", LEVELS * count), towers(count)));
+    let hoist = include_str!("../../scenarios/hoist.toml");
+    let hoist = ("hoist".to_owned(), simulation("hoist", hoist));
     let start = 0.05;
-    for count in [1, 3, 10] {
-        let mut simulation = towers(count);
+    for (name, mut simulation) in towers.into_iter().chain([hoist]) {
         while simulation.time() < start {
             simulation.advance(start).expect("converges");
         }
         let state = simulation.state();
-        group.bench_function(format!("{} boxes, 20 steps", LEVELS * count), |bencher| {
+        group.bench_function(name, |bencher| {
             bencher.iter_batched(
                 || state.clone(),
                 |state| {

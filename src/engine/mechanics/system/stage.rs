@@ -12,7 +12,7 @@ pub struct Stage {
     /// Size hₐ of the stage for velocities, s: accelerations are (v − vₙ)/hₐ. This size equals h
     /// except for backward differences.
     pub acceleration_step: f64,
-    /// Whether free bodies keep their spin, as in steps of implicit Euler: see [`super::spin`].
+    /// Whether free bodies keep their spin, as in steps of implicit Euler (`spin`).
     pub keeps_spin: bool,
     /// Unknowns at its start.
     pub start: Vec<f64>,
