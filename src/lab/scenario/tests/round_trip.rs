@@ -83,6 +83,7 @@ maximum_iterations = 40
 [output]
 nodes = true
 forces = false
+contacts = false
 vtk = false
 "###);
     assert_eq!(read(&scenario.to_toml()).unwrap(), scenario);
