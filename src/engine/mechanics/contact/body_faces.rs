@@ -35,13 +35,17 @@ impl ContactSurface {
         }
     }
 
-    /// Whether a node is near a joint of its rod with the body of a face.
-    fn is_joined_to(&self, node: &ContactNode, face: &ContactFace) -> bool {
+    /// Whether a node may touch a face of a free body: it belongs to another body, and is not near a
+    /// joint with that one.
+    fn may_meet(&self, node: &ContactNode, face: &ContactFace) -> bool {
+        if self.edges()[node.edge].rod == face.rod {
+            return false;
+        }
         let (mut point, mut body) = (self.edges()[node.edge], self.edges()[node.edge]);
         let end = usize::from(point.nodes[0] != node.node);
         point.arc_length = [point.arc_length[end]; 2];
         (body.rod, body.arc_length) = (face.rod, [0.0; 2]);
-        self.are_joined(&point, &body)
+        !self.are_joined(&point, &body)
     }
 
     /// Adds all pairs of a node and a face of another, free body that are nearer than `clearance`
@@ -100,9 +104,7 @@ impl ContactSurface {
         faces.flat_map(move |(index, face)| {
             let near = around(&face.vertices, face.radius + clearance);
             let nodes = self.nodes().iter();
-            let others = nodes.filter(move |one| {
-                self.edges()[one.edge].rod != face.rod && !self.is_joined_to(one, face)
-            });
+            let others = nodes.filter(move |one| self.may_meet(one, face));
             let touching = others.filter(move |one| near.meets(&around(&[one.node], one.radius)));
             touching.map(move |one| CandidatePair {
                 edges: [one.edge, edges + index],
@@ -124,11 +126,8 @@ impl ContactSurface {
                 .take_while(|face| face.rod == faces[first].rod)
                 .count();
             let own = first..first + count;
-            let others = self.nodes().iter().filter(|one| {
-                let face = &faces[first];
-                self.edges()[one.edge].rod != face.rod && !self.is_joined_to(one, face)
-            });
-            for one in others {
+            let others = self.nodes().iter();
+            for one in others.filter(|one| self.may_meet(one, &faces[first])) {
                 let depths = own.clone().map(|index| {
                     let nodes = ContactFace::with(&faces[index], one.node);
                     let foot = Foot::in_plane(&nodes.map(|node| positions[node]), 1.0);

@@ -1,10 +1,11 @@
-//! Rigid bodies that no rod carries.
+//! Free rigid bodies, their axles, and the rods that are joined to them.
 
 use super::{JointKind, RodNode};
 use crate::mechanics::rigid_body::RigidBody;
 use crate::mechanics::{UnitQuaternion, Vector3};
 
-/// A rigid body that moves freely, and touches rods, planes, obstacles and other bodies.
+/// A rigid body that moves freely or turns about an axle, and touches rods, planes, obstacles and
+/// other bodies.
 ///
 /// It follows the rods of a scene in the numbering: its first node is its centre of mass, and the
 /// others are the vertices of its shape.

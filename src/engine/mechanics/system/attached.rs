@@ -76,18 +76,16 @@ impl AttachedNodes {
     /// Transfers forces on vertices to forces on the unknowns of their bodies.
     pub(crate) fn gather(&self, forces: &mut [f64]) {
         for (node, body) in self.bodies_of.iter().enumerate() {
-            let Some(body) = body.map(|body| &self.bodies[body]) else {
+            let Some(body) = *body else {
                 continue;
             };
             let own = &mut forces[STRIDE * node..STRIDE * node + 3];
             let force = Vector3::from_column_slice(own);
             own.fill(0.0);
-            let moment = body.rates.transpose() * self.arms[node].cross(&force);
-            for (unknown, part) in body.unknowns.iter().zip(force.iter().chain(&moment)) {
-                if *unknown != UNUSED {
-                    forces[*unknown] += part;
-                }
+            for (unknown, part) in self.bodies[body].unknowns.iter().zip(&force) {
+                forces[*unknown] += part;
             }
+            self.add_moment(body, &self.arms[node].cross(&force), forces);
         }
     }
 
