@@ -1,4 +1,4 @@
-//! Rods that are fed out of sheaths, and turned in them.
+//! Rods that are fed out of sheaths, pushed and turned in them.
 
 use super::scenario::moved;
 use super::{Check, Expectation, GroupError};
@@ -9,6 +9,10 @@ const TIP: Expectation = Expectation::new("EI θ″ = −P cos θ", "Kirchhoff r
 const PUSHED_OUT: Expectation = Expectation::new(
     "F = −P sin θ",
     "M²/2EI + T along a rod; Bigoni, Dal Corso, Bosi and Misseroni 2015",
+);
+const PUSHED: Expectation = Expectation::new(
+    "work of load and push",
+    "energies of stretching, bending and motion",
 );
 const TORQUE: Expectation = Expectation::new("GJ φ/ℓ", "constant twist");
 
@@ -22,7 +26,7 @@ const STEPS: usize = 400;
 /// Place of the mouth, m.
 const MOUTH: f64 = 0.4;
 
-/// Checks a rod that bends outside, and one that twists.
+/// Checks a rod that bends outside, one that bends itself out, and one that twists.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let simulation = moved(include_str!("scenes/fed_rod.toml"), &[], 6.0)?;
     let tip = *simulation.positions().last().ok_or("the rod has nodes")?;
@@ -40,6 +44,18 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
             .of("force of the sheath that holds it back", "N")
             .relative(-LOAD * sine, force, 2e-3),
     ];
+    let simulation = moved(include_str!("scenes/pushed_rod.toml"), &[], 0.2)?;
+    let tip = *simulation.positions().last().ok_or("the rod has nodes")?;
+    let fed = simulation.length_outside(0) - 0.3;
+    let work = 0.3 * tip.y - 0.02 * fed;
+    checks.push(
+        PUSHED
+            .of(
+                "rod that leaves its sheath by bending, against a push of 0.02 N: energy",
+                "J",
+            )
+            .relative(work, simulation.energies().total(), 2e-3),
+    );
     let simulation = moved(include_str!("scenes/turned_rod.toml"), &[], 4.0)?;
     let [_, moment] = simulation.sheath_force(0);
     checks.push(

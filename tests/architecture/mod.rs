@@ -8,6 +8,29 @@ use source::{ItemPath, Source, exports, imports, plain, sources, test_items};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
+use std::process::Command;
+
+/// Files and folders at the top level of the repository.
+const TOP_LEVEL: &[&str] = &[
+    ".ci",
+    ".gitignore",
+    "CHANGELOG.md",
+    "CITATION.cff",
+    "CONTRIBUTING.md",
+    "Cargo.lock",
+    "Cargo.toml",
+    "LICENSE-APACHE",
+    "LICENSE-MIT",
+    "README.md",
+    "clippy.toml",
+    "proptest-regressions",
+    "pyproject.toml",
+    "results",
+    "scenarios",
+    "scripts",
+    "src",
+    "tests",
+];
 
 /// A table of rooms and the rooms that each may import. A room may also import the rooms that
 /// those may import.
@@ -277,6 +300,23 @@ fn origin(path: &[String], modules: &BTreeMap<&[String], &Source>) -> ItemPath {
 fn no_files_import_each_other_in_a_circle() {
     let circles = circles(&crate_sources());
     assert!(circles.is_empty(), "in circles: {circles:#?}");
+}
+
+/// Results of a trial run are easily added by mistake.
+#[test]
+fn the_top_level_contains_what_is_planned() {
+    let listed = Command::new("git")
+        .args(["ls-files", "-z"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output();
+    let Some(listed) = listed.ok().filter(|listed| listed.status.success()) else {
+        return crate::parts::skipped("files of the top level: this is not a Git repository");
+    };
+    let listed = String::from_utf8(listed.stdout).expect("paths in UTF-8");
+    let paths = listed.split('\0').filter(|path| !path.is_empty());
+    let present: BTreeSet<&str> = paths.filter_map(|path| path.split('/').next()).collect();
+    let planned: BTreeSet<&str> = TOP_LEVEL.iter().copied().collect();
+    assert_eq!(present, planned);
 }
 
 /// A file that no other file names is not compiled, so that its tests would silently be lost.

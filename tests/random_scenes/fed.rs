@@ -1,8 +1,9 @@
-//! Rods that are fed out of sheaths, drawn in and turned, straight and curved by nature, with and
-//! without a wall before them.
+//! Rods that are fed out of sheaths, drawn in and turned, by given lengths or by forces, straight and
+//! curved by nature, with and without a wall before them.
 
 use super::judged::{Case, STEPS};
 use super::random::Random;
+use std::f64::consts::PI;
 use std::fmt::Write;
 
 /// A rod in a sheath.
@@ -60,6 +61,13 @@ pub fn rod(seed: u64) -> Case {
              [[planes]]\npoint = [0, 0, {:e}]\nnormal = [0, 0, 1]\n",
             -below
         );
+    }
+    if random.chance(0.4) {
+        // Without other forces this force feeds the same length.
+        let mass = 1000.0 * PI * radius * radius * length;
+        let force = 2.0 * mass * fed / (end * end);
+        let fed = format!("fed = [[0, 0], [{end:e}, {fed:e}]]");
+        text = text.replace(&fed, &format!("pushed = [[0, {force:e}]]"));
     }
     let second = match scheme {
         _ if touches && model == "complementarity" => "contact.model = \"ipc\"",

@@ -80,6 +80,7 @@ impl Failure {
                 }
             }
             Self::NoDrag { .. } => choices.extend(["longer edges", "smaller steps"]),
+            Self::NoPush { .. } => choices.push("smaller steps"),
             Self::Work {
                 forces: Forces::Drag,
                 ..

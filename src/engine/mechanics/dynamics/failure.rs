@@ -17,6 +17,8 @@ pub(super) enum Failure {
     NoContactForces { iterations: usize },
     /// The drag for the motion within the step was not found.
     NoDrag { iterations: usize },
+    /// The length that a force feeds out of a sheath within the step was not found.
+    NoPush { iterations: usize },
     /// Forces would add energy, J.
     Work {
         iterations: usize,
@@ -82,6 +84,7 @@ impl Failure {
             Self::Penetration { iterations, .. }
             | Self::NoContactForces { iterations }
             | Self::NoDrag { iterations }
+            | Self::NoPush { iterations }
             | Self::Work { iterations, .. }
             | Self::Turn { iterations, .. }
             | Self::Crossing { iterations, .. } => *iterations,
@@ -106,6 +109,7 @@ impl Failure {
             Self::Penetration { iterations, .. }
             | Self::NoContactForces { iterations }
             | Self::NoDrag { iterations }
+            | Self::NoPush { iterations }
             | Self::Work { iterations, .. }
             | Self::Turn { iterations, .. }
             | Self::Crossing { iterations, .. } => *iterations += vain,
@@ -136,6 +140,7 @@ impl Failure {
             }
             Self::NoContactForces { .. } => SimulationError::NoContactForces { time, step },
             Self::NoDrag { .. }
+            | Self::NoPush { .. }
             | Self::Penetration { .. }
             | Self::Work { .. }
             | Self::Turn { .. }
@@ -161,6 +166,10 @@ impl fmt::Display for Failure {
             Self::NoDrag { iterations } => write!(
                 formatter,
                 "the drag of the fluid and the motion of the rods did not agree after {iterations} iterations"
+            ),
+            Self::NoPush { iterations } => write!(
+                formatter,
+                "the length that a force feeds out of a sheath was not found in {iterations} iterations"
             ),
             Self::Work { forces, work, .. } => match forces {
                 Forces::Contact => write!(

@@ -120,6 +120,8 @@ mod path_tests;
 #[cfg(test)]
 mod plasticity_tests;
 #[cfg(test)]
+mod pushed_tests;
+#[cfg(test)]
 mod rolling_tests;
 #[cfg(test)]
 mod section_contact_tests;

@@ -22,6 +22,7 @@ fn sheath(inside: f64, fed: Vec<(f64, f64)>) -> Sheath {
         from_end: false,
         inside,
         fed,
+        pushed: Vec::new(),
         turned: Vec::new(),
     }
 }

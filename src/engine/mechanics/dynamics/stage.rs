@@ -20,6 +20,9 @@ const FAST: f64 = 0.5;
 /// cannot cause contact.
 pub(super) const PREDICTED_PART: f64 = 0.9;
 
+/// Most corrections of the lengths that forces feed out of sheaths.
+const MOST_PUSHES: usize = 12;
+
 /// Fraction of the largest step below which Newton's method may use all its iterations and line
 /// searches. Without this, halving could end below the smallest step.
 const FULL_EFFORT_PART: f64 = 1.0 / 64.0;
@@ -149,7 +152,7 @@ impl Workspace {
         let (iterations, fluid_iterations) = if is_coupled {
             self.solve_with_drag(system, fluid, state, &stopping, goes_on)?
         } else {
-            let iterations = self.solve_by_either_way(system, state, &stopping, goes_on)?;
+            let iterations = self.solve_for_pushes(system, state, &stopping, goes_on)?;
             (iterations, 0)
         };
         check_penetration(system, iterations)?;
@@ -210,7 +213,7 @@ impl Workspace {
         let (mut iterations, mut fluid_iterations) = (0, 0);
         loop {
             iterations += self
-                .solve_by_either_way(system, state, stopping, goes_on)
+                .solve_for_pushes(system, state, stopping, goes_on)
                 .map_err(|failure| failure.after(iterations))?;
             let (agrees, more) = fluid
                 .couple(&mut self.stage, &self.trial.unknowns)
@@ -235,6 +238,34 @@ impl Workspace {
                 return Err(Failure::NoDrag { iterations });
             }
         }
+    }
+
+    /// Solves the stage and, where forces feed rods out of sheaths, for the lengths fed out; returns
+    /// the Newton iterations.
+    fn solve_for_pushes(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        stopping: &Stopping,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<usize, Failure> {
+        let mut iterations = self.solve_by_either_way(system, state, stopping, goes_on)?;
+        for _ in 0..MOST_PUSHES {
+            if !system.has_pushed_rods() || system.pushes_balance() {
+                return Ok(iterations);
+            }
+            iterations += 1;
+            let trial = &mut self.trial.unknowns;
+            let corrected = system.correct_fed(trial, &self.stage);
+            corrected.map_err(|_| Failure::NoPush { iterations })?;
+            let held = system.assembly.held.iter();
+            let prescribed = self.prediction.iter_mut().zip(trial).zip(held);
+            prescribed.for_each(|((own, new), held)| *own = if *held { *new } else { *own });
+            iterations += self
+                .solve_by_either_way(system, state, stopping, goes_on)
+                .map_err(|failure| failure.after(iterations))?;
+        }
+        Err(Failure::NoPush { iterations })
     }
 
     /// Solves by Newton's method from the prediction. With complementarity, if rods near each

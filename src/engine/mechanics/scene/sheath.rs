@@ -16,6 +16,9 @@ pub struct Sheath {
     /// Length fed out at given times, [(s, m), ...]: linear between them and constant outside; 0 if
     /// empty, negative where the rod is drawn in.
     pub fed: Vec<(f64, f64)>,
+    /// Force that feeds the rod out at given times, [(s, N), ...], linear between them and constant
+    /// outside: the length fed out then follows from the motion. Empty if the length is given.
+    pub pushed: Vec<(f64, f64)>,
     /// Angle by which the rod is turned in the sheath at given times, [(s, rad), ...], about the
     /// direction in which it is fed out; 0 if empty.
     pub turned: Vec<(f64, f64)>,

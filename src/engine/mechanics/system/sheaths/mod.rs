@@ -5,14 +5,16 @@
 //! and one that returns is held, from one step to the next, so that each length, mass and momentum
 //! of the rod is conserved.
 //!
-//! [`mouth`] places the mouth between nodes, and derives the force of the sheath.
+//! [`mouth`] places the mouth between nodes, and derives the force of the sheath; [`pushed`] finds the
+//! length that is fed out by a given force.
 
 mod mouth;
 mod placed;
+mod pushed;
 
 use super::System;
 use super::build::Assembly;
-use super::clamps::{HeldEdge, list_corners};
+use super::clamps::list_corners;
 use super::demand::Demand;
 use super::events::Event;
 use super::term::{Configuration, Kind, Term};
@@ -24,6 +26,10 @@ use placed::{Fault, PlacedSheath};
 
 const NO_PATH: SceneError = SceneError::Unsuitable(
     "a path of equilibria does not support sheaths, whose rods change their free nodes",
+);
+
+const NO_EQUILIBRIUM: SceneError = SceneError::Unsuitable(
+    "an equilibrium with a force that feeds a rod (pushed) is not searched: run dynamically with damping",
 );
 
 const NO_START: SceneError =
@@ -123,8 +129,7 @@ impl Term for Sheaths {
     fn add_forces(&self, _: &Configuration, _: &mut [f64]) {}
 
     fn commit(&mut self) {
-        let edges = self.0.iter_mut().flat_map(|sheath| &mut sheath.edges);
-        edges.for_each(HeldEdge::commit);
+        self.0.iter_mut().for_each(PlacedSheath::commit);
     }
 
     fn list_events(&self, events: &mut Vec<Event>) {
@@ -132,6 +137,8 @@ impl Term for Sheaths {
             list_corners(&sheath.fed, |from, to| (to - from).abs(), events);
             let around = |from: &f64, to: &f64| (to - from).abs() * sheath.radius;
             list_corners(&sheath.turned, around, events);
+            // Forces change no velocity at once, but steps end where their schedule has corners.
+            list_corners(sheath.pushes(), |_, _| 0.0, events);
         }
     }
 
@@ -143,6 +150,11 @@ impl Term for Sheaths {
             Demand::Path => Some(NO_PATH),
             Demand::Start => Some(NO_START),
             Demand::ImplicitMidpoint => Some(NO_MIDPOINT),
+            Demand::Equilibrium | Demand::NearbyEquilibrium
+                if self.0.iter().any(|sheath| sheath.push.is_some()) =>
+            {
+                Some(NO_EQUILIBRIUM)
+            }
             _ => None,
         }
     }
@@ -153,6 +165,9 @@ impl System {
     pub(super) fn hold_in_sheaths(&mut self, time: f64, unknowns: &mut [f64]) {
         if self.terms.sheaths.is_empty() {
             return;
+        }
+        for sheath in &mut self.terms.sheaths.0 {
+            sheath.predict(unknowns);
         }
         if self.terms.sheaths.mark(time, &mut self.assembly.held) {
             self.note_prescribed_nodes();
@@ -166,8 +181,8 @@ impl System {
 
     /// The frames of held edges are those of a configuration that was committed before.
     pub(super) fn resume_sheaths(&mut self, unknowns: &[f64]) {
-        for edge in (self.terms.sheaths.0.iter_mut()).flat_map(|sheath| &mut sheath.edges) {
-            edge.resume(unknowns);
+        for sheath in &mut self.terms.sheaths.0 {
+            sheath.resume(unknowns);
         }
     }
 

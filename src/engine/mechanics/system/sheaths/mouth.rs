@@ -27,7 +27,7 @@
 //! D. Bigoni, F. Dal Corso, F. Bosi and D. Misseroni (2015), *Eshelby-like forces acting on elastic
 //! structures: theoretical and experimental proof*, Mechanics of Materials 80, 368.
 
-use super::placed::PlacedSheath;
+use super::placed::{LEAST_PART, PlacedSheath};
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::vertex::VertexStrains;
 use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
@@ -49,7 +49,9 @@ impl PlacedSheath {
         let number = self.held;
         if number < self.edges.len() {
             let outside = self.middle(number) - self.mouth_at(time);
-            let outside = outside.min(self.voronoi(number));
+            // A pushed rod may leave this range within a step.
+            let whole = self.voronoi(number);
+            let outside = outside.clamp(LEAST_PART * whole, whole);
             for (number, [length, _]) in self.lengths(number, outside) {
                 self.set_vertex(number, length / self.voronoi(number), rods);
             }

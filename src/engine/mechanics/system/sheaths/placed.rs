@@ -10,13 +10,64 @@ use crate::mechanics::system::build::Assembly;
 use crate::mechanics::system::clamps::HeldEdge;
 
 /// Least part of a vertex that bends; with less, its edge is held.
-const LEAST_PART: f64 = 1e-3;
+pub(super) const LEAST_PART: f64 = 1e-3;
 
 /// Largest distance of a node in a sheath from its place, relative to the length inside.
 const STRAIGHT: f64 = 1e-6;
 
 /// Field of a sheath that is at fault, and why.
 pub(super) type Fault = (&'static str, String);
+
+/// A force that feeds a rod.
+#[derive(Clone, Debug)]
+pub(super) struct Push {
+    /// At given times, [(s, N), ...].
+    force: Vec<(f64, f64)>,
+    /// Length fed out at the last evaluation, m.
+    pub(super) fed: f64,
+    /// Least and largest length that can be fed out, m.
+    stops: [f64; 2],
+    /// Number of edges that were held when the frames were committed; all if they were restored,
+    /// since the angles of all edges were then restored, too.
+    held_at_commit: usize,
+}
+
+impl Push {
+    fn new(force: Vec<(f64, f64)>) -> Self {
+        Self {
+            force,
+            fed: 0.0,
+            stops: [0.0; 2],
+            held_at_commit: 0,
+        }
+    }
+
+    /// Sets the length fed out, m, or that at the nearest stop.
+    pub(super) fn feed(&mut self, fed: f64) {
+        let [least, most] = self.stops;
+        self.fed = fed.clamp(least, most);
+    }
+
+    /// A change of the length fed out (m), with the sign that leads away from the stop in its way.
+    pub(super) fn inwards(&self, change: f64) -> f64 {
+        if self.fed + change > self.stops[1] {
+            -change
+        } else {
+            change
+        }
+    }
+
+    /// Whether a stop takes a part of the force (N) that is not balanced.
+    pub(super) fn is_stopped(&self, unbalanced: f64) -> bool {
+        let [least, most] = self.stops;
+        self.fed >= most && unbalanced > 0.0 || self.fed <= least && unbalanced < 0.0
+    }
+
+    /// The force at a time (s), N.
+    pub(super) fn force(&self, time: f64) -> f64 {
+        piecewise_linear(&self.force, time).unwrap_or(0.0)
+    }
+}
 
 #[derive(Clone, Debug)]
 pub(super) struct PlacedSheath {
@@ -43,6 +94,8 @@ pub(super) struct PlacedSheath {
     pub(super) radius: f64,
     pub(super) inside: f64,
     pub(super) fed: Vec<(f64, f64)>,
+    /// The force that feeds the rod, if the length fed out is not given.
+    pub(super) push: Option<Push>,
     pub(super) turned: Vec<(f64, f64)>,
     /// Number of edges that are held.
     pub(super) held: usize,
@@ -109,6 +162,7 @@ impl PlacedSheath {
             radius: rod.radius,
             inside: sheath.inside,
             fed: sheath.fed.clone(),
+            push: (!sheath.pushed.is_empty()).then(|| Push::new(sheath.pushed.clone())),
             turned: sheath.turned.clone(),
             held: 0,
             mouth: None,
@@ -120,6 +174,7 @@ impl PlacedSheath {
             tangent,
         };
         placed.check(assembly)?;
+        placed.stop(assembly);
         placed.twist_naturally()?;
         Ok(placed)
     }
@@ -150,7 +205,14 @@ impl PlacedSheath {
             );
             return range("fed", most, allowed);
         }
-        let deepest = self.inside - least;
+        if self.push.is_some() && !self.fed.is_empty() {
+            let message = "either the length or the force is given, not both";
+            return Err(("pushed", message.to_owned()));
+        }
+        let deepest = match &self.push {
+            Some(_) => self.inside,
+            None => self.inside - least,
+        };
         for (number, node) in self.nodes.iter().enumerate() {
             // A node is inside as long as one of its edges is.
             let is_inside = self.along[number.saturating_sub(1)] < deepest;
@@ -165,13 +227,7 @@ impl PlacedSheath {
                 );
                 return Err(("inside", message));
             }
-            let unknowns = STRIDE * node..STRIDE * node + 3;
-            let inner = number > 0 && number < self.edges.len();
-            let is_taken = assembly.held[unknowns].iter().any(|held| *held)
-                || inner && self.vertices[number].is_none()
-                || assembly.joints.slides_at(*node)
-                || assembly.joints.joins(*node);
-            if is_inside && is_taken {
+            if is_inside && self.is_taken(number, assembly) {
                 let message = format!(
                     "a clamp, joint or body is at node {} of its rod, which is inside the sheath at some time",
                     assembly.locate(*node).1
@@ -180,6 +236,28 @@ impl PlacedSheath {
             }
         }
         Ok(())
+    }
+
+    /// Whether a clamp, joint or body is at a node.
+    fn is_taken(&self, number: usize, assembly: &Assembly) -> bool {
+        let node = self.nodes[number];
+        let inner = number > 0 && number < self.edges.len();
+        assembly.held[STRIDE * node..STRIDE * node + 3].contains(&true)
+            || inner && self.vertices[number].is_none()
+            || assembly.joints.slides_at(node)
+            || assembly.joints.joins(node)
+    }
+
+    /// Sets the stops of a rod that a force feeds: at least its first edge stays inside, and nothing
+    /// that holds a node comes in.
+    fn stop(&mut self, assembly: &Assembly) {
+        let mut numbers = 0..self.nodes.len();
+        let taken = numbers.find(|number| self.is_taken(*number, assembly));
+        let deepest = taken.map_or(self.along[self.edges.len()], |taken| self.along[taken - 1]);
+        let stops = [self.inside - deepest, self.inside - self.along[1]];
+        if let Some(push) = &mut self.push {
+            push.stops = stops;
+        }
     }
 
     /// Sets the directors of all edges as they are inside, with the natural twist from the first on.
@@ -208,14 +286,60 @@ impl PlacedSheath {
         self.origin + self.axis * (self.along[number] + fed)
     }
 
-    /// Length fed out at a time (s), m.
+    /// Length fed out at a time (s), m; that of the last evaluation where a force feeds the rod.
     pub(super) fn fed(&self, time: f64) -> f64 {
-        piecewise_linear(&self.fed, time).unwrap_or(0.0)
+        match &self.push {
+            Some(push) => push.fed,
+            None => piecewise_linear(&self.fed, time).unwrap_or(0.0),
+        }
+    }
+
+    /// Corners of the force that feeds it, [(s, N), ...].
+    pub(super) fn pushes(&self) -> &[(f64, f64)] {
+        self.push.as_ref().map_or(&[], |push| &push.force)
     }
 
     /// Arc length of the mouth at a time (s), m.
     pub(super) fn mouth_at(&self, time: f64) -> f64 {
         self.inside - self.fed(time)
+    }
+
+    /// The length fed out where a force feeds the rod becomes that of `unknowns`, the prediction of
+    /// a step.
+    pub(super) fn predict(&mut self, unknowns: &[f64]) {
+        let end = position(unknowns, self.nodes[0]) - self.origin;
+        let fed = end.dot(&self.axis);
+        if let Some(push) = &mut self.push {
+            push.feed(fed);
+        }
+    }
+
+    /// Where the frames of the last evaluation are committed.
+    pub(super) fn commit(&mut self) {
+        let held = self.held;
+        if let Some(push) = &mut self.push {
+            push.held_at_commit = held;
+        }
+        self.edges.iter_mut().for_each(HeldEdge::commit);
+    }
+
+    /// The frames of held edges are those of a configuration that was committed before.
+    pub(super) fn resume(&mut self, unknowns: &[f64]) {
+        self.predict(unknowns);
+        if let Some(push) = &mut self.push {
+            push.held_at_commit = usize::MAX;
+        }
+        for edge in &mut self.edges {
+            edge.resume(unknowns);
+        }
+    }
+
+    /// Number of edges that were held when the frames were committed, at a time, s.
+    fn held_before(&self, committed: f64) -> usize {
+        match &self.push {
+            Some(push) => push.held_at_commit,
+            None => self.held_at(self.mouth_at(committed)),
+        }
     }
 
     /// Angle at a time (s), rad.
@@ -290,7 +414,7 @@ impl PlacedSheath {
         }
         let angle = self.turned(time);
         let spin = self.tangent.dot(&self.axis) * (angle - self.turned(committed));
-        let were_held = self.held_at(self.mouth_at(committed));
+        let were_held = self.held_before(committed);
         for (number, edge) in self.edges[..self.held].iter_mut().enumerate() {
             let director = rotated(&edge.director, &self.axis, angle);
             if number < were_held {

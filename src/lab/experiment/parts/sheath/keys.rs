@@ -1,7 +1,7 @@
 //! Keys of sheaths.
 
 use crate::scenario::keys::{POSITIVE, keys};
-use crate::scenario::units::{Angle, Length};
+use crate::scenario::units::{Angle, Force, Length};
 
 keys! {
     /// A straight sheath out of which a rod is fed: the sheath of a catheter, the guide of a cable
@@ -21,6 +21,11 @@ keys! {
         /// constant outside. Negative values draw the rod in. One edge of the rod stays inside.
         /// Default: none.
         fed: corners(Length) derived,
+        /// Force that feeds the rod at given times, [[time, force], ...], linear between them and
+        /// constant outside, instead of `fed`: the length fed out follows from the motion. Negative
+        /// forces draw the rod in. The rod stops where only its first edge is inside, and where all
+        /// of it is, or all up to a clamp, joint or body. Default: none.
+        pushed: corners(Force) derived,
         /// Angle by which the rod is turned in the sheath at given times, [[time, angle], ...],
         /// linear between them, about the direction in which the rod is fed. Default: none.
         turned: corners(Angle) derived,

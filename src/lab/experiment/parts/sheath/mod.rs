@@ -26,6 +26,9 @@ pub struct Sheath {
     /// Length fed out at given times, (s, m).
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub fed: Vec<(f64, f64)>,
+    /// Force that feeds the rod at given times, (s, N), instead of a length.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pushed: Vec<(f64, f64)>,
     /// Angle at given times, (s, rad).
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub turned: Vec<(f64, f64)>,
@@ -45,6 +48,7 @@ impl Part for Sheath {
             from: typed.from(section),
             inside: typed.inside(section),
             fed: typed.fed(section, Vec::new()),
+            pushed: typed.pushed(section, Vec::new()),
             turned: typed.turned(section, Vec::new()),
         }
     }
@@ -65,6 +69,12 @@ impl Part for Sheath {
             return;
         }
         for (index, sheath) in all.iter().enumerate() {
+            if !sheath.pushed.is_empty() {
+                array.below(&index.to_string()).fault(
+                    "pushed",
+                    "a static run does not find the length that a force feeds out; give `fed`, or run in time with damping",
+                );
+            }
             for (key, corners) in [("fed", &sheath.fed), ("turned", &sheath.turned)] {
                 if corners.len() > 1 {
                     array.below(&index.to_string()).fault(
@@ -90,6 +100,7 @@ impl ScenePart for Sheath {
             from_end: self.from == InnerEnd::End,
             inside: self.inside,
             fed: self.fed.clone(),
+            pushed: self.pushed.clone(),
             turned: self.turned.clone(),
         });
         Ok(())
@@ -154,6 +165,7 @@ SHEATH
                 from_end: true,
                 inside: 0.5,
                 fed: vec![(0.0, 0.0), (1.0, 0.2)],
+                pushed: Vec::new(),
                 turned: vec![(0.0, 0.0), (1.0, std::f64::consts::PI)],
             }]
         );
@@ -188,6 +200,11 @@ SHEATH
             ),
             (format!("{wire}\nfed = [[0, 0.45]]"), "fed", "at most 0.4 m"),
             (format!("{wire}{held}"), "rod", "at node 3 of its rod"),
+            (
+                format!("{wire}\nfed = [[0, 0.1]]\npushed = [[0, \"1 N\"]]"),
+                "pushed",
+                "not both",
+            ),
         ] {
             let error = prepared(&with(&keys)).unwrap_err();
             assert!(error.contains(expected), "{keys}: {error}");
@@ -200,6 +217,9 @@ SHEATH
         let static_run = with(&keys).replace("end = 1.0", "mode = \"static\"");
         let error = prepared(&static_run).unwrap_err();
         assert!(error.contains("a static run has no time"), "{error}");
+        let pushed = with(&format!("{wire}\npushed = [[0, 1]]"));
+        let error = prepared(&pushed.replace("end = 1.0", "mode = \"static\"")).unwrap_err();
+        assert!(error.contains("sheaths.0.pushed"), "{error}");
         let midpoint = "end = 1.0\nscheme = \"implicit-midpoint\"";
         let error = prepared(&with(wire).replace("end = 1.0", midpoint)).unwrap_err();
         assert!(error.contains("backward-differences"), "{error}");
