@@ -51,6 +51,7 @@ mod tests;
 pub mod theory;
 mod ties;
 mod tube_buckling;
+mod tube_coiling;
 mod turning_springs;
 mod vibration;
 mod yielding;

@@ -4,7 +4,7 @@
 use super::friction::{POST_RADIUS, capstan_check, leg_tensions, rope_over_post};
 use super::rods::run_until;
 use super::scenario::built;
-use super::{Check, Expectation, GroupError, sleeve, tube_buckling};
+use super::{Check, Expectation, GroupError, sleeve, tube_buckling, tube_coiling};
 use rodlab_engine::mechanics::Vector3;
 use std::f64::consts::PI;
 use toml::{Table, Value, toml};
@@ -47,6 +47,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     }
     checks.extend(lifted_beam()?);
     checks.extend(tube_buckling::checks()?);
+    checks.extend(tube_coiling::checks()?);
     checks.extend(sleeve::checks()?);
     Ok(checks)
 }
