@@ -7,6 +7,8 @@ use rodlab_files::results::{
 };
 use serde::{Deserialize, Serialize};
 
+const STILL: &str = "nothing moved along the path: give a load a `schedule`, or let a clamp move or turn, over the parameter";
+
 /// A path in progress.
 pub struct PathAtWork {
     /// Finds the points.
@@ -14,6 +16,8 @@ pub struct PathAtWork {
     branches: CsvStream,
     /// Parameters of the points so far.
     pub parameters: Vec<f64>,
+    /// Least and largest displacement at these points, m.
+    displacements: [f64; 2],
 }
 
 /// Part of a checkpoint that belongs to a path of equilibria.
@@ -21,6 +25,7 @@ pub struct PathAtWork {
 pub struct PathCheckpoint {
     tracer: Tracer,
     parameters: Vec<f64>,
+    displacements: [f64; 2],
     /// Progress of `branch.csv`.
     branches: FileMark,
 }
@@ -32,6 +37,7 @@ impl PathAtWork {
             tracer,
             branches: CsvStream::create(&directory.file(BRANCH))?,
             parameters: Vec::new(),
+            displacements: [f64::INFINITY, f64::NEG_INFINITY],
         })
     }
 
@@ -44,6 +50,7 @@ impl PathAtWork {
             tracer: checkpoint.tracer,
             branches: CsvStream::continue_at(&directory.file(BRANCH), &checkpoint.branches)?,
             parameters: checkpoint.parameters,
+            displacements: checkpoint.displacements,
         })
     }
 
@@ -52,6 +59,7 @@ impl PathAtWork {
         Ok(PathCheckpoint {
             tracer: self.tracer.clone(),
             parameters: self.parameters.clone(),
+            displacements: self.displacements,
             branches: self.branches.sync()?,
         })
     }
@@ -67,6 +75,8 @@ impl PathAtWork {
             .write(&row(point, displacement_rms, energies))?;
         self.branches.flush()?;
         self.parameters.push(point.parameter);
+        let [least, largest] = self.displacements;
+        self.displacements = [least.min(displacement_rms), largest.max(displacement_rms)];
         Ok(())
     }
 
@@ -77,7 +87,12 @@ impl PathAtWork {
 
     /// Remarks at the end of the path.
     pub fn remarks(&self) -> Vec<String> {
-        remarks(self.tracer.ended_early())
+        let mut remarks = remarks(self.tracer.ended_early());
+        let [least, largest] = self.displacements;
+        if self.parameters.len() > 1 && least == largest {
+            remarks.push(STILL.to_owned());
+        }
+        remarks
     }
 }
 

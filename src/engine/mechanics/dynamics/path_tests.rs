@@ -39,9 +39,13 @@ fn column() -> Scene {
 
 /// An arch between two walls, pushed down in its middle; it is so shallow that it stays symmetric.
 fn arch() -> Scene {
+    arch_of_height(0.036)
+}
+
+fn arch_of_height(height: f64) -> Scene {
     let node = |k: usize| {
         let s = k as f64 / EDGES as f64;
-        Vector3::new(s, 0.018 * (1.0 - (2.0 * PI * s).cos()), 0.0)
+        Vector3::new(s, 0.5 * height * (1.0 - (2.0 * PI * s).cos()), 0.0)
     };
     Scene {
         rods: vec![rod((0..=EDGES).map(node).collect())],
@@ -180,6 +184,59 @@ fn the_path_of_an_arch_turns_back_at_a_fold_where_it_loses_stability() {
     }
     assert!(points[first - 1].negative == 0 && points[first + 2].negative == 1);
     assert!(points[first + 2].parameter < fold.parameter);
+}
+
+/// The path of a higher arch bifurcates into asymmetric shapes before its fold, and again after it
+/// has snapped. One loop connects the two bifurcations, and at the end the inverted arch is stable.
+#[test]
+fn an_arch_that_snaps_asymmetrically_has_one_closed_branch_and_a_stable_inverted_one() {
+    let to = 200.0;
+    let plan = PathPlan {
+        // The inverted arch stays so until it is pulled back.
+        from: -150.0,
+        ..plan(to, PathMethod::Arclength)
+    };
+    let (points, finished) = follow(&arch_of_height(0.05), plan);
+    assert!(finished);
+    let of_branch = |branch: usize| {
+        let own = points.iter().filter(move |point| point.branch == branch);
+        own.collect::<Vec<_>>()
+    };
+    let first = of_branch(0);
+    let last = first.last().unwrap();
+    assert_eq!((last.parameter, last.negative), (to, 0));
+    assert!(last.unknowns[4 * (EDGES / 2) + 1] < -0.03);
+    // The asymmetric shapes are unstable under a load, and the branch closes.
+    let loop_of_shapes = of_branch(1);
+    let [begin, end] = [
+        &loop_of_shapes[0],
+        &loop_of_shapes[loop_of_shapes.len() - 1],
+    ];
+    let same = (begin.unknowns.iter().zip(&end.unknowns)).all(|(a, b)| (a - b).abs() < 1e-6);
+    assert!(same && begin.parameter == end.parameter);
+    let leans = |point: &PathPoint| {
+        let quarter = [EDGES / 4, EDGES - EDGES / 4].map(|node| point.unknowns[4 * node + 1]);
+        quarter[0] - quarter[1]
+    };
+    let to_either_side = loop_of_shapes.iter().map(|point| leans(point));
+    let [most, least] = [f64::max, f64::min].map(|of| to_either_side.clone().fold(0.0, of));
+    assert!(
+        (most + least).abs() < 0.1 * most && most > 0.01,
+        "{most} {least}"
+    );
+    // It is the only branch there: its other bifurcation is the last one of the path.
+    let other = first
+        .iter()
+        .rfind(|point| point.kind == PointKind::Bifurcation);
+    let passed = other.unwrap().parameter;
+    let starts = points.iter().filter(|point| point.branch > 1);
+    assert!(
+        starts
+            .clone()
+            .all(|point| point.kind != PointKind::Bifurcation || point.parameter != passed)
+    );
+    // Other branches may join the first one, and end there.
+    assert!(starts.count() < 300);
 }
 
 #[test]

@@ -111,6 +111,18 @@ mod tests {
     }
 
     #[test]
+    fn a_path_along_which_nothing_changes_is_reported() {
+        let directory = tempfile::tempdir().unwrap();
+        let mut prepared = column(1000);
+        for load in &mut prepared.scene.loads {
+            load.schedule.clear();
+        }
+        let outcome = run_until(&prepared, &quiet(directory.path()), &|| None).unwrap();
+        let remarks = &outcome.case.remarks;
+        assert!(remarks[0].contains("nothing moved"), "{remarks:?}");
+    }
+
+    #[test]
     fn an_interrupted_search_for_an_equilibrium_starts_again() {
         let directory = tempfile::tempdir().unwrap();
         let text = include_str!("../../../../scenarios/heavy_cantilever.toml");

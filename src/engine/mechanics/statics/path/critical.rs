@@ -114,6 +114,10 @@ impl Tracer {
             for vector in vectors {
                 self.remember(&point, vector);
             }
+            self.crossings.push(Origin {
+                location: point,
+                direction: self.tangent.clone(),
+            });
         }
     }
 

@@ -3,9 +3,11 @@
 //! The path parameter λ replaces time, so that everything that a scene prescribes over time may
 //! drive the path: moving clamps and loads with a schedule. [`Tracer`] follows a path by steps of
 //! λ or of pseudo-arclength (Keller 1977; Riks 1979), finds folds and bifurcations by the inertia
-//! of the Hessian, and switches to the branches that leave there along the null vector.
+//! of the Hessian, and switches to the branches that leave there along the null vector. A branch
+//! that closes is followed once around.
 
 mod bordered;
+mod closing;
 mod critical;
 mod location;
 mod plan;

@@ -19,7 +19,7 @@ const GROWTH: f64 = 1.5;
 const SHORTEST_STEP: f64 = 1e-4;
 /// Smallest cosine between the tangents before and after a step of the arclength. Sharper turns might lead
 /// to another branch.
-const SMALLEST_COSINE: f64 = 0.8;
+pub(super) const SMALLEST_COSINE: f64 = 0.8;
 
 /// Largest distance of a point from its prediction, relative to the step.
 const LARGEST_CORRECTION: f64 = 0.5;
@@ -59,6 +59,10 @@ pub struct Tracer {
     started: bool,
     pub(super) waiting: VecDeque<PathPoint>,
     pub(super) origins: VecDeque<Origin>,
+    /// Bifurcations of the first branch, with its directions there.
+    pub(super) crossings: Vec<Origin>,
+    /// Start of the present branch; `None` on the first.
+    pub(super) start_of_branch: Option<Origin>,
     scratch: Vec<f64>,
 }
 
@@ -90,6 +94,8 @@ impl Tracer {
             started: false,
             waiting: VecDeque::new(),
             origins: VecDeque::new(),
+            crossings: Vec::new(),
+            start_of_branch: None,
             scratch: vec![0.0; unknowns.len()],
             bordered,
             plan,
@@ -115,6 +121,7 @@ impl Tracer {
                 self.branch = self.branches;
                 if self.switch(system, &origin) {
                     self.branches += 1;
+                    self.start_of_branch = Some(origin);
                 } else {
                     self.ended_early.lost += 1;
                 }
@@ -181,6 +188,11 @@ impl Tracer {
                     );
                     if self.iterations <= FEW_ITERATIONS {
                         self.step = (GROWTH * step).min(largest);
+                    }
+                    if let Some(start) = self.close_loops(&here, &next) {
+                        self.arrive(system, start);
+                        self.here = None;
+                        return Ok(());
                     }
                     self.locate_critical_points(system, &here, &before, &next, step);
                     return self.arrive_or_end(system, &here, next);
