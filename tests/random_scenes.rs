@@ -14,7 +14,8 @@
 //! | `filaments` | one rod or two in fluid, from 1 µm to 1 m, 1 mPa s to 1 kPa s, steps over four decades |
 //! | `joined` | two rods or three that share a point of the fluid, with every kind of joint |
 //! | `prescribed` | rods that are held where they touch: in a floor, a tube, a chuck, a root |
-//! | `fed` | rods that are fed out of sheaths, drawn in and turned |
+//! | `fed` | rods that are fed out of sheaths by lengths or forces, drawn in and turned |
+//! | `mechanisms` | rods with tendons, winches and bungees, wires that yield, snakes on scales |
 //! | `units` | scenes of these in other units of length, time and mass |
 //!
 //! One in four impacts has rods that taper and have steps, and one in four has free bodies.
@@ -28,6 +29,7 @@
 mod fed;
 mod fluids;
 mod judged;
+mod mechanisms;
 mod prescribed;
 mod random;
 mod units;
@@ -618,7 +620,7 @@ fn in_other_units(seed: u64) -> (judged::Case, Verdict) {
     (case, verdict)
 }
 
-const FAMILIES: [(&str, Judge); 5] = [
+const FAMILIES: [(&str, Judge); 6] = [
     ("filaments", |seed| {
         by_a_second_scheme(fluids::filament(seed))
     }),
@@ -627,6 +629,9 @@ const FAMILIES: [(&str, Judge); 5] = [
         by_a_second_scheme(prescribed::contact(seed))
     }),
     ("fed", |seed| by_a_second_scheme(fed::rod(seed))),
+    ("mechanisms", |seed| {
+        by_a_second_scheme(mechanisms::rod(seed))
+    }),
     ("units", in_other_units),
 ];
 
@@ -716,6 +721,11 @@ fn random_prescribed_contacts_agree_with_a_second_scheme() {
 #[test]
 fn random_rods_in_sheaths_agree_with_a_second_scheme() {
     assert_right("fed");
+}
+
+#[test]
+fn random_mechanisms_agree_with_a_second_scheme() {
+    assert_right("mechanisms");
 }
 
 #[test]
