@@ -190,7 +190,7 @@ pub enum JointError {
     OwnRing,
     /// A sliding node that is held.
     #[error(
-        "a clamp, or `held`, holds the node of rod `{rod}` that should slide: hold the other rod instead, and let this node move"
+        "a clamp, or `held`, holds the node of rod `{rod}` that should slide: hold the other rod instead, or clamp the other end of a short stiff rod to which this node belongs"
     )]
     HeldSlide {
         /// Name of the rod.
