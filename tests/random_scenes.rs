@@ -209,8 +209,10 @@ impl Case {
             case.free = false;
             text.push_str("[[loads]]\nkind = \"gravity\"\nacceleration = [0, 0, -9.81]\n");
         }
-        let allows_bodies = model != "complementarity" && scheme != "implicit-midpoint";
-        if allows_bodies && seed % SECTIONED == EMBODIED && !FOUND_BROKEN.contains(&seed) {
+        if scheme != "implicit-midpoint"
+            && seed % SECTIONED == EMBODIED
+            && !FOUND_BROKEN.contains(&seed)
+        {
             let (bodies, free) = bodies(&mut Random(!seed), [radius, size, speed]);
             text.push_str(&bodies);
             case.free &= free;

@@ -73,7 +73,6 @@ fn faults_name_the_joint_and_what_is_allowed() {
         slide ["end", "start"]; [[clamps]]; rod = "post"; at = "end" => holds the node of rod `post` that should slide
         spring ["end", "start"]; stiffness = 1; rest_length = "1 cm" => set the rest length to 0
         hinge ["end", "start"]; axis = [0, 1, 0]; [[clamps]]; rod = "boom"; at = "start" => let the clamp hold only the position
-        ball ["end", "start"]; [contact]; model = "complementarity" => `imc` or `ipc`
     "#;
     let of_one_joint = cases(table).map(|(text, expected)| {
         let (head, keys) = text.split_once('\n').unwrap_or((&text, ""));
@@ -113,6 +112,19 @@ fn a_scheme_that_extrapolates_from_the_middle_is_refused_beside_frames() {
     assert!(error.contains("springs that turn rods"), "{error}");
     for kind in ["\"ball\"", "\"slide\"", "\"spring\"\nstiffness = 1"] {
         loaded("rods", &text.replace("\"rigid\"", kind)).unwrap();
+    }
+}
+
+#[test]
+fn contact_by_complementarity_supports_every_joint() {
+    let hinge = joint("hinge", "[\"end\", \"start\"]") + "axis = [0, 1, 0]\n";
+    let others = ["ball", "rigid", "slide"].map(|kind| joint(kind, "[\"end\", \"start\"]"));
+    for joint in others.into_iter().chain([hinge]) {
+        let text = format!(
+            "{RODS}{joint}[contact]\nmodel = \"complementarity\"\n\
+             [time]\nscheme = \"implicit-euler\"\nend = 1.0\n"
+        );
+        simulation("rods", &text).unwrap();
     }
 }
 

@@ -25,7 +25,7 @@ use crate::mechanics::rotation::inverse_left_jacobian;
 /// bodies in the fixed frame.
 pub(crate) const SPUN: usize = 18;
 /// Where the rotations begin.
-const TURNS: usize = 12;
+pub(super) const TURNS: usize = 12;
 
 /// Derivative of forces and moments with respect to these unknowns.
 pub(crate) type SpunJacobian = [[f64; SPUN]; SPUN];
@@ -98,9 +98,9 @@ impl BodyTurns {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spin {
     /// The bodies on both sides, where they are free.
-    bodies: [Option<usize>; 2],
+    pub bodies: [Option<usize>; 2],
     /// h, m; 0 for others.
-    arms: [f64; 2],
+    pub arms: [f64; 2],
     /// θ, rad.
     turns: [Vector3; 2],
     /// Changes of θ since the last linearisation, rad.

@@ -14,6 +14,7 @@ use super::contacts::{
     ActiveContact, Bodies, CandidatePair, ContactConstraint, EdgeJacobian, PlaneContact,
 };
 use super::distance::{DistanceDerivatives, WEIGHT_RATES};
+use super::evaluation::Motion;
 use super::levers::Levers;
 use super::nearest_points::{NearestPoints, separation};
 use super::normal_law::NormalLaw;
@@ -265,40 +266,61 @@ impl ContactSystem {
         std::mem::take(&mut self.constraints)
     }
 
-    /// Writes the forces of the loaded constraints as contacts, with the gaps at `positions`.
-    pub(super) fn evaluate_constraints(&mut self, positions: &[Vector3]) {
-        let loaded = |one: &&ContactConstraint| one.force != Vector3::zeros();
-        for constraint in self.constraints.iter().filter(loaded) {
+    /// Writes the forces of the loaded constraints as contacts, with the gaps at the present
+    /// positions.
+    pub(super) fn evaluate_constraints(&mut self, motion: Motion) {
+        let positions = motion.positions;
+        for index in 0..self.constraints.len() {
+            let constraint = self.constraints[index];
+            if constraint.force == Vector3::zeros() {
+                continue;
+            }
             let ContactConstraint {
                 nodes,
                 weights,
                 force,
                 threshold,
                 ..
-            } = *constraint;
+            } = constraint;
             let normal_force = force.dot(&constraint.normal);
             let traction = force / normal_force - constraint.normal;
+            let turns = self.turns_at(&constraint, positions, motion.previous);
+            if self.has_bodies() {
+                let spun = match constraint.bodies {
+                    Bodies::Edges(_) => &mut self.spun,
+                    Bodies::Plane(_) => &mut self.plane_spun,
+                };
+                spun.push(turns.as_ref().map(|turns| turns.contact(&force)));
+            }
             let tractions = match constraint.bodies {
                 Bodies::Edges(_) => &mut self.tractions,
                 Bodies::Plane(_) => &mut self.plane_tractions,
             };
             tractions.push(traction);
             match constraint.bodies {
-                Bodies::Edges(candidate) => self.contacts.push(ActiveContact {
-                    candidate,
-                    nodes,
-                    distance: separation(
-                        &self.surface,
-                        &self.candidates.pairs()[candidate],
-                        &self.obstacles.points(positions),
-                    )
-                    .unwrap_or(f64::INFINITY),
-                    threshold,
-                    normal: constraint.normal,
-                    normal_force,
-                    force: std::array::from_fn(|row| weights[row / 3] * force[row % 3]),
-                    first_body: self.candidates.pairs()[candidate].first_body(),
-                }),
+                Bodies::Edges(candidate) => {
+                    let mut force = std::array::from_fn(|row| weights[row / 3] * force[row % 3]);
+                    if let Some(turns) = &turns {
+                        let couples = turns.couples(&constraint.force);
+                        let pairs = force.iter_mut().zip(couples);
+                        pairs.for_each(|(own, couple)| *own += couple);
+                    }
+                    self.contacts.push(ActiveContact {
+                        candidate,
+                        nodes,
+                        distance: separation(
+                            &self.surface,
+                            &self.candidates.pairs()[candidate],
+                            &self.obstacles.points(positions),
+                        )
+                        .unwrap_or(f64::INFINITY),
+                        threshold,
+                        normal: constraint.normal,
+                        normal_force,
+                        force,
+                        first_body: self.candidates.pairs()[candidate].first_body(),
+                    });
+                }
                 Bodies::Plane(plane) => self.plane_contacts.push(PlaneContact {
                     node: nodes[0],
                     plane,

@@ -84,7 +84,7 @@ pub struct CandidatePair {
 
 impl CandidatePair {
     /// Number of nodes that belong to the first body.
-    pub(super) fn first_body(&self) -> usize {
+    pub(crate) fn first_body(&self) -> usize {
         match self.side {
             EDGE | TUBE => 2,
             RIM_NODE => 1,

@@ -126,7 +126,7 @@ impl ContactSystem {
             return self.evaluate_active_laws(motion, with_jacobians);
         }
         if self.parameters.is_complementarity() {
-            return self.evaluate_constraints(positions);
+            return self.evaluate_constraints(motion);
         }
         self.evaluate_pairs(motion, with_jacobians);
         self.evaluate_planes(motion, with_jacobians);

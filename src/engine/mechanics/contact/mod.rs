@@ -25,6 +25,7 @@
 //! | `curve_points`, `nodes_and_points` | contact points on smooth curves through the nodes |
 //! | `coupled_pairs` | pairs for which the Newton system has room |
 //! | `constraints` | contacts as constraints, whose forces are found by complementarity (thesis 3.3) |
+//! | `constraint_turns` | rotations of free bodies at them |
 //! | `active_law`, `active_set` | the same near a solution, as laws for its derivatives |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `directed_friction` | the same with coefficients along and across a rod, on planes |
@@ -52,6 +53,7 @@ mod broad_phase;
 mod candidates;
 mod certificate;
 mod closest_points;
+mod constraint_turns;
 mod constraints;
 mod contact_system;
 mod contacts;
@@ -111,6 +113,7 @@ mod turning;
 pub(crate) use active_law::ActiveLaw;
 pub(crate) use body_turns::{SPUN, SpunContact, SpunJacobian};
 pub(crate) use closest_points::edge_distance;
+pub(crate) use constraint_turns::ConstraintTurns;
 pub use contact_system::ContactSystem;
 pub use contacts::{
     ActiveContact, CandidatePair, ConstraintPlace, ContactConstraint, ContactPair, EdgeJacobian,

@@ -10,13 +10,13 @@ use crate::mechanics::test_support::{
 };
 use crate::mechanics::{UnitQuaternion, Vector3};
 
-const GRAVITY: f64 = 9.81;
+pub(super) const GRAVITY: f64 = 9.81;
 const DENSITY: f64 = 500.0;
 const ROUNDING: f64 = 1e-3;
-const TOLERANCE: f64 = 1e-5;
+pub(super) const TOLERANCE: f64 = 1e-5;
 
 /// A uniform box of three sides, m.
-fn cuboid(name: &str, centre: Vector3, sides: [f64; 3]) -> FreeBody {
+pub(super) fn cuboid(name: &str, centre: Vector3, sides: [f64; 3]) -> FreeBody {
     let mass = DENSITY * sides.iter().product::<f64>();
     let squares: f64 = sides.iter().map(|side| side * side).sum();
     let axes = UnitQuaternion::identity();
@@ -117,7 +117,7 @@ fn a_checkpoint_of_free_bodies_is_exact() {
 }
 
 /// A box on the ground, which is tilted by an angle (rad) about y by a tilt of gravity.
-fn on_incline(model: ContactModel, sides: [f64; 3], friction: f64, angle: f64) -> Scene {
+pub(super) fn on_incline(model: ContactModel, sides: [f64; 3], friction: f64, angle: f64) -> Scene {
     let centre = Vector3::z() * (0.5 * sides[2] + 0.5 * TOLERANCE);
     let down = Vector3::new(angle.sin(), 0.0, -angle.cos());
     Scene {
@@ -145,7 +145,7 @@ fn a_box_slides_down_an_incline_with_the_acceleration_of_coulomb() {
 }
 
 /// Acceleration along the incline between 0.1 and 0.3 s, m/s².
-fn acceleration(scene: &Scene, scheme: Scheme, step: f64) -> f64 {
+pub(super) fn acceleration(scene: &Scene, scheme: Scheme, step: f64) -> f64 {
     let mut simulation = run(scene, scheme, step, 0.1);
     let before = simulation.velocities()[0].x;
     advance_to(&mut simulation, 0.3);

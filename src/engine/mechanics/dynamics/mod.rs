@@ -74,6 +74,8 @@ mod ball_tests;
 #[cfg(test)]
 mod barrier_tests;
 #[cfg(test)]
+mod body_rigid_contact_tests;
+#[cfg(test)]
 mod breaking_tests;
 #[cfg(test)]
 mod complementarity_tests;
@@ -99,6 +101,8 @@ mod inertia_tests;
 mod intervene_tests;
 #[cfg(test)]
 mod joined_body_tests;
+#[cfg(test)]
+mod joined_rigid_contact_tests;
 #[cfg(test)]
 mod joint_start_tests;
 #[cfg(test)]

@@ -359,13 +359,14 @@ impl Workspace {
     /// Predicts a motion of the prescribed unknowns only. If rods move farther than their radius
     /// within a step, the usual prediction compresses them so much that the linearised step has no
     /// solution: its matrix is indefinite.
-    fn predict_rest(&mut self, system: &System, state: &State) {
+    fn predict_rest(&mut self, system: &mut System, state: &State) {
         let held = &system.assembly.held;
         for (k, unknown) in self.trial.unknowns.iter_mut().enumerate() {
             if !held[k] {
                 *unknown = state.unknowns[k];
             }
         }
+        system.complete(&mut self.trial.unknowns);
     }
 
     /// Extrapolates from the solution of the stage, the middle of the step, to its end.

@@ -89,6 +89,39 @@ impl AttachedNodes {
         }
     }
 
+    /// Moves the vertices with their bodies.
+    pub(crate) fn spread(&self, moves: &mut [f64]) {
+        for (node, body) in self.bodies_of.iter().enumerate() {
+            let Some(body) = *body else {
+                continue;
+            };
+            let [x, y, z, ..] = self.bodies[body].unknowns;
+            let centre = Vector3::new(moves[x], moves[y], moves[z]);
+            let moved = centre + self.turn_of(body, moves).cross(&self.arms[node]);
+            moves[STRIDE * node..STRIDE * node + 3].copy_from_slice(moved.as_slice());
+        }
+    }
+
+    /// Rotation of a body, in the fixed frame, for moves of the unknowns, rad.
+    pub(crate) fn turn_of(&self, body: usize, moves: &[f64]) -> Vector3 {
+        let own = &self.bodies[body];
+        let turns = own.unknowns[3..].iter().enumerate();
+        turns
+            .filter(|(_, unknown)| **unknown != UNUSED)
+            .map(|(k, unknown)| own.rates.column(k) * moves[*unknown])
+            .sum()
+    }
+
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
+    /// Whether a node is a vertex of a body.
+    pub(crate) fn contains(&self, node: usize) -> bool {
+        self.body_of(node).is_some()
+    }
+
     /// The body of which a node is a vertex.
     fn body_of(&self, node: usize) -> Option<usize> {
         self.bodies_of.get(node).copied().flatten()

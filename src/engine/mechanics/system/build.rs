@@ -501,9 +501,9 @@ impl Assembly {
     }
 
     /// Whether an index belongs to a node whose position is not prescribed. Vertices of obstacles
-    /// have larger indices.
+    /// have larger indices, as places of frames and slides do among the unknowns.
     pub(crate) fn is_free(&self, node: usize) -> bool {
-        self.held.get(STRIDE * node) == Some(&false)
+        node < self.rods.nodes && !self.held[STRIDE * node]
     }
 
     /// Node of a vertex.

@@ -31,6 +31,11 @@
 //! forces would move no node farther than the displacement tolerance. Contact points and
 //! directions are then those of the end of the step.
 //!
+//! **Joints and bodies.** Forces on nodes with dependent positions act on the unknowns that
+//! determine these (`linear`, `attached`). At free bodies, gaps and slips contain the
+//! rotation of the bodies (`contact::constraint_turns`). The derivatives at sliding nodes and at
+//! free bodies depend on the forces there: A contains those of the last pass.
+//!
 //! **Guarantees.** No creep in sticking; sliding exactly at μ; contact forces in balance; no
 //! restitution. Gaps are never below zero by more than the square of that tolerance over the edge
 //! length.
@@ -41,11 +46,12 @@
 //! contact problem counts as failed and is halved, too. The distribution of the force over
 //! redundant contacts depends on the start of the iteration.
 
-use super::rigid_contact::{ForceSearch, Moves, RigidContact, State};
+use super::constraint_matrix::ConstraintMatrix;
+use super::rigid_contact::{ForceSearch, Moves, RigidContact};
 use super::{Stage, System, copy_positions};
 use crate::linalg::{ElementMatrix, SingularMatrix};
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::{ContactConstraint, ContactSystem};
+use crate::mechanics::contact::{ConstraintTurns, ContactConstraint, ContactSystem};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::{motion_of, position};
 
@@ -100,6 +106,14 @@ impl System {
         search: &mut ForceSearch,
         radius: f64,
     ) -> Result<f64, NoContactForces> {
+        // The derivatives at a sliding node contain the force on it, and so does the choice
+        // whether a stop holds it; those at a free body contain the forces on its vertices. The
+        // forces of the last pass act there.
+        let joints = &self.assembly.joints;
+        let carries = !joints.slides.is_empty() || !self.matrix.attached().is_empty();
+        if carries {
+            self.linearize(unknowns, Some(stage));
+        }
         let Some(mut contact) = self.terms.contact.model.take() else {
             return Ok(0.0);
         };
@@ -107,6 +121,11 @@ impl System {
         let found = if contact.candidates().is_empty() && !self.terms.contact.has_planes {
             Ok(0.0)
         } else {
+            if carries {
+                self.remove_from_residual(&contact, &earlier, stage);
+            } else {
+                self.linearize(unknowns, Some(stage));
+            }
             self.load_constraints(&mut contact, &earlier, unknowns, stage, search, radius)
         };
         self.terms.contact.model = Some(contact);
@@ -115,15 +134,39 @@ impl System {
 
     /// Adds the last correction of [`Self::find_contact_forces`] to the unknowns, scaled down so
     /// that no position moves farther than `farthest`, m.
-    pub(crate) fn take_correction(&self, unknowns: &mut [f64], farthest: f64) {
+    pub(crate) fn take_correction(&mut self, unknowns: &mut [f64], farthest: f64) {
         let part = (farthest / largest_move(&self.terms.contact.correction)).min(1.0);
         for (own, correction) in unknowns.iter_mut().zip(&self.terms.contact.correction) {
             *own += part * correction;
         }
+        self.complete(unknowns);
     }
 
-    /// Lists the constraints of `contact`, which was taken out of the system, and applies their
-    /// forces; returns the largest move of a node by all forces, m.
+    /// Removes the forces of constraints of `contact` from the residual of the last evaluation, the
+    /// positions of which contact has.
+    fn remove_from_residual(
+        &mut self,
+        contact: &ContactSystem,
+        constraints: &[ContactConstraint],
+        stage: &Stage,
+    ) {
+        let mut forces = std::mem::take(&mut self.terms.contact.correction);
+        forces.clear();
+        forces.resize(self.residual.len(), 0.0);
+        for constraint in constraints {
+            let turns = self.turns_at(contact, constraint, stage);
+            self.push(constraint, turns.as_ref(), &constraint.force, &mut forces);
+        }
+        self.matrix.attached().gather(&mut forces);
+        self.assembly.joints.gather(&mut forces);
+        for (residual, force) in self.residual.iter_mut().zip(&forces) {
+            *residual += force;
+        }
+        self.terms.contact.correction = forces;
+    }
+
+    /// Lists the constraints of `contact`, which was taken out of the linearised system, and applies
+    /// their forces; returns the largest move of a node by all forces, m.
     fn load_constraints(
         &mut self,
         contact: &mut ContactSystem,
@@ -133,7 +176,6 @@ impl System {
         search: &mut ForceSearch,
         radius: f64,
     ) -> Result<f64, NoContactForces> {
-        self.linearize(unknowns, Some(stage));
         self.matrix.expect_contacts(contact);
         self.factor()?;
         let mut correction = std::mem::take(&mut self.terms.contact.correction);
@@ -145,9 +187,11 @@ impl System {
         contact.list_constraints(&self.terms.contact.positions, &motions, 0.0, earlier);
         self.free_forces(&mut correction);
         for constraint in contact.constraints() {
-            self.push(constraint, &constraint.force, &mut correction);
+            let turns = self.turns_at(contact, constraint, stage);
+            let force = &constraint.force;
+            self.push(constraint, turns.as_ref(), force, &mut correction);
         }
-        self.matrix.solve(&mut correction)?;
+        self.solve_with_bodies(&mut correction)?;
         copy_positions(&correction, &mut motions);
         contact.list_constraints(&self.terms.contact.positions, &motions, 0.0, earlier);
         if contact.couple_constraints() {
@@ -181,15 +225,18 @@ impl System {
         search: &mut ForceSearch,
         radius: f64,
     ) -> Result<(Vec<Vector3>, bool), NoContactForces> {
-        let mut contacts: Vec<RigidContact> = contact
-            .constraints()
-            .iter()
-            .map(|constraint| {
-                let slid = constraint.relative_motion(|node| self.slid(contact, node, stage));
+        let constraints = contact.constraints();
+        let turns_at = |constraint| self.turns_at(contact, constraint, stage);
+        let turns_of: Vec<Option<ConstraintTurns>> = constraints.iter().map(turns_at).collect();
+        let mut contacts: Vec<RigidContact> = (constraints.iter().zip(&turns_of))
+            .map(|(constraint, turns)| {
+                let mut slid = constraint.relative_motion(|node| self.slid(contact, node, stage));
+                if let Some(turns) = turns {
+                    slid += turns.slid();
+                }
                 RigidContact::new(constraint, slid, self.inertia_at(constraint, stage))
             })
             .collect();
-        let constraints = contact.constraints();
         let turning_of = |constraint| contact.turning(constraint, &self.terms.contact.positions);
         let turning: Vec<ElementMatrix> = if turns {
             constraints.iter().map(turning_of).collect()
@@ -200,25 +247,39 @@ impl System {
         let solved = search.find(&mut contacts, negligible, |states| {
             let laws = constraints.iter().zip(states).enumerate();
             let matrices = laws.map(|(index, (constraint, state))| {
+                let turning = turning.get(index);
+                if let Some(turns) = &turns_of[index] {
+                    let jacobian = turns.jacobian(constraint, &state.stiffness, turning);
+                    let matrix = ConstraintMatrix::OfBodies(turns.bodies(), jacobian);
+                    return (constraint.place(), matrix);
+                }
                 let mut matrix = state.matrix(constraint);
-                let turning = turning.get(index).map_or(&[][..], |one| one.as_flattened());
+                let turning = turning.map_or(&[][..], |one| one.as_flattened());
                 for (entry, turn) in matrix.as_flattened_mut().iter_mut().zip(turning) {
                     *entry -= turn;
                 }
-                (constraint.place(), matrix)
+                (constraint.place(), ConstraintMatrix::OfNodes(matrix))
             });
             self.matrix.set_constraints(contact, matrices);
             self.factor()?;
-            self.correct_by(constraints, states, correction);
-            self.matrix.solve(correction)?;
+            self.free_forces(correction);
+            for ((constraint, turns), state) in constraints.iter().zip(&turns_of).zip(states) {
+                self.push(constraint, turns.as_ref(), &state.force, correction);
+            }
+            self.solve_with_bodies(correction)?;
             if correction.iter().any(|entry| !entry.is_finite()) {
                 return Err(NoContactForces::Unsolved);
             }
-            let moved = |constraint: &ContactConstraint| {
-                constraint.relative_motion(|node| motion_of(correction, node))
+            let of_nodes = &correction[..STRIDE * self.assembly.rods.nodes];
+            let of_node = |node: usize| motion_of(of_nodes, node);
+            let attached = self.matrix.attached();
+            let of_body = |body: usize| attached.turn_of(body, correction);
+            let moved = |(constraint, turns): (&ContactConstraint, &Option<ConstraintTurns>)| {
+                let along = turns.as_ref().map(|turns| turns.moved(of_node, of_body));
+                constraint.relative_motion(of_node) + along.unwrap_or_default()
             };
             Ok(Moves {
-                contacts: constraints.iter().map(moved).collect(),
+                contacts: constraints.iter().zip(&turns_of).map(moved).collect(),
                 farthest: largest_move(correction) / radius,
             })
         })?;
@@ -237,24 +298,41 @@ impl System {
     /// Inertia ρ of the contact points of a constraint within the step, N/m.
     fn inertia_at(&self, constraint: &ContactConstraint, stage: &Stage) -> f64 {
         let square = stage.step * stage.acceleration_step;
+        let of_node = |node: usize, weight: f64| {
+            if self.matrix.attached().contains(node) {
+                weight * weight * self.terms.contact.mobilities[node]
+            } else {
+                weight * weight * square / self.assembly.mass_at(node)
+            }
+        };
         let mobility: f64 = (constraint.nodes.iter().zip(constraint.weights))
-            .filter(|(node, _)| self.assembly.is_free(**node))
-            .map(|(&node, weight)| weight * weight * square / self.assembly.masses[STRIDE * node])
+            .filter(|(node, _)| self.moves(**node))
+            .map(|(&node, weight)| of_node(node, weight))
             .sum();
         if mobility > 0.0 { 1.0 / mobility } else { 1.0 }
     }
 
-    /// Writes −R with the constant part of the contact forces into `correction`.
-    fn correct_by(
+    /// Rotations at a constraint, at the positions of contact.
+    fn turns_at(
         &self,
-        constraints: &[ContactConstraint],
-        states: &[State],
-        correction: &mut [f64],
-    ) {
-        self.free_forces(correction);
-        for (constraint, state) in constraints.iter().zip(states) {
-            self.push(constraint, &state.force, correction);
-        }
+        contact: &ContactSystem,
+        constraint: &ContactConstraint,
+        stage: &Stage,
+    ) -> Option<ConstraintTurns> {
+        contact.turns_at(constraint, &self.terms.contact.positions, &stage.positions)
+    }
+
+    /// Solves for the motion under forces on all nodes, with the vertices of free bodies.
+    fn solve_with_bodies(&mut self, motion: &mut [f64]) -> Result<(), SingularMatrix> {
+        self.matrix.attached().gather(motion);
+        self.solve(motion)?;
+        self.matrix.attached().spread(motion);
+        Ok(())
+    }
+
+    /// Whether a node moves, freely or with a free body.
+    fn moves(&self, node: usize) -> bool {
+        self.assembly.is_free(node) || self.matrix.attached().contains(node)
     }
 
     /// Writes −R.
@@ -265,13 +343,38 @@ impl System {
         }
     }
 
-    /// Adds a force (N) at a contact to the forces on the unknowns.
-    fn push(&self, constraint: &ContactConstraint, force: &Vector3, forces: &mut [f64]) {
+    /// Adds a force (N) at a contact with rotations `turns` to the forces on nodes and bodies.
+    fn push(
+        &self,
+        constraint: &ContactConstraint,
+        turns: Option<&ConstraintTurns>,
+        force: &Vector3,
+        forces: &mut [f64],
+    ) {
         for (&node, weight) in constraint.nodes.iter().zip(constraint.weights) {
-            if self.assembly.is_free(node) {
+            if self.moves(node) {
                 for axis in 0..3 {
                     forces[STRIDE * node + axis] += weight * force[axis];
                 }
+            }
+        }
+        let Some(turns) = turns else {
+            return;
+        };
+        for (&node, couple) in constraint
+            .nodes
+            .iter()
+            .zip(turns.couples(force).as_chunks::<3>().0)
+        {
+            if self.moves(node) {
+                for axis in 0..3 {
+                    forces[STRIDE * node + axis] += couple[axis];
+                }
+            }
+        }
+        for (body, moment) in turns.moments(force) {
+            if let Some(body) = body {
+                self.matrix.attached().add_moment(body, &moment, forces);
             }
         }
     }

@@ -51,6 +51,13 @@ impl Assembly {
         Ok(())
     }
 
+    /// Mass that moves with a node, kg: with a joint, that of all nodes at its point.
+    pub(super) fn mass_at(&self, node: usize) -> f64 {
+        let own = self.masses[STRIDE * node];
+        let others = self.joints.others_at(node);
+        others.fold(own, |sum, other| sum + self.masses[STRIDE * other])
+    }
+
     /// Index of a node among those of all rods.
     pub(super) fn number(&self, at: &RodNode) -> usize {
         self.rods.rods[at.rod].first_node + at.node

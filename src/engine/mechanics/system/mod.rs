@@ -22,6 +22,7 @@ mod build;
 mod centreline;
 mod clamps;
 mod complementarity;
+mod constraint_matrix;
 mod contact;
 mod contact_prediction;
 mod contact_response;

@@ -2,13 +2,14 @@
 //! distant nodes, and their factorisation.
 
 use super::attached::AttachedNodes;
+use super::constraint_matrix::ConstraintMatrix;
 use super::curve_elements::CurveElements;
 use super::turned_elements::{TurnedElements, matrices_of};
 use super::whole_matrix::WholeMatrix;
 use super::{Assembly, Stage};
 use crate::linalg::{
     BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, HALF_BANDWIDTH, Inertia,
-    SharedUnknown, SingularMatrix, UNUSED,
+    SharedUnknown, SingularMatrix,
 };
 use crate::mechanics::Matrix3;
 use crate::mechanics::contact::{CandidatePair, ConstraintPlace, ContactSystem, TurnedBodies};
@@ -64,6 +65,8 @@ pub(crate) struct NewtonMatrix {
     lists_nodes: bool,
     uses_band: bool,
     spin_moment: Vec<f64>,
+    /// Unknowns isolated since the last linearisation, with their diagonal entries.
+    isolated: Vec<(usize, f64)>,
 }
 
 /// Target to which a term adds its part of the Jacobian.
@@ -132,6 +135,7 @@ impl NewtonMatrix {
             lists_nodes,
             uses_band: true,
             spin_moment: vec![0.0; assembly.rods.nodes + assembly.rods.ghosts],
+            isolated: Vec::new(),
         }
     }
 
@@ -150,6 +154,7 @@ impl NewtonMatrix {
 
     pub(crate) fn clear(&mut self) {
         self.band.clear();
+        self.isolated.clear();
         self.permanent_matrices.fill(ZERO);
         self.active.clear();
     }
@@ -286,11 +291,12 @@ impl NewtonMatrix {
     pub(crate) fn set_constraints(
         &mut self,
         contact: &ContactSystem,
-        matrices: impl Iterator<Item = (ConstraintPlace, ElementMatrix)>,
+        matrices: impl Iterator<Item = (ConstraintPlace, ConstraintMatrix)>,
     ) {
         self.update_elements(contact);
         let first = self.permanent.len();
         let (elements, first_node) = (&self.candidate_elements, self.first_node_element);
+        let attached = &self.attached;
         self.active.clear();
         self.active.extend(matrices.map(|(place, matrix)| {
             let index = match place {
@@ -299,6 +305,7 @@ impl NewtonMatrix {
                 }
                 ConstraintPlace::Node(node) => first_node + node,
             };
+            let matrix = matrix.over_unknowns(attached, contact, place);
             (first + index, matrix)
         }));
         self.expect_contacts(contact);
@@ -440,9 +447,14 @@ impl NewtonMatrix {
     }
 
     /// Replaces the row and column of an unknown that is eliminated in another way by those of the
-    /// unit matrix; returns its former diagonal entry.
+    /// unit matrix; returns its diagonal entry in the last linearisation.
     pub(crate) fn isolate(&mut self, unknown: usize) -> f64 {
+        let mut isolated = self.isolated.iter();
+        if let Some((_, diagonal)) = isolated.find(|(other, _)| *other == unknown) {
+            return *diagonal;
+        }
         let diagonal = self.band.get(unknown, unknown);
+        self.isolated.push((unknown, diagonal));
         self.band.hold(unknown);
         diagonal
     }
@@ -553,45 +565,8 @@ impl NewtonMatrix {
         self.solve(right_hand_side)
     }
 
+    /// The Jacobian over the free unknowns as a dense matrix.
     pub(crate) fn to_dense(&self) -> nalgebra::DMatrix<f64> {
-        let n = self.band.dimension();
-        let mut owners: Vec<usize> = (0..n).collect();
-        for one in &self.shared {
-            owners[one.unknown] = one.owner;
-        }
-        let gone = |k: usize| self.held[k] || owners[k] != k;
-        let mut dense = nalgebra::DMatrix::zeros(n, n);
-        for i in 0..n {
-            for j in 0..n {
-                let (a, b) = (owners[i], owners[j]);
-                if !self.held[a] && !self.held[b] {
-                    dense[(a, b)] += self.band.get(i, j);
-                }
-            }
-        }
-        let closing = self.permanent.iter().zip(&self.permanent_matrices);
-        let contacts = self.active.iter().filter_map(|(index, matrix)| {
-            self.contact_elements
-                .get(index.checked_sub(self.permanent.len())?)
-                .map(|element| (element, matrix))
-        });
-        for (element, matrix) in closing.chain(contacts) {
-            for i in 0..12 {
-                for j in 0..12 {
-                    let (a, b) = (element[i], element[j]);
-                    if a == UNUSED || b == UNUSED {
-                        continue;
-                    }
-                    let (a, b) = (owners[a], owners[b]);
-                    if !self.held[a] && !self.held[b] {
-                        dense[(a, b)] += matrix[i][j];
-                    }
-                }
-            }
-        }
-        for k in (0..n).filter(|&k| gone(k)) {
-            dense[(k, k)] = 1.0;
-        }
-        dense
+        self.whole().to_dense(&self.held, &self.shared)
     }
 }

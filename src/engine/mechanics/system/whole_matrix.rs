@@ -1,6 +1,6 @@
 //! The Jacobian before unknowns are held.
 
-use crate::linalg::{BandedSymmetric, Element, ElementMatrix, UNUSED};
+use crate::linalg::{BandedSymmetric, Element, ElementMatrix, SharedUnknown, UNUSED};
 
 /// A Jacobian with the rows of held unknowns, which give the change of the reactions.
 pub(crate) struct WholeMatrix {
@@ -21,5 +21,47 @@ impl WholeMatrix {
             }
         }
         product
+    }
+
+    /// The Jacobian over the free unknowns as a dense matrix: rows and columns of `shared` unknowns
+    /// belong to their owners, and those that are `held` have unit diagonals.
+    pub(super) fn to_dense(
+        &self,
+        held: &[bool],
+        shared: &[SharedUnknown],
+    ) -> nalgebra::DMatrix<f64> {
+        let n = self.band.dimension();
+        let mut owners: Vec<usize> = (0..n).collect();
+        for one in shared {
+            owners[one.unknown] = one.owner;
+        }
+        let gone = |k: usize| held[k] || owners[k] != k;
+        let mut dense = nalgebra::DMatrix::zeros(n, n);
+        for i in 0..n {
+            for j in 0..n {
+                let (a, b) = (owners[i], owners[j]);
+                if !held[a] && !held[b] {
+                    dense[(a, b)] += self.band.get(i, j);
+                }
+            }
+        }
+        for (element, matrix) in &self.elements {
+            for i in 0..12 {
+                for j in 0..12 {
+                    let (a, b) = (element[i], element[j]);
+                    if a == UNUSED || b == UNUSED {
+                        continue;
+                    }
+                    let (a, b) = (owners[a], owners[b]);
+                    if !held[a] && !held[b] {
+                        dense[(a, b)] += matrix[i][j];
+                    }
+                }
+            }
+        }
+        for k in (0..n).filter(|&k| gone(k)) {
+            dense[(k, k)] = 1.0;
+        }
+        dense
     }
 }

@@ -6,7 +6,7 @@ use super::comparison::{Course, SCHEMES, check_at, check_shares, course};
 use super::contact_tests::against_forward;
 use crate::mechanics::dynamics::Scheme;
 use crate::mechanics::dynamics::sensitivity::joint_tests::{
-    arms, breakable, breaking, sliding, sprung, tumbling,
+    arms, breakable, breaking, pulled_pieces, sliding, sprung, tumbling,
 };
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::{JointKind, Relaxation, Scene};
@@ -127,5 +127,18 @@ fn a_bead_that_slides_along_a_rod() {
             &sliding(),
             share,
         );
+    }
+}
+
+/// Contacts that stick and slide; the active set of a step is that of the run.
+#[test]
+fn joined_rods_pulled_over_the_ground_by_complementarity() {
+    for kind in [JointKind::Ball, JointKind::Rigid] {
+        let scene = pulled_pieces(kind);
+        let course = course(Scheme::ImplicitEuler);
+        let error = against_forward(&course, &scene, at(1, 2), 1e-7);
+        println!("pulled {kind:?} against the forward mode: {error:.1e}");
+        assert!(error < 1e-5, "{kind:?}: {error:e}");
+        check_at([7], 1e-5, "pulled", &course, &scene, 0.02);
     }
 }

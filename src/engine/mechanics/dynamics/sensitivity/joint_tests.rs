@@ -2,12 +2,14 @@
 
 use super::tests::{AT_SWITCHES, Bounds, Change, Course, EXACT, OF_RODS, REST, WEAK, check_all};
 use crate::mechanics::Vector3;
+use crate::mechanics::contact::ContactModel;
 use crate::mechanics::dynamics::Scheme;
 use crate::mechanics::scene::{
     HingeSpring, JointKind, NaturalShape, RodDescription, Scene, Strength,
 };
 use crate::mechanics::test_support::{
-    at, body, clamp, curved, gravity, hinge, joint, line, point_force, section, sprung_hinge,
+    at, body, clamp, curved, gravity, hinge, joint, line, point_force, pulled, section,
+    sprung_hinge,
 };
 
 /// Schemes for scenes with frames that turn.
@@ -42,6 +44,21 @@ pub(in crate::mechanics::dynamics) fn arms(kind: JointKind) -> Scene {
         loads: vec![gravity(2.0), point_force(1, 1, Vector3::z() * 2e-3)],
         ..Scene::default()
     }
+}
+
+/// A rod of two joined pieces with a body, which is pulled over the ground by one end, with contact
+/// by complementarity.
+pub(in crate::mechanics::dynamics) fn pulled_pieces(kind: JointKind) -> Scene {
+    let mut scene = pulled(ContactModel::Complementarity);
+    let mut second = scene.rods[0].clone();
+    second.name = "second".into();
+    second.centreline.drain(..5);
+    scene.rods[0].centreline.truncate(6);
+    scene.rods.push(second);
+    scene.joints = vec![joint("middle", [at(0, 5), at(1, 0)], kind)];
+    scene.bodies = vec![body("load", at(1, 2), 5e-3, Some([2e-7, 3e-7, 4e-7]))];
+    scene.loads.truncate(1);
+    scene
 }
 
 const OF_BODIES: [Change; 3] = [
@@ -223,5 +240,29 @@ fn a_bead_that_slides_along_a_rod() {
     ] {
         let course = Course::moves(scheme, 2e-3, steps);
         check_all(&course, &scene, &OF_RODS[..2], &bounds);
+    }
+}
+
+#[test]
+fn joined_rods_that_stick_and_slide_by_complementarity() {
+    let changes: [Change; 3] = [
+        ("friction", |scene, factor| {
+            scene.contact.as_mut().unwrap().friction *= factor;
+        }),
+        ("EI", |scene, factor| {
+            scene.rods[0].stiffness.bending = [1e-3 * factor, 2.5e-3 * factor];
+        }),
+        ("mass of a body", |scene, factor| {
+            scene.bodies[0].mass *= factor;
+        }),
+    ];
+    let rigid = Bounds {
+        motion: 1e-5,
+        reactions: 1e-5,
+        ..AT_SWITCHES
+    };
+    let course = Course::moves(Scheme::ImplicitEuler, 2e-3, 30);
+    for kind in [JointKind::Ball, hinge(Vector3::z()), JointKind::Rigid] {
+        check_all(&course, &pulled_pieces(kind), &changes, &rigid);
     }
 }

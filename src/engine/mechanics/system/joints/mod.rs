@@ -51,10 +51,6 @@ pub use spring_ends::check_joints;
 pub(super) use track::Track;
 pub(super) use turned::TurnedEnd;
 
-const NO_RIGID_CONTACT: SceneError = SceneError::Unsuitable(
-    "contact by complementarity does not support joints: use the model `imc` or `ipc`",
-);
-
 const NO_EQUILIBRIUM: SceneError = SceneError::Unsuitable(
     "an equilibrium does not determine the friction of sliding nodes: run dynamically",
 );
@@ -129,7 +125,6 @@ impl Joints {
             {
                 Err(ONLY_IN_MOTION)
             }
-            Demand::RigidContact if !self.is_empty() => Err(NO_RIGID_CONTACT),
             _ => Ok(()),
         }
     }
@@ -376,6 +371,16 @@ impl Joints {
         let owner = points.find_map(|&[own, owner]| (own == node).then_some(owner));
         let owner = owner.unwrap_or(node);
         self.slides.iter().any(|slide| slide.node == owner)
+    }
+
+    /// The other nodes at the point of a node.
+    pub(crate) fn others_at(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
+        let mut points = self.points.iter();
+        let owner = points.find_map(|&[own, owner]| (own == node).then_some(owner));
+        let owner = owner.unwrap_or(node);
+        let tied = self.points.iter().filter(move |pair| pair[1] == owner);
+        let all = tied.map(|pair| pair[0]).chain([owner]);
+        all.filter(move |other| *other != node)
     }
 
     /// Whether a node coincides with another one.

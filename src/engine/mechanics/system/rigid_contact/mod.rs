@@ -73,7 +73,7 @@ pub(super) struct RigidContact {
 /// A linear law λ = `force` − `stiffness` m of the motion m of the contact points.
 pub(super) struct State {
     pub force: Vector3,
-    stiffness: Matrix3,
+    pub stiffness: Matrix3,
 }
 
 impl RigidContact {

@@ -312,9 +312,6 @@ pub fn judge(scene: &Scene) -> Result<(), Issue> {
         return Ok(());
     };
     let key = |key: &str| KeyPath::from("contact").key(key);
-    if contact.is_complementarity() {
-        return fault(key("model"), "the model is \"imc\" or \"ipc\"");
-    }
     if contact.geometry == Geometry::Smooth {
         return fault(key("geometry"), "the geometry is \"polyline\"");
     }
@@ -499,10 +496,6 @@ BODY
         let contact = "[contact]\nmodel = \"imc\"\n";
         for (more, key) in [
             (
-                "[contact]\nmodel = \"complementarity\"\n".to_owned(),
-                "contact.model",
-            ),
-            (
                 format!("{contact}geometry = \"smooth\"\n"),
                 "contact.geometry",
             ),
@@ -527,6 +520,8 @@ BODY
                 "{error}"
             );
         }
+        let rigid = "[contact]\nmodel = \"complementarity\"\n";
+        prepared(&format!("{body}{rigid}")).unwrap();
         for (time, expected) in [
             ("mode = \"static\"", "run dynamically"),
             (
