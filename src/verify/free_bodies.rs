@@ -32,10 +32,11 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     for scheme in ["backward-differences", "implicit-euler"] {
         checks.push(precession(scheme)?);
     }
-    for model in ["imc", "ipc"] {
+    for model in ["imc", "ipc", "complementarity"] {
         checks.push(sliding(model)?);
     }
-    checks.extend(collision()?);
+    checks.extend(collision("imc")?);
+    checks.extend(collision("complementarity")?);
     checks.push(grip()?);
     for model in ["imc", "ipc"] {
         checks.push(pulley(model)?);
@@ -93,14 +94,18 @@ fn sliding(model: &str) -> Result<Check, GroupError> {
 }
 
 /// Two boxes that meet in free space.
-fn collision() -> Result<[Check; 2], GroupError> {
-    let mut simulation = simulation(include_str!("scenes/colliding_boxes.toml"), &[])?;
+fn collision(model: &str) -> Result<[Check; 2], GroupError> {
+    let set = [format!("contact.model={model:?}")];
+    let mut simulation = simulation(include_str!("scenes/colliding_boxes.toml"), &set)?;
     let before = simulation.momenta();
     run_until(&mut simulation, 0.3)?;
     let after = simulation.momenta();
     let [momentum, angular] = [0, 1].map(|k| (after[k] - before[k]).norm() / before[k].norm());
     let rows = ["momentum", "angular momentum"];
-    let rows = rows.map(|what| format!("two boxes that collide, μ = 0.4: change of {what}"));
+    let rows = rows.map(|what| match model {
+        "imc" => format!("two boxes that collide, μ = 0.4: change of {what}"),
+        _ => format!("two boxes that collide, μ = 0.4, {model}: change of {what}"),
+    });
     let [first, second] = rows;
     Ok([
         MOMENTA.of(first, "").zero(momentum, 1e-9),

@@ -8,7 +8,8 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::contact::{ContactModel, ContactParameters};
 use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Simulation};
 use rodlab_engine::mechanics::scene::{
-    Clamp, LoadKind, Motion, Plane, RodDescription, Scene, Stiffness,
+    Body, Clamp, Joint, JointKind, LoadKind, Motion, Plane, RodDescription, RodNode, Scene,
+    Stiffness, Strength,
 };
 use std::f64::consts::PI;
 
@@ -53,9 +54,60 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
             capstan(model, name)?,
         ]);
     }
+    checks.extend(slide_joined(steep_angle, shallow_angle)?);
     checks.extend(rolling::checks()?);
     checks.push(crawling::check()?);
     Ok(checks)
+}
+
+/// A chain of two rods, of which one carries a body, on an incline by complementarity: the creep
+/// is compared with a speed, not with a slip tolerance, which the model does not have.
+fn slide_joined(steep_angle: f64, shallow_angle: f64) -> Result<Vec<Check>, GroupError> {
+    let model = ContactModel::Complementarity;
+    let mut checks = Vec::new();
+    for (kind, name) in [(JointKind::Ball, "ball"), (JointKind::Rigid, "rigid")] {
+        let steep = release(chain(kind, steep_angle, contact_parameters(model, 0.3)))?;
+        let shallow = release(chain(kind, shallow_angle, contact_parameters(model, 0.5)))?;
+        let sliding =
+            format!("two rods with a {name} joint and a body, 30°, μ = 0.3, complementarity: a");
+        let sticking = format!(
+            "two rods with a {name} joint and a body, 20°, μ = 0.5, complementarity: speed over 1 mm/s"
+        );
+        let expected = sliding_acceleration(GRAVITY, steep_angle, 0.3);
+        checks.extend([
+            SLIDING
+                .of(sliding, "m/s²")
+                .relative(expected, steep.acceleration, 1e-6),
+            STICKING.of(sticking, "").zero(shallow.speed / 1e-3, 1e-9),
+        ]);
+    }
+    Ok(checks)
+}
+
+/// Two rods at an angle to each other that lie on an incline, with a body at the end of the first.
+fn chain(kind: JointKind, incline: f64, contact: ContactParameters) -> Scene {
+    let mut scene = on_incline(incline, contact);
+    let first = &scene.rods[0];
+    let middle = first.centreline[EDGES];
+    let along = Vector3::new(0.08, 0.06, 0.0);
+    let second = unit_rod(line(middle, middle + along, EDGES));
+    scene.rods.push(second);
+    let [end, start] = [(0, EDGES), (1, 0)].map(|(rod, node)| RodNode { rod, node });
+    scene.joints.push(Joint {
+        name: "joint".into(),
+        nodes: [end, start],
+        kind,
+        strength: Strength::default(),
+    });
+    scene.bodies.push(Body {
+        name: "body".into(),
+        at: RodNode { rod: 0, node: 0 },
+        mass: 0.01,
+        offset: Vector3::zeros(),
+        inertia: Some([2e-6, 3e-6, 4e-6]),
+        ball: None,
+    });
+    scene
 }
 
 /// Motion of a rod on an incline.
@@ -66,13 +118,20 @@ struct Slide {
     speed: f64,
 }
 
+/// Number of edges of a rod on an incline.
+const EDGES: usize = 4;
+
 /// A rod along the line of steepest descent, released at rest.
 fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, GroupError> {
-    let contact = contact_parameters(model, friction);
-    let rod = unit_rod(line(Vector3::zeros(), 0.1 * Vector3::x(), 4));
+    release(on_incline(incline, contact_parameters(model, friction)))
+}
+
+/// A rod along the line of steepest descent.
+fn on_incline(incline: f64, contact: ContactParameters) -> Scene {
+    let rod = unit_rod(line(Vector3::zeros(), 0.1 * Vector3::x(), EDGES));
     let height = rod.radius + 0.5 * contact.distance_tolerance;
     let lifted = rod.centreline.iter().map(|x| x + height * Vector3::z());
-    let scene = Scene {
+    Scene {
         rods: vec![RodDescription {
             centreline: lifted.collect(),
             ..rod
@@ -88,7 +147,11 @@ fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, Grou
         }],
         contact: Some(contact),
         ..Scene::default()
-    };
+    }
+}
+
+/// Motion of the rods of a scene, released at rest.
+fn release(scene: Scene) -> Result<Slide, GroupError> {
     // A sticking rod moves by the residual of Newton's method.
     let integration = IntegrationParameters {
         force_tolerance: 1e-8,
