@@ -65,16 +65,17 @@ impl Part for Sheath {
                 "a rod in a sheath needs time.scheme = \"implicit-euler\" or \"backward-differences\"",
             );
         }
+        let pushed = all.iter().position(|sheath| !sheath.pushed.is_empty());
+        if let Some(index) = pushed.filter(|_| time.finds_equilibria()) {
+            array.below(&index.to_string()).fault(
+                "pushed",
+                "the length that a force feeds out in an equilibrium is not searched: give `fed`, or run in time with damping, without begin = \"equilibrium\"",
+            );
+        }
         if *time != Time::Static {
             return;
         }
         for (index, sheath) in all.iter().enumerate() {
-            if !sheath.pushed.is_empty() {
-                array.below(&index.to_string()).fault(
-                    "pushed",
-                    "a static run does not find the length that a force feeds out; give `fed`, or run in time with damping",
-                );
-            }
             for (key, corners) in [("fed", &sheath.fed), ("turned", &sheath.turned)] {
                 if corners.len() > 1 {
                     array.below(&index.to_string()).fault(
@@ -218,8 +219,10 @@ SHEATH
         let error = prepared(&static_run).unwrap_err();
         assert!(error.contains("a static run has no time"), "{error}");
         let pushed = with(&format!("{wire}\npushed = [[0, 1]]"));
-        let error = prepared(&pushed.replace("end = 1.0", "mode = \"static\"")).unwrap_err();
-        assert!(error.contains("sheaths.0.pushed"), "{error}");
+        for time in ["mode = \"static\"", "end = 1.0\nbegin = \"equilibrium\""] {
+            let error = prepared(&pushed.replace("end = 1.0", time)).unwrap_err();
+            assert!(error.contains("sheaths.0.pushed"), "{error}");
+        }
         let midpoint = "end = 1.0\nscheme = \"implicit-midpoint\"";
         let error = prepared(&with(wire).replace("end = 1.0", midpoint)).unwrap_err();
         assert!(error.contains("backward-differences"), "{error}");
