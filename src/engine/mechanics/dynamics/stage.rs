@@ -251,7 +251,7 @@ impl Workspace {
     ) -> Result<usize, Failure> {
         let mut iterations = self.solve_by_either_way(system, state, stopping, goes_on)?;
         for _ in 0..MOST_PUSHES {
-            if !system.has_pushed_rods() || system.pushes_balance() {
+            if system.pushes_balance() {
                 return Ok(iterations);
             }
             iterations += 1;

@@ -8,7 +8,6 @@
 use super::location::{Location, Origin, Tangent};
 use super::tracer::{SMALLEST_COSINE, Tracer};
 use crate::mechanics::rod::STRIDE;
-use std::collections::VecDeque;
 
 /// Largest distance of the start of a branch from the chord of a step that passes it, relative to
 /// the chord.
@@ -28,12 +27,12 @@ impl Tracer {
         let returned = (cosine >= SMALLEST_COSINE).then(|| start.location.clone());
         let is_along =
             |origin: &Origin| self.cosine_at(origin, here, next).abs() >= SMALLEST_COSINE;
-        let (passed, left): (VecDeque<Origin>, _) =
-            self.origins.iter().cloned().partition(is_along);
         let joined = self.crossings.iter().find(|crossing| is_along(crossing));
         let joined = joined.map(|crossing| crossing.location.clone());
-        self.origins = left;
-        returned.or(joined.filter(|_| passed.is_empty()))
+        let passed: Vec<bool> = self.origins.iter().map(is_along).collect();
+        let mut each = passed.iter();
+        self.origins.retain(|_| each.next() == Some(&false));
+        returned.or(joined.filter(|_| !passed.contains(&true)))
     }
 
     /// Cosine of the direction of a branch to the way from `here` to `next`; 0 if the branch does not

@@ -23,11 +23,6 @@ use nalgebra::{DMatrix, DVector};
 const CHANGE: f64 = 1e-6;
 
 impl System {
-    /// Whether a force feeds any rod.
-    pub(crate) fn has_pushed_rods(&self) -> bool {
-        self.terms.sheaths.0.iter().any(|own| own.push.is_some())
-    }
-
     /// Whether the force of every sheath on a rod that is pushed is the force that pushes it, at the
     /// last evaluation, or the rod is at a stop.
     pub(crate) fn pushes_balance(&self) -> bool {
