@@ -5,6 +5,7 @@ use crate::scenario::place::{Place, TypedPlace};
 use crate::scenario::quantity::{Quantity, Vector};
 use crate::scenario::units::{Dimension, Time};
 use std::cell::RefCell;
+use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 use std::ops::RangeInclusive;
 
@@ -61,6 +62,11 @@ pub const FINITE: Range = Range {
 pub const FRACTION: Range = Range {
     allows: |value| value > 0.0 && value < 1.0,
     words: "greater than 0 and less than 1",
+};
+/// Angles between two triangles of a smooth surface, rad.
+pub const CREASE: Range = Range {
+    allows: |value| (0.0..=FRAC_PI_2).contains(&value),
+    words: "from 0 to 90 deg",
 };
 /// Poisson's ratios of stable isotropic materials.
 pub const POISSONS_RATIO: Range = Range {

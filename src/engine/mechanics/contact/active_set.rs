@@ -28,7 +28,7 @@ use crate::mechanics::Vector3;
 /// must then be at least the second value, in units of the threshold.
 const DISK: f64 = 1e-6;
 const LEAST_SLIP: f64 = 1e-9;
-const LOST: &str = "a contact ends there, or is with the rim of a tube";
+const LOST: &str = "a contact ends there, or is with the rim of a tube or a smooth mesh";
 /// Step of the fourth-order differences, in units of the length on which a law changes.
 const PART: f64 = 1e-3;
 
@@ -157,12 +157,13 @@ impl ContactSystem {
                 let points = Points {
                     nodes: now,
                     vertices: &[],
+                    normals: &[],
                 };
                 let own = CandidatePair {
                     nodes: [0, 1, 2, 3],
                     ..pair
                 };
-                if pair.is_with_rim() {
+                if pair.is_with_rim() || pair.is_with_patch() {
                     return None;
                 }
                 let nearest = NearestPoints::on_either_side(&self.surface, &own, &points, 0.0)?;

@@ -110,6 +110,7 @@ impl ContactSurface {
                 edges: [one.edge, edges + index],
                 nodes: ContactFace::with(face, one.node),
                 side: 1,
+                start: 0,
             })
         })
     }
@@ -139,6 +140,7 @@ impl ContactSurface {
                         edges: [one.edge, self.edges().len() + index],
                         nodes,
                         side: 1,
+                        start: 0,
                     };
                     deepest.push((pair, depth));
                 }

@@ -50,6 +50,18 @@ impl AlignedBox {
         }
     }
 
+    /// Squared distance of a point, m²; 0 inside.
+    fn square_distance(&self, point: &Vector3) -> f64 {
+        let beyond = |axis: usize| {
+            let (below, above) = (
+                self.lower[axis] - point[axis],
+                point[axis] - self.upper[axis],
+            );
+            below.max(above).max(0.0)
+        };
+        (0..3).map(|axis| beyond(axis).powi(2)).sum()
+    }
+
     fn twice_centre(&self, axis: usize) -> f64 {
         self.lower[axis] + self.upper[axis]
     }
@@ -136,6 +148,33 @@ impl BoxTree {
             None
         })
     }
+
+    /// The part nearest to a point, by its `distance` (m), which is at least that of its box, and
+    /// this distance; `None` if no part is nearer than `within`.
+    pub(crate) fn nearest(
+        &self,
+        point: &Vector3,
+        within: f64,
+        distance: impl Fn(usize) -> f64,
+    ) -> Option<(usize, f64)> {
+        let (mut nearest, mut least) = (None, within);
+        let mut next = 0;
+        while let Some(node) = self.nodes.get(next) {
+            if node.around.square_distance(point) >= least * least {
+                next = node.next as usize;
+                continue;
+            }
+            next += 1;
+            if node.part != NO_PART {
+                let part = node.part as usize;
+                let found = distance(part);
+                if found < least {
+                    (nearest, least) = (Some((part, found)), found);
+                }
+            }
+        }
+        nearest
+    }
 }
 
 fn axis_of_largest_spread(parts: &[(u32, AlignedBox)]) -> usize {
@@ -173,6 +212,20 @@ mod tests {
             found.sort_unstable();
             let meets = |index: &usize| boxes[*index].meets(&sought[0]);
             prop_assert_eq!(found, (0..boxes.len()).filter(meets).collect::<Vec<_>>());
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_nearest_box_is_the_one_of_least_distance(boxes in boxes(0..40), sought in boxes(1..2), within in 0.0..9.0f64) {
+            let tree = BoxTree::new(boxes.iter().copied());
+            let point = Vector3::from(sought[0].lower);
+            let distance = |index: usize| boxes[index].square_distance(&point).sqrt();
+            let found = tree.nearest(&point, within, distance);
+            let all = (0..boxes.len()).map(distance).filter(|found| *found < within);
+            let least = all.reduce(f64::min);
+            prop_assert_eq!(found.map(|(_, distance)| distance), least);
+            prop_assert!(found.is_none_or(|(part, own)| own == distance(part)));
         }
     }
 

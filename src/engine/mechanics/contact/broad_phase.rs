@@ -64,6 +64,7 @@ impl BroadPhase {
                     edges: [i, j],
                     nodes,
                     side: 0,
+                    start: 0,
                 };
                 found.push((pair, distance));
             }
@@ -102,6 +103,7 @@ impl BroadPhase {
                     edges: [i, j],
                     nodes: [a, b, c, d],
                     side: 0,
+                    start: 0,
                 });
             }
         }

@@ -33,6 +33,10 @@ const MARGIN: f64 = 2.0;
 /// and at least this one.
 const MARGIN_AT_MESHES: f64 = 0.2;
 
+/// Part of the margin by which the height of a node over a smooth part of a mesh may fall more than
+/// the node moves, because the height is not quite a distance.
+const PATCH_SLACK: f64 = 0.1;
+
 /// Part of the margin that the nodes may have used up at the start of a step.
 const REBUILD_FRACTION: f64 = 0.25;
 
@@ -83,7 +87,7 @@ fn margin_of(surface: &ContactSurface) -> f64 {
     let meshes = surface
         .obstacles()
         .iter()
-        .filter(|obstacle| !obstacle.faces.is_empty());
+        .filter(|obstacle| !obstacle.faces.is_empty() && obstacle.smooth.is_none());
     let finest = meshes
         .map(RigidBody::triangle_size)
         .fold(f64::INFINITY, f64::min);
@@ -178,7 +182,13 @@ impl Candidates {
         self.gaps.clear();
         for &(pair, distance) in &self.found {
             self.pairs.push(pair);
-            self.gaps.push(distance - surface.threshold(pair.edges));
+            let slack = if pair.is_with_patch() {
+                PATCH_SLACK * self.margin
+            } else {
+                0.0
+            };
+            self.gaps
+                .push(distance - surface.threshold(pair.edges) - slack);
         }
         self.positions.clear();
         self.positions.extend_from_slice(positions);

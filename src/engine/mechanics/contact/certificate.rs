@@ -35,6 +35,10 @@ const KEPT_PART: f64 = 0.5;
 /// distance.
 const TOLERANCE: f64 = 0.1;
 
+/// Weight of a corner by which a node may pass beside a curved face and still count as passing through
+/// it, so that none slips through between two faces.
+const BESIDE: f64 = 1e-6;
+
 impl ContactSystem {
     /// Finds two edges that pass, or nearly pass, through each other if all nodes move along
     /// straight lines from `start` to `end`, m; `None` if there are certainly none.
@@ -73,7 +77,13 @@ impl ContactSystem {
         let nodes = self.obstacles.points_at_start(start).of(pair.nodes);
         let ends = self.obstacles.points(end).of(pair.nodes);
         if pair.is_with_face() {
-            return crossing(&nodes, &ends).map(|_| ContactPair::Edges(pair.edges));
+            let is_smooth = self.surface.is_smooth_face(pair.edges[1])
+                && self.surface.is_rod_node(pair.nodes[0]);
+            // Sides of other faces are tested against the edges of rods.
+            let beside = if is_smooth { BESIDE } else { 0.0 };
+            let (_, weights) = crossing(&nodes, &ends, -beside)?;
+            let stays = is_smooth && self.stays_over_patch(pair, [start, end], &weights);
+            return (!stays).then_some(ContactPair::Edges(pair.edges));
         }
         if pair.is_with_rim() {
             let (before, after) = (
@@ -102,6 +112,34 @@ impl ContactSystem {
         let least = [self.surface.core(pair) + kept, TOLERANCE * kept];
         let fraction = fraction_beyond(&nodes, &displacements, least, 1.0);
         (fraction < 1.0).then_some(ContactPair::Edges(pair.edges))
+    }
+
+    /// Whether the node of a pair with a curved face stays on one side of the smooth surface though
+    /// it crosses the flat face, at a point with these weights of the corners. The flat face is
+    /// above a concave surface, and below a convex one.
+    fn stays_over_patch(
+        &self,
+        pair: &CandidatePair,
+        [start, end]: [&[Vector3]; 2],
+        [a, b, c]: &[f64; 3],
+    ) -> bool {
+        let face = pair.edges[1] - self.surface.edges().len();
+        let (before, after) = (
+            self.obstacles.points_at_start(start),
+            self.obstacles.points(end),
+        );
+        let [p, q, r] = after.of(self.surface.faces()[face].vertices);
+        let places = [
+            (before.at(pair.nodes[0]), before),
+            (p * *a + q * *b + r * *c, after),
+            (after.at(pair.nodes[0]), after),
+        ];
+        let heights = places.map(|(place, points)| {
+            let foot = self.surface.foot_from(face, 1.0, &place, &points);
+            foot.map(|foot| foot.distance)
+        });
+        let all = |is_so: fn(f64) -> bool| heights.iter().all(|height| height.is_some_and(is_so));
+        all(|height| height > 0.0) || all(|height| height < 0.0)
     }
 }
 

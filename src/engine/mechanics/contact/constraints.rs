@@ -58,7 +58,7 @@ impl ContactSystem {
             };
             let threshold = self.surface.threshold(pair.edges);
             let gap = nearest.distance() - self.surface.core(pair) - threshold;
-            let normal = nearest.normal();
+            let normal = nearest.unit_normal();
             let closing = largest_approach(pair, motions, &normal) + SIDEWAYS * farthest;
             let may_touch = is_known || gap < closing + slack;
             let is_prescribed = || self.are_prescribed(&pair.nodes, &nearest.weights());
@@ -70,7 +70,7 @@ impl ContactSystem {
                 let friction = friction.unwrap_or(self.parameters.friction);
                 self.constraints.push(ContactConstraint::new(
                     Bodies::Edges(candidate),
-                    pair.nodes,
+                    nearest.settled(&self.surface, pair).nodes,
                     nearest.weights(),
                     normal,
                     [gap, threshold, friction],
@@ -229,6 +229,18 @@ impl ContactSystem {
                     let derivatives = point.derivatives();
                     let (weights, rates) = (point.all_weights(), point.all_rates());
                     (derivatives.normal, weights, rates, [derivatives.ratio; 4])
+                }
+                Some(NearestPoints::Patch(point)) => {
+                    let [over_node, ..] = point.all_weights();
+                    let weights = [over_node, 0.0, 0.0, 0.0];
+                    let node = points.at(pair.nodes[0]);
+                    let bend = self.surface.bend_at(pair, &point, &node, &points);
+                    (
+                        point.unit_normal_jacobian(&bend),
+                        weights,
+                        [0.0; 4],
+                        [[0.0; 12]; 4],
+                    )
                 }
                 _ => return jacobian,
             };

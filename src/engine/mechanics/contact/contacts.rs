@@ -1,6 +1,7 @@
 //! Data of a single contact.
 
 use crate::mechanics::Vector3;
+use std::cmp::Ordering;
 
 /// Derivative of the 12 force components of an edge–edge contact with respect to the 12 coordinates, N/m;
 /// indices `[component of force][coordinate]`, both node after node.
@@ -66,21 +67,55 @@ pub(super) const RIM_END: i8 = 5;
 pub(super) const RIM_JOINT: i8 = 6;
 pub(super) const RIM_JOINT_END: i8 = 7;
 pub(super) const RIM_NODE: i8 = 8;
+/// Sides of a pair of a node and a smooth part of a mesh: on the side of its normals, and behind it.
+pub(super) const ABOVE: i8 = 9;
+pub(super) const BELOW: i8 = 10;
 
 /// A pair of edges, or of an edge of a rod and a part of an obstacle, that may touch before the candidates are next updated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug)]
 pub struct CandidatePair {
     /// The edges i < j, indices into [`ContactSurface::edges`](super::ContactSurface::edges);
-    /// faces of obstacles are numbered after these.
+    /// faces of obstacles are numbered after these. For a smooth part of a mesh: its first face.
     pub edges: [usize; 2],
     /// The nodes x_i, x_{i+1}, x_j, x_{j+1}. For a face: the node of the rod and the three
     /// vertices; for a tube: the node twice and the ends of the axis; for a rim: three nodes of
-    /// the rod and the end of the axis.
+    /// the rod and the end of the axis. For a smooth part of a mesh: the node and the vertices of
+    /// a face near it.
     pub nodes: [usize; 4],
     /// Kind of the second body: 0 for an edge, 2 for a tube around the first body, 3 to 8 for the
-    /// rim of a tube; 1 or −1 for a face, by the side on which the node is.
+    /// rim of a tube; 1 or −1 for a face, by the side on which the node is, 9 or 10 for a smooth
+    /// part of a mesh.
     pub side: i8,
+    /// For a smooth part of a mesh: the face at which the search for the foot of the node starts.
+    pub start: u32,
 }
+
+/// Pairs are sorted by their edges. A pair with a smooth part of a mesh is the same wherever the
+/// search for the foot starts.
+impl Ord for CandidatePair {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let key = |pair: &Self| match pair.is_with_patch() {
+            true => [pair.nodes[0], 0, 0, 0],
+            false => pair.nodes,
+        };
+        let by_edges = self.edges.cmp(&other.edges);
+        by_edges.then_with(|| (key(self), self.side).cmp(&(key(other), other.side)))
+    }
+}
+
+impl PartialOrd for CandidatePair {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for CandidatePair {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for CandidatePair {}
 
 impl CandidatePair {
     /// Number of nodes that belong to the first body.
@@ -93,9 +128,9 @@ impl CandidatePair {
         }
     }
 
-    /// Whether the first body is a single node, over a face or in a tube.
+    /// Whether the first body is a single node, over a face or patch or in a tube.
     pub(crate) fn is_of_node(&self) -> bool {
-        matches!(self.side, TUBE | RIM_NODE) || self.is_with_face()
+        matches!(self.side, TUBE | RIM_NODE) || self.is_with_face() || self.is_with_patch()
     }
 
     /// Whether the first body has three nodes.
@@ -108,9 +143,14 @@ impl CandidatePair {
         matches!(self.side, -1 | 1)
     }
 
+    /// Whether the second body is a smooth part of a mesh.
+    pub(super) fn is_with_patch(&self) -> bool {
+        matches!(self.side, ABOVE | BELOW)
+    }
+
     /// Largest approach of its two bodies if each of its nodes moves by this distance, m.
     pub(super) fn approach(&self, [a, b, c, d]: [f64; 4]) -> f64 {
-        if self.is_with_face() {
+        if self.is_with_face() || self.is_with_patch() {
             a + b.max(c).max(d)
         } else {
             a.max(b) + c.max(d)

@@ -116,7 +116,8 @@ impl ContactSystem {
             let points = self.obstacles.points(positions);
             let smoothing = self.parameters.smoothing(contact.threshold);
             let nearest = NearestPoints::of(&self.surface, &pair, &points, smoothing)?;
-            let velocities = self.velocities(&pair, &points.of(pair.nodes), &motion);
+            let pair = nearest.settled(&self.surface, &pair);
+            let velocities = self.velocities(&pair, &nearest, &motion);
             let (normal, mut weights) = (nearest.normal(), nearest.weights());
             let corners = velocities.iter().zip(weights);
             let velocity: Vector3 = corners.map(|(velocity, weight)| velocity * weight).sum();

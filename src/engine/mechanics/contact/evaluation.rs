@@ -9,12 +9,12 @@ use super::contacts::{
     ActiveContact, CandidatePair, ContactPair, EDGE, EdgeJacobian, Linearised, Proximity,
 };
 use super::edge_contact::{Sliding, edge_jacobian};
-use super::foot::Points;
 use super::friction::{FrictionLaw, slip};
 use super::multipliers::{LinearLaw, Moved};
 use super::nearest_points::NearestPoints;
 use super::normal_law::NormalLaw;
 use super::normal_response::NormalResponse;
+use super::patch::{PatchBend, patch_jacobian};
 use super::plane_contact::{NodeSliding, plane_jacobian};
 use super::rim::rim_jacobian;
 use super::surface_turns::TurnedBodies;
@@ -174,12 +174,13 @@ impl ContactSystem {
                 continue;
             }
             let points = self.obstacles.points(motion.positions);
-            let nodes = points.of(pair.nodes);
             let threshold = self.surface.threshold(pair.edges);
             let smoothing = parameters.smoothing(threshold);
             let Some(nearest) = self.nearest_in_step(&pair, &points, smoothing) else {
                 continue;
             };
+            let pair = nearest.settled(&self.surface, &pair);
+            let nodes = points.of(pair.nodes);
             let core = self.surface.core(&pair);
             let gap = nearest.distance() - core - threshold - self.standoff(&pair);
             if !loaded && gap >= reach {
@@ -211,7 +212,7 @@ impl ContactSystem {
             );
             let sliding = friction.map(|law| Sliding {
                 law,
-                velocities: self.velocities(&pair, &nodes, &motion),
+                velocities: self.velocities(&pair, &nearest, &motion),
                 time_step: motion.time_step,
             });
             let turning = sliding.and_then(|_| {
@@ -273,15 +274,24 @@ impl ContactSystem {
         }
     }
 
-    /// Velocities of the nodes and vertices of a pair in the step, m/s.
+    /// Velocities of the nodes and vertices of a settled pair in the step, m/s; for a curved face,
+    /// of points over its vertices at the height of the surface.
     pub(super) fn velocities(
         &self,
         pair: &CandidatePair,
-        nodes: &[Vector3; 4],
+        nearest: &NearestPoints,
         motion: &Motion,
     ) -> [Vector3; 4] {
-        let before: Points = self.obstacles.points_at_start(motion.previous);
-        std::array::from_fn(|k| (nodes[k] - before.at(pair.nodes[k])) / motion.time_step)
+        let now = self.obstacles.points(motion.positions);
+        let before = self.obstacles.points_at_start(motion.previous);
+        let [now, before] = [now, before].map(|points| {
+            let mut nodes = points.of(pair.nodes);
+            if let NearestPoints::Patch(foot) = nearest {
+                self.surface.raise(&mut nodes, foot, &points);
+            }
+            nodes
+        });
+        std::array::from_fn(|k| (now[k] - before[k]) / motion.time_step)
     }
 
     /// Adds the Jacobian of a pair, and the difference between its force and that of the
@@ -302,17 +312,19 @@ impl ContactSystem {
             traction: pair.traction,
         };
         let (pressure, friction) = self.linear_laws(slot, &touch, |system| {
+            // Vertices of obstacles do not count, so the face on which a node is does not matter.
             let nodes = &system.candidates.pairs()[slot].nodes;
             system.iterate.moved(nodes, &weights, &pair.nodes)
         });
         let carries = self.multipliers.in_use();
         let is_known = self.multipliers.is_known(slot, pressure.tangent.force);
         let turns = !carries || self.iterate.moved_slightly || is_known;
+        let bend = self.bend_of(pair, turns, positions);
         if let (Some(turning), Some(sliding)) = (&pair.turning, sliding) {
             let turned = Turned {
                 turning,
                 sliding,
-                motion: &pair.nearest.motion(&pair.nodes, turns),
+                motion: &pair.nearest.motion(&pair.nodes, turns, &bend),
                 turns,
                 sign: pair.sign,
                 force: (pair.response.force, pair.traction),
@@ -334,7 +346,7 @@ impl ContactSystem {
                 NearestPoints::Face(foot) if !is_at_obstacle => {
                     foot.motion_with(&pair.nodes, turns)
                 }
-                nearest => nearest.motion(&pair.nodes, turns),
+                nearest => nearest.motion(&pair.nodes, turns, &bend),
             };
             if carries {
                 let rods = if is_at_obstacle { 1 } else { 2 };
@@ -371,6 +383,10 @@ impl ContactSystem {
                 let sliding = sliding.as_ref().map(|sliding| (sliding, friction.slip));
                 of_first_node(plane_jacobian(&normal, &pressure.tangent, sliding))
             }
+            NearestPoints::Patch(point) => {
+                let sliding = sliding.map(|sliding| (sliding, friction.slip));
+                of_first_node(patch_jacobian(point, &pressure.tangent, sliding, &bend))
+            }
             NearestPoints::Rim(point) => {
                 let sliding = sliding.map(|sliding| (sliding, friction.slip));
                 rim_jacobian(point, &pressure.tangent, sliding, turns)
@@ -390,6 +406,19 @@ impl ContactSystem {
                 .keep(slot, &friction, &linearised.traction_gradient);
         }
         self.push_correction(pair, (&pressure, &friction));
+    }
+
+    /// How the foot of a node on a curved face moves, if the contact `turns`.
+    fn bend_of(&self, pair: &TouchingPair, turns: bool, positions: &[Vector3]) -> PatchBend {
+        match &pair.nearest {
+            NearestPoints::Patch(foot) if turns => {
+                let points = self.obstacles.points(positions);
+                let candidate = &self.candidates.pairs()[pair.candidate];
+                self.surface
+                    .bend_at(candidate, foot, &pair.nodes[0], &points)
+            }
+            _ => PatchBend::none(),
+        }
     }
 
     /// Adds the difference between the forces of a pair on its nodes and those of its linear laws.

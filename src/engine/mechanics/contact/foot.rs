@@ -3,11 +3,12 @@
 use crate::mechanics::Vector3;
 
 /// Positions of the nodes of rods and of the vertices of obstacles, which are numbered after the
-/// nodes.
+/// nodes, and normals of smooth meshes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Points<'a> {
     pub nodes: &'a [Vector3],
     pub vertices: &'a [Vector3],
+    pub normals: &'a [Vector3],
 }
 
 impl Points<'_> {
@@ -74,15 +75,22 @@ impl Foot {
 }
 
 /// Fraction of the straight path from `start` to `end` of a node and the corners of a triangle at
-/// which the node passes through the triangle; `None` if it does not.
-pub(super) fn crossing(start: &[Vector3; 4], end: &[Vector3; 4]) -> Option<f64> {
+/// which the node passes through the triangle, and the weights of the corners there; `None` if it
+/// does not. A node that passes beside the triangle counts if no weight is below `least`.
+pub(super) fn crossing(
+    start: &[Vector3; 4],
+    end: &[Vector3; 4],
+    least: f64,
+) -> Option<(f64, [f64; 3])> {
     let (before, after) = (Foot::in_plane(start, 1.0)?, Foot::in_plane(end, 1.0)?);
     if before.distance * after.distance > 0.0 || before.distance == after.distance {
         return None;
     }
     let part = before.distance / (before.distance - after.distance);
     let there = std::array::from_fn(|k| start[k] + (end[k] - start[k]) * part);
-    Foot::of(&there, 1.0).map(|_| part)
+    let foot = Foot::in_plane(&there, 1.0)?;
+    let is_within = foot.weights.iter().all(|weight| *weight >= least);
+    is_within.then_some((part, foot.weights))
 }
 
 #[cfg(test)]
@@ -125,9 +133,9 @@ mod tests {
             let mut end = start.map(|x| x + shift);
             end[0] = start[0] + shift + Vector3::new(0.0, 0.0, -2.0);
             let inside = Foot::of(&start, 1.0).is_some();
-            let found = crossing(&start, &end);
+            let found = crossing(&start, &end, 0.0);
             assert_eq!(found.is_some(), inside);
-            if let Some(part) = found {
+            if let Some((part, _)) = found {
                 assert!((part - 0.5).abs() < 1e-12);
                 passed += 1;
             } else {

@@ -62,6 +62,7 @@ mod tests {
         let points = Points {
             nodes: &[],
             vertices: &vertices,
+            normals: &[],
         };
         assert!(surface.is_inside(0, &Vector3::new(0.2, 0.2, 0.2), &points));
         assert!(!surface.is_inside(0, &Vector3::new(0.4, 0.4, 0.4), &points));

@@ -17,6 +17,8 @@
 //! | `root`, `roots` | clamped nodes at which a rod leaves a body that it is set in |
 //! | `rim` | the rims of tubes |
 //! | `reflex_edge` | edges in valleys of a mesh, which have no contact |
+//! | `smooth_faces`, `patch` | meshes that stand for smooth surfaces, and their faces as curved patches |
+//! | `jet` | numbers with first and second derivatives |
 //! | `nearest_points` | the same of two edges, or of a node and a face |
 //! | `parameters` | the contact model and its numbers |
 //! | `normal_law`, `normal_response`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
@@ -70,6 +72,7 @@ mod foot;
 mod friction;
 mod inside;
 mod iterate;
+mod jet;
 mod levers;
 mod memory;
 mod multipliers;
@@ -80,6 +83,7 @@ mod normal_response;
 #[cfg(test)]
 mod obstacle_tests;
 mod parameters;
+mod patch;
 mod placed_obstacles;
 mod plane;
 mod plane_contact;
@@ -95,6 +99,7 @@ mod rim_tests;
 mod root;
 mod roots;
 mod slots;
+mod smooth_faces;
 mod spun_contacts;
 mod step_bound;
 mod stiffness;

@@ -5,6 +5,7 @@ use super::contact_system::ContactSystem;
 use super::contacts::{CandidatePair, ContactMotion, EDGE, TUBE};
 use super::distance::{DistanceDerivatives, WEIGHT_RATES};
 use super::foot::{Foot, Points};
+use super::patch::{PatchBend, PatchPoint};
 use super::rim::RimPoint;
 use super::surface::ContactSurface;
 use crate::mechanics::Vector3;
@@ -16,6 +17,8 @@ pub(super) enum NearestPoints {
     Edges(ClosestPoints),
     /// A node, and its foot on a face.
     Face(Foot),
+    /// A node, and its foot on a curved face.
+    Patch(PatchPoint),
     /// A piece of a rod, and the rim of a tube.
     Rim(RimPoint),
 }
@@ -36,7 +39,8 @@ impl NearestPoints {
 
     /// Whether the node of the pair is behind the face of a solid.
     fn is_behind(&self, surface: &ContactSurface, pair: &CandidatePair) -> bool {
-        pair.is_with_face() && self.distance() < 0.0 && surface.is_with_solid(pair)
+        let is_at_mesh = pair.is_with_face() || pair.is_with_patch();
+        is_at_mesh && self.distance() < 0.0 && surface.is_with_solid(pair)
     }
 
     /// Like `of`, but also if the node is behind the face of a solid; the distance is then negative.
@@ -53,6 +57,7 @@ impl NearestPoints {
             side if pair.is_with_rim() => {
                 RimPoint::of(side, &nodes, &surface.rim_of(pair, points)).map(Self::Rim)
             }
+            _ if pair.is_with_patch() => surface.foot_on_patch(pair, points).map(Self::Patch),
             side => Foot::of(&nodes, f64::from(side)).map(Self::Face),
         }
     }
@@ -62,6 +67,7 @@ impl NearestPoints {
         match self {
             Self::Edges(closest) => closest.distance(),
             Self::Face(foot) => foot.distance,
+            Self::Patch(point) => point.distance,
             Self::Rim(point) => point.distance(),
         }
     }
@@ -71,6 +77,7 @@ impl NearestPoints {
         match self {
             Self::Edges(closest) => closest.weights(),
             Self::Face(foot) => foot.all_weights(),
+            Self::Patch(point) => point.all_weights(),
             Self::Rim(point) => point.all_weights(),
         }
     }
@@ -80,14 +87,28 @@ impl NearestPoints {
         match self {
             Self::Edges(closest) => closest.normal(),
             Self::Face(foot) => foot.normal,
+            Self::Patch(point) => point.normal,
             Self::Rim(point) => point.normal(),
         }
     }
 
+    /// The normal with length 1.
+    pub(crate) fn unit_normal(&self) -> Vector3 {
+        match self {
+            Self::Patch(point) => point.normal.normalize(),
+            _ => self.normal(),
+        }
+    }
+
     /// Motion of the contact with its nodes at these positions; normal and contact points are
-    /// fixed unless it `turns`.
+    /// fixed unless it `turns`. The foot on a curved face moves as given by `bend`.
     /// Corners of a face are at rest: see [`Foot::motion_with`] for those of a free body.
-    pub(crate) fn motion(&self, nodes: &[Vector3; 4], turns: bool) -> ContactMotion {
+    pub(crate) fn motion(
+        &self,
+        nodes: &[Vector3; 4],
+        turns: bool,
+        bend: &PatchBend,
+    ) -> ContactMotion {
         let mut motion = ContactMotion {
             weights: self.weights(),
             ..ContactMotion::over_plane(&self.normal())
@@ -104,6 +125,10 @@ impl NearestPoints {
                 }
             }
             Self::Face(_) => {}
+            Self::Patch(_) => {
+                motion.normal_jacobian = bend.normal_jacobian();
+                motion.weight_rates = bend.weight_rates();
+            }
             Self::Rim(point) => {
                 motion.gap_gradient = point.gradient();
                 if turns {
@@ -115,6 +140,15 @@ impl NearestPoints {
             }
         }
         motion
+    }
+
+    /// A pair with the bodies that touch: for a smooth part of a mesh, with the vertices of the face
+    /// that is touched.
+    pub(crate) fn settled(&self, surface: &ContactSurface, pair: &CandidatePair) -> CandidatePair {
+        match self {
+            Self::Patch(point) => surface.settled(pair, point),
+            _ => *pair,
+        }
     }
 
     /// Position of a rim contact on the piece of a rod, from 0 to 1, if it may be anywhere on the
@@ -162,12 +196,29 @@ impl ContactSystem {
                 false => &self.start,
             };
             let start = self.obstacles.points_at_start(nodes);
-            let before = Foot::in_plane(&start.of(pair.nodes), 1.0)?;
-            if before.distance < 0.0 {
+            if self.was_behind(pair, &nearest, &start)? {
                 return None;
             }
         }
         Some(nearest)
+    }
+
+    /// Whether the node of a pair was behind the face of a solid at the start of the step; `None`
+    /// for a face without area.
+    fn was_behind(
+        &self,
+        pair: &CandidatePair,
+        nearest: &NearestPoints,
+        start: &Points,
+    ) -> Option<bool> {
+        if pair.is_with_patch()
+            && let Some(before) = self.surface.foot_on_patch(pair, start)
+        {
+            return Some(before.distance < 0.0);
+        }
+        let face = nearest.settled(&self.surface, pair);
+        let before = Foot::in_plane(&start.of(face.nodes), 1.0)?;
+        Some(before.distance < 0.0)
     }
 
     /// Distance between the surfaces of a pair at which the gap of the force law is zero, m.

@@ -11,8 +11,8 @@ const RADIUS: f64 = 1e-2;
 const GAP: f64 = 1e-4;
 const NODES: usize = 6;
 
-/// A ball, a rounded box, a sharp turned tetrahedron, and a tube around them all; every surface
-/// passes near the origin.
+/// A ball, a capsule, a rounded box, a sharp tetrahedron, a sheet, a ball and a wavy sheet as smooth
+/// meshes, and a tube around them all; every surface passes near the origin.
 fn body(kind: usize) -> RigidBody {
     let down = |depth: f64| Vector3::new(0.003, -0.002, -depth);
     match kind {
@@ -42,6 +42,22 @@ fn body(kind: usize) -> RigidBody {
             let faces = vec![[0, 1, 2], [0, 2, 3]];
             RigidBody::of_mesh(corners.map(Vector3::from).to_vec(), faces, false).unwrap()
         }
+        5 => {
+            let (corners, faces) = ball_mesh(2);
+            let corners = corners.iter().map(|x| down(0.2) + x * 0.2);
+            let ball = RigidBody::of_mesh(corners.collect(), faces, true).unwrap();
+            ball.smoothed(1.0)
+        }
+        6 => {
+            let corner = |k: usize| {
+                let [x, y] = [k % 9, k / 9].map(|k| 0.06 * k as f64 - 0.24);
+                Vector3::new(x, y, 0.02 * (5.0 * x).sin() * (7.0 * y).cos())
+            };
+            let cells = (0..8).flat_map(|row| (0..8).map(move |column| 9 * row + column));
+            let faces = cells.flat_map(|k| [[k, k + 1, k + 10], [k, k + 10, k + 9]]);
+            let sheet = RigidBody::of_mesh((0..81).map(corner).collect(), faces.collect(), false);
+            sheet.unwrap().smoothed(1.0)
+        }
         _ => {
             let axis = Vector3::new(0.02, 0.01, 0.1);
             RigidBody::tube([axis - Vector3::x(), axis + Vector3::x()], 0.1)
@@ -49,7 +65,36 @@ fn body(kind: usize) -> RigidBody {
     }
 }
 
-const KINDS: usize = 6;
+const KINDS: usize = 8;
+const CLOSED: [usize; 5] = [0, 1, 2, 3, 5];
+
+/// The octahedron with its faces divided into four `times` times, on the unit sphere.
+fn ball_mesh(times: usize) -> (Vec<Vector3>, Vec<[usize; 3]>) {
+    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let mut corners: Vec<Vector3> = axes.into_iter().flat_map(|axis| [axis, -axis]).collect();
+    let mut faces = Vec::new();
+    for k in 0..8 {
+        let [a, b, c] = [k & 1, 2 + (k >> 1 & 1), 4 + (k >> 2 & 1)];
+        let is_even = (k & 1) ^ (k >> 1 & 1) ^ (k >> 2 & 1) == 0;
+        faces.push(if is_even { [a, b, c] } else { [a, c, b] });
+    }
+    for _ in 0..times {
+        let mut finer = Vec::new();
+        for [a, b, c] in faces {
+            let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|[from, to]| {
+                let middle = (corners[from] + corners[to]).normalize();
+                let known = corners.iter().position(|x| (x - middle).norm() < 1e-9);
+                known.unwrap_or_else(|| {
+                    corners.push(middle);
+                    corners.len() - 1
+                })
+            });
+            finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        faces = finer;
+    }
+    (corners, faces)
+}
 
 /// A rod with nodes at random positions, at an obstacle with friction.
 fn system(kind: usize, model: ContactModel, positions: &[Vector3]) -> ContactSystem {
@@ -203,6 +248,9 @@ fn forces_and_jacobians_are_derivatives() {
 /// samples along all edges.
 fn least_gap(kind: usize, positions: &[Vector3]) -> f64 {
     let body = body(kind);
+    if body.smooth.is_some() {
+        return least_height(body, positions) - RADIUS;
+    }
     let distance = |x: &Vector3| {
         let of_segment =
             |&[a, b]: &[usize; 2]| edge_distance(&[*x, *x, body.vertices[a], body.vertices[b]]);
@@ -224,6 +272,29 @@ fn least_gap(kind: usize, positions: &[Vector3]) -> f64 {
     samples
         .map(|x| distance(&x) - RADIUS)
         .fold(f64::INFINITY, f64::min)
+}
+
+/// Least height of a node over any patch of a smooth mesh, m.
+fn least_height(body: RigidBody, positions: &[Vector3]) -> f64 {
+    let smooth = body.smooth.as_ref().unwrap();
+    let feet = body
+        .faces
+        .iter()
+        .zip(&smooth.corners)
+        .flat_map(|(face, normals)| {
+            let patch = patch::Patch {
+                corners: face.map(|vertex| body.vertices[vertex]),
+                normals: normals.map(|normal| smooth.normals[normal as usize]),
+            };
+            positions.iter().filter_map(move |x| {
+                let at = patch.coordinates(x).ok()?;
+                let is_over = at.weights.iter().all(|weight| *weight >= 0.0);
+                let height = patch.foot(0, &at, 1.0).distance;
+                // Not over the other side of the ball.
+                (is_over && height > -0.1).then_some(height)
+            })
+        });
+    feet.fold(f64::INFINITY, f64::min)
 }
 
 #[test]
@@ -291,6 +362,25 @@ fn a_rod_that_falls_through_is_noticed() {
 }
 
 #[test]
+fn nodes_that_fall_on_sides_of_a_smooth_mesh_are_noticed() {
+    let sheet = 6;
+    let body = body(sheet);
+    let mut random = Random::new(80);
+    for segment in &body.segments {
+        let [from, to] = segment.map(|vertex| body.vertices[vertex]);
+        if from.xy().amax().max(to.xy().amax()) > 0.23 {
+            continue; // at the border
+        }
+        let at = from + (to - from) * (0.5 + 0.4 * random.symmetric());
+        let fall = (Vector3::z() + random.vector() * 0.2) * 0.05;
+        let path = [1.0, -1.0].map(|sign| vec![at + fall * sign, at + fall * (3.0 * sign)]);
+        let mut contact = system(sheet, ContactModel::ImplicitContact, &path[0]);
+        contact.update_candidates(&path[0]);
+        assert!(contact.passage(&path[0], &path[1]).is_some(), "{segment:?}");
+    }
+}
+
+#[test]
 fn candidates_follow_an_obstacle_that_moves() {
     let mut random = Random::new(90);
     for kind in 0..KINDS {
@@ -323,7 +413,7 @@ fn candidates_follow_an_obstacle_that_moves() {
 
 #[test]
 fn rods_within_obstacles_are_named_with_their_depth() {
-    for kind in 0..KINDS - 2 {
+    for kind in CLOSED {
         let deep: Vec<Vector3> = (0..NODES)
             .map(|k| Vector3::new(1e-3 * k as f64, 0.0, -0.05))
             .collect();

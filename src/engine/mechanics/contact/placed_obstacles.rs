@@ -7,18 +7,23 @@
 
 use super::box_tree::{AlignedBox, BoxTree};
 use super::closest_points::{ClosestPoints, edge_distance};
-use super::contacts::{CandidatePair, EDGE, RIM_NODE, TUBE};
+use super::contacts::{ABOVE, BELOW, CandidatePair, EDGE, RIM_NODE, TUBE};
 use super::foot::{Foot, Points};
 use super::rim::{RimPoint, RodPiece, pieces_of};
-use super::surface::{ContactFace, ContactNode, ContactSurface};
+use super::surface::{ContactEdge, ContactFace, ContactNode, ContactSurface};
 use crate::mechanics::Vector3;
+use crate::mechanics::rigid_body::RigidBody;
 use crate::mechanics::rotation::{Pose, to_vector};
+use std::collections::BTreeMap;
 
 /// The obstacles at the start and the end of the present step.
 #[derive(Clone, Default)]
 pub(super) struct PlacedObstacles {
     vertices: Vec<Vector3>,
     vertices_at_start: Vec<Vector3>,
+    /// Normals of smooth meshes.
+    normals: Vec<Vector3>,
+    normals_at_start: Vec<Vector3>,
     placed: Vec<Placed>,
     /// Pieces of rods that may touch the rim of a tube; empty without tubes.
     pieces: Vec<RodPiece>,
@@ -35,8 +40,25 @@ struct Placed {
     first_vertex: usize,
     first_edge: usize,
     first_face: usize,
+    first_normal: usize,
     /// Boxes around its segments, and boxes around its faces, in its own frame.
     tree: BoxTree,
+    /// Boxes around the segments that edges of rods touch, if these are fewer, and their numbers.
+    sharp: Option<(BoxTree, Vec<usize>)>,
+    /// Smooth parts of its mesh.
+    regions: Vec<Region>,
+}
+
+/// A smooth part of a mesh.
+#[derive(Clone)]
+struct Region {
+    /// Its first face.
+    first: usize,
+    /// Boxes around its faces, and their numbers.
+    tree: BoxTree,
+    faces: Vec<usize>,
+    /// Largest distance of the smooth surface from its faces, m.
+    bulge: f64,
 }
 
 impl std::fmt::Debug for PlacedObstacles {
@@ -68,13 +90,24 @@ impl PlacedObstacles {
                 first_vertex: all.vertices.len(),
                 first_edge,
                 first_face,
+                first_normal: all.normals.len(),
                 tree: BoxTree::new(segments.chain(faces)),
+                sharp: obstacle.smooth.as_ref().map(|smooth| {
+                    let own = 0..obstacle.segments.len();
+                    let sharp: Vec<usize> = own.filter(|index| smooth.sharp[*index]).collect();
+                    let boxes = sharp.iter().map(|index| box_of(&obstacle.segments[*index]));
+                    (BoxTree::new(boxes), sharp)
+                }),
+                regions: regions_of(obstacle, first_face),
             });
+            let normals = obstacle.smooth.iter().flat_map(|smooth| &smooth.normals);
+            all.normals.extend(normals);
             all.vertices.extend(&obstacle.vertices);
             first_edge += obstacle.segments.len();
             first_face += obstacle.faces.len();
         }
         all.vertices_at_start.clone_from(&all.vertices);
+        all.normals_at_start.clone_from(&all.normals);
         all
     }
 
@@ -89,6 +122,12 @@ impl PlacedObstacles {
         let now = &mut self.vertices[placed.first_vertex..];
         for (now, vertex) in now.iter_mut().zip(vertices) {
             *now = pose.of(vertex);
+        }
+        if let Some(smooth) = &surface.obstacles()[index].smooth {
+            let now = &mut self.normals[placed.first_normal..];
+            for (now, normal) in now.iter_mut().zip(&smooth.normals) {
+                *now = pose.rotation * normal;
+            }
         }
         self.moved = true;
     }
@@ -116,6 +155,7 @@ impl PlacedObstacles {
             return;
         }
         self.vertices_at_start.clone_from(&self.vertices);
+        self.normals_at_start.clone_from(&self.normals);
         for placed in &mut self.placed {
             placed.pose_at_start = placed.pose;
         }
@@ -126,6 +166,7 @@ impl PlacedObstacles {
         Points {
             nodes,
             vertices: &self.vertices,
+            normals: &self.normals,
         }
     }
 
@@ -134,6 +175,7 @@ impl PlacedObstacles {
         Points {
             nodes,
             vertices: &self.vertices_at_start,
+            normals: &self.normals_at_start,
         }
     }
 
@@ -173,10 +215,8 @@ impl PlacedObstacles {
                 if edge.held || obstacle.hollow || roots.free_edge(index, number) {
                     continue;
                 }
-                for part in placed.tree.meeting(near(&edge.nodes, edge.radius)) {
-                    if part >= segments {
-                        continue;
-                    }
+                let sought = near(&edge.nodes, edge.radius);
+                for part in placed.segments_meeting(surface, edge, segments, sought) {
                     let pair = placed.pair_of_edges(surface, index, part);
                     let distance = edge_distance(&points.of(pair.nodes)) - obstacle.radius;
                     if distance < edge.radius + clearance {
@@ -193,6 +233,10 @@ impl PlacedObstacles {
             }
             for end in surface.nodes() {
                 if roots.free_node(end.node, number) {
+                    continue;
+                }
+                if obstacle.smooth.is_some() && surface.is_rod_node(end.node) {
+                    placed.find_at_regions(surface, number, end, &points, clearance, found);
                     continue;
                 }
                 let box_of_node = near(&[end.node], end.radius);
@@ -242,10 +286,9 @@ impl PlacedObstacles {
                 if edge.held || obstacle.hollow || roots.free_edge(index, number) {
                     continue;
                 }
-                let parts = swept(&edge.nodes, edge.radius);
-                let parts = placed.tree.meeting(parts);
-                let pairs = parts.filter(|part| *part < segments);
-                found.extend(pairs.map(|part| placed.pair_of_edges(surface, index, part)));
+                let sought = swept(&edge.nodes, edge.radius);
+                let parts = placed.segments_meeting(surface, edge, segments, sought);
+                found.extend(parts.map(|part| placed.pair_of_edges(surface, index, part)));
             }
             if obstacle.hollow {
                 let nodes = surface.nodes().iter();
@@ -274,6 +317,76 @@ impl PlacedObstacles {
 }
 
 impl Placed {
+    /// The segments near a box that an edge of a rod or of a free body may touch; `segments` is the
+    /// number of all.
+    fn segments_meeting(
+        &self,
+        surface: &ContactSurface,
+        edge: &ContactEdge,
+        segments: usize,
+        sought: AlignedBox,
+    ) -> impl Iterator<Item = usize> {
+        let sharp = self.sharp.as_ref();
+        let sharp = sharp.filter(|_| surface.is_rod_node(edge.nodes[0]));
+        let tree = sharp.map_or(&self.tree, |(tree, _)| tree);
+        tree.meeting(sought).filter_map(move |part| match sharp {
+            Some((_, numbers)) => Some(numbers[part]),
+            None => (part < segments).then_some(part),
+        })
+    }
+
+    /// Adds the pairs of a node and the smooth parts near it. A node that is not over such a part
+    /// now may be over it later; its pair has a distance below all others.
+    fn find_at_regions(
+        &self,
+        surface: &ContactSurface,
+        number: usize,
+        node: &ContactNode,
+        points: &Points,
+        clearance: f64,
+        found: &mut Vec<(CandidatePair, f64)>,
+    ) {
+        let obstacle = &surface.obstacles()[number];
+        let position = points.at(node.node);
+        let place = self.pose.back_of(&position);
+        for region in &self.regions {
+            let flat = |part: usize| {
+                let [a, b, c] = obstacle.faces[region.faces[part]].map(|k| obstacle.vertices[k]);
+                let corners = [place, a, b, c];
+                let foot = Foot::in_plane(&corners, 1.0);
+                foot.map_or(f64::INFINITY, |foot| distance_from_face(&corners, &foot))
+            };
+            let within = node.radius + clearance + region.bulge;
+            let Some((part, _)) = region.tree.nearest(&place, within, flat) else {
+                continue;
+            };
+            let start = self.first_face + region.faces[part];
+            let foot = surface.foot_from(start, 1.0, &position, points);
+            let height = match &foot {
+                Some(foot) => foot.distance,
+                None => {
+                    let corners = points.of(surface.faces()[start].with(node.node));
+                    Foot::in_plane(&corners, 1.0).map_or(0.0, |foot| foot.distance)
+                }
+            };
+            let is_below = height < 0.0 && !obstacle.closed;
+            let distance = match &foot {
+                Some(_) if is_below => -height,
+                Some(_) => height,
+                None => f64::NEG_INFINITY,
+            };
+            if distance < node.radius + clearance {
+                let pair = CandidatePair {
+                    start: start as u32,
+                    side: if is_below { BELOW } else { ABOVE },
+                    edges: [node.edge, surface.edges().len() + region.first],
+                    nodes: surface.faces()[start].with(node.node),
+                };
+                found.push((pair, distance));
+            }
+        }
+    }
+
     fn pair_of_edges(
         &self,
         surface: &ContactSurface,
@@ -286,6 +399,7 @@ impl Placed {
             edges: [edge, other],
             nodes: [a, b, c, d],
             side: EDGE,
+            start: 0,
         }
     }
 
@@ -295,6 +409,7 @@ impl Placed {
             edges: [node.edge, self.first_edge],
             nodes: [node.node, node.node, a, b],
             side: TUBE,
+            start: 0,
         }
     }
 
@@ -319,6 +434,7 @@ impl Placed {
                     edges: [edge, tube],
                     nodes: [a, b, c, end],
                     side,
+                    start: 0,
                 })
             })
     }
@@ -367,6 +483,31 @@ impl Placed {
     }
 }
 
+/// The smooth parts of an obstacle whose faces are numbered from `first_face`.
+fn regions_of(obstacle: &RigidBody, first_face: usize) -> Vec<Region> {
+    let Some(smooth) = &obstacle.smooth else {
+        return Vec::new();
+    };
+    let mut faces: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (face, region) in smooth.regions.iter().enumerate() {
+        faces.entry(*region).or_default().push(face);
+    }
+    let of_region = |(first, faces): (u32, Vec<usize>)| {
+        let boxes = faces.iter().map(|face| {
+            let corners = obstacle.faces[*face].iter();
+            AlignedBox::around(corners.map(|corner| obstacle.vertices[*corner]), 0.0)
+        });
+        let bulges = faces.iter().map(|face| obstacle.bulge_of(*face));
+        Region {
+            first: first_face + first as usize,
+            tree: BoxTree::new(boxes),
+            bulge: bulges.fold(0.0, f64::max),
+            faces,
+        }
+    };
+    faces.into_iter().map(of_region).collect()
+}
+
 fn pair_with_face(
     surface: &ContactSurface,
     [edge, face]: [usize; 2],
@@ -377,6 +518,7 @@ fn pair_with_face(
         edges: [edge, surface.edges().len() + face],
         nodes: ContactFace::with(&surface.faces()[face], node),
         side,
+        start: 0,
     }
 }
 

@@ -185,9 +185,11 @@ impl ContactSystem {
             .find(self.surface(), positions, clearance, &mut found);
         let within = self.surface.within_bodies(positions).into_iter();
         found.extend(within.map(|(pair, depth)| (pair, -depth)));
-        // A rim does not act on rods that pass outside the tube, though they may be near it.
+        // A rim does not act on rods that pass outside the tube, though they may be near it, nor a
+        // smooth part of a mesh on nodes beside it.
         let is_felt = |pair: &CandidatePair| {
-            !pair.is_with_rim() || self.separation(pair, positions).is_some()
+            let may_be_beside = pair.is_with_rim() || pair.is_with_patch();
+            !may_be_beside || self.separation(pair, positions).is_some()
         };
         let found = found.iter().filter(|(pair, _)| is_felt(pair));
         let edges = found.map(|(pair, distance)| Proximity {

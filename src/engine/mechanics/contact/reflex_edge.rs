@@ -101,6 +101,7 @@ mod tests {
                 edges: [0, edge],
                 nodes: [0, 1, c, d],
                 side: EDGE,
+                start: 0,
             };
             let placed = PlacedObstacles::new(&self.surface);
             let points = placed.points(&self.rod);
@@ -129,7 +130,7 @@ mod tests {
             [[0, 2, 1], [0, 1, 3]].into_iter().any(|face| {
                 let [a, b, c] = face.map(|vertex| self.vertices[vertex]);
                 let path = |node: Vector3| [node, a, b, c];
-                super::super::foot::crossing(&path(self.rod[0]), &path(self.rod[1])).is_some()
+                super::super::foot::crossing(&path(self.rod[0]), &path(self.rod[1]), 0.0).is_some()
             })
         }
     }

@@ -105,6 +105,7 @@ mod tests {
             edges: [i, j],
             nodes: [i, i + 1, j, j + 1],
             side: 0,
+            start: 0,
         }
     }
 

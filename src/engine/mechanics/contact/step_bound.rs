@@ -4,15 +4,25 @@ use super::body_faces::safe_fraction_at_triangle;
 use super::candidates::approach;
 use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
-use super::contacts::{EDGE, TUBE};
+use super::contacts::{CandidatePair, EDGE, TUBE};
 use super::continuous_collision::{KEPT_GAP, safe_fraction};
-use super::foot::Foot;
+use super::foot::{Foot, Points};
+use super::patch::PatchPoint;
 use super::rim::safe_fraction_at_rim;
 use crate::mechanics::Vector3;
 
 /// Maximum number of times that the candidates are built on one path. Each time the nodes may move
 /// by a radius of the thickest rod; a longer path is shortened.
 const SEGMENTS: usize = 16;
+
+/// Maximum number of advances along a path over a smooth part of a mesh, and the part of the kept
+/// gap by which the gap at the end may differ from it.
+const MOST_ADVANCES: usize = 100;
+const USED_UP: f64 = 0.1;
+/// Bisections for the point at which a path comes over a smooth part of a mesh.
+const BISECTIONS: usize = 40;
+/// Shortest advance over a smooth part of a mesh, in units of the distance from it.
+const SHORTEST: f64 = 1e-9;
 
 /// Bound on the displacement of nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,6 +117,9 @@ impl ContactSystem {
                         let bounds = [touch, KEPT_GAP];
                         safe_fraction_at_rim(side, &nodes, &moves, &rim, bounds, fraction)
                     }
+                    _ if pair.is_with_patch() => {
+                        self.safe_fraction_over_patch(pair, &points, &moves[0], touch, fraction)
+                    }
                     _ if self.is_of_rod(pair.nodes[3]) => {
                         safe_fraction_at_triangle(&nodes, &moves, touch, fraction)
                     }
@@ -115,6 +128,68 @@ impl ContactSystem {
                         safe_fraction_over_face(&nodes, &moves[0], side, touch, fraction)
                     }
                 };
+            }
+        }
+        fraction
+    }
+
+    /// The fraction, at most `longest`, of a straight path of the node of a pair by `displacement`
+    /// that a smooth part of a mesh allows: until its gap is a tenth of the gap at which the node is
+    /// first over the surface.
+    ///
+    /// From each point the path advances as far as the slope of the gap and twice its present
+    /// curvature allow, and at most by the distance of the node from the surface.
+    fn safe_fraction_over_patch(
+        &self,
+        pair: &CandidatePair,
+        points: &Points,
+        displacement: &Vector3,
+        touch: f64,
+        longest: f64,
+    ) -> f64 {
+        let start = points.at(pair.nodes[0]);
+        let length = displacement.norm();
+        let at = |fraction: f64| {
+            let there = start + displacement * fraction;
+            self.surface.foot_over(pair, &there, points)
+        };
+        let (mut fraction, mut foot) = match at(0.0) {
+            Some(foot) => (0.0, foot),
+            None => match first_over(&at, longest) {
+                Some((first, foot)) if foot.distance > touch => (first, foot),
+                _ => return longest, // it comes from beside, where edges of the rod are bounded
+            },
+        };
+        let gap = (foot.distance - touch).max(0.0);
+        let kept = KEPT_GAP * gap;
+        for _ in 0..MOST_ADVANCES {
+            let slack = foot.distance - touch - kept;
+            if slack <= USED_UP * kept {
+                break;
+            }
+            // slack + a s − b s² = 0
+            let a = foot.normal.dot(displacement);
+            let there = start + displacement * fraction;
+            let bend = self.surface.bend_at(pair, &foot, &there, points);
+            let b = bend.turning.norm() * length * length;
+            let reach = 2.0 * slack / ((a * a + 4.0 * b * slack).sqrt() - a).max(f64::MIN_POSITIVE);
+            let mut advance = reach.min(touch / length).min(longest - fraction);
+            loop {
+                let Some(next) = at(fraction + advance) else {
+                    return longest;
+                };
+                if next.distance - touch >= (1.0 - USED_UP) * kept {
+                    foot = next;
+                    break;
+                }
+                advance *= 0.5;
+                if advance * length < SHORTEST * touch {
+                    return fraction;
+                }
+            }
+            fraction += advance;
+            if fraction >= longest {
+                return longest;
             }
         }
         fraction
@@ -141,6 +216,20 @@ impl ContactSystem {
         }
         fraction
     }
+}
+
+/// The first part of a path, up to `longest`, at which the node is over a smooth part of a mesh that
+/// it is not over at the beginning, with its foot there; `None` if it is not over it at the end.
+fn first_over(at: &impl Fn(f64) -> Option<PatchPoint>, longest: f64) -> Option<(f64, PatchPoint)> {
+    let (mut before, mut first) = (0.0, (longest, at(longest)?));
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (before + first.0);
+        match at(middle) {
+            Some(foot) => first = (middle, foot),
+            None => before = middle,
+        }
+    }
+    Some(first)
 }
 
 /// The fraction, at most `longest`, of a straight path of a node in a tube, by `displacement`,

@@ -116,6 +116,7 @@ impl ContactSystem {
         let threshold = self.surface.threshold(pair.edges);
         let smoothing = self.parameters.smoothing(threshold);
         let nearest = NearestPoints::of(&self.surface, pair, points, smoothing)?;
+        let pair = &nearest.settled(&self.surface, pair);
         let core = self.surface.core(pair);
         let gap = nearest.distance() - core - threshold - self.standoff(pair);
         let (weights, normal) = (nearest.weights(), nearest.normal());

@@ -3,6 +3,7 @@
 
 use super::contacts::CandidatePair;
 use super::root::Roots;
+use super::smooth_faces::SmoothFaces;
 use crate::mechanics::Vector3;
 use crate::mechanics::rigid_body::RigidBody;
 use std::collections::HashMap;
@@ -70,6 +71,7 @@ pub struct ContactSurface {
     /// the rods; `None` if the edge does not have two faces.
     opposite: Vec<Option<[usize; 2]>>,
     faces: Vec<ContactFace>,
+    pub(super) smooth_faces: SmoothFaces,
     /// Nodes of all rods.
     rod_nodes: usize,
     /// Number of edges of all rods, balls and free bodies, which come first.
@@ -379,7 +381,7 @@ impl ContactSurface {
     /// A rod touches the obstacle where one of its edges is near a segment, or one of its nodes is
     /// near the interior of a face, above or below it; a foot on the border of a face belongs to
     /// the segments there. So the distances are those of two edges (thesis Eqs. 2.3–2.6), and of a
-    /// point from a plane.
+    /// point from a plane. Smooth parts of meshes touch nodes only, see `smooth_faces`.
     pub fn add_obstacle(&mut self, obstacle: RigidBody, friction: f64) {
         let first = self.rod_nodes + self.vertex_count();
         // The rim of a tube is sharp.
@@ -402,6 +404,7 @@ impl ContactSurface {
                 held: true,
             });
         }
+        self.smooth_faces.add(&obstacle, self.faces.len());
         for face in &obstacle.faces {
             self.faces.push(ContactFace {
                 vertices: face.map(|vertex| first + vertex),
@@ -423,6 +426,12 @@ impl ContactSurface {
     /// Edges of the rods, and balls, which precede those of obstacles.
     pub(crate) fn rod_edges(&self) -> &[ContactEdge] {
         &self.edges[..self.rod_edges]
+    }
+
+    /// Whether a node belongs to a rod or a ball, not to a free body.
+    pub(super) fn is_rod_node(&self, node: usize) -> bool {
+        let first = self.bodies.first();
+        first.is_none_or(|(nodes, _)| node < nodes.start)
     }
 
     /// The vertices opposite to an edge of an obstacle in its two faces.

@@ -4,6 +4,7 @@ use super::super::edge_contact::Sliding;
 use super::super::friction::{FrictionLaw, slip};
 use super::super::levers::{Lever, NONE};
 use super::super::nearest_points::NearestPoints;
+use super::super::patch::PatchBend;
 use super::super::potential::normal_response;
 use super::super::test_support::*;
 use super::*;
@@ -61,7 +62,7 @@ impl Case {
         assert_eq!(closest.free, self.free);
         let gap = closest.distance() - self.radii[0] - self.radii[1];
         let response = normal_response(gap, self.radius, 0.5 * self.radius, 2.5);
-        let motion = NearestPoints::Edges(closest).motion(&nodes, true);
+        let motion = NearestPoints::Edges(closest).motion(&nodes, true, &PatchBend::none());
         let sliding = Sliding {
             law: self.law,
             velocities: std::array::from_fn(|m| (nodes[m] - self.previous[m]) / TIME_STEP),

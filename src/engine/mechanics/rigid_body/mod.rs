@@ -1,7 +1,9 @@
 //! Shapes of rigid obstacles: all points within a radius of some segments and triangles.
 
+mod smooth;
 mod surface;
 
+pub use smooth::{NO_FACE, SmoothMesh};
 pub use surface::neighbourhood;
 
 use super::{UnitQuaternion, Vector3};
@@ -30,6 +32,27 @@ pub struct RigidBody {
     pub hollow: bool,
     /// Distance of the surface from segments and faces, m.
     pub radius: f64,
+    /// The smooth surface that the faces stand for, see [`RigidBody::smoothed`].
+    pub smooth: Option<SmoothMesh>,
+}
+
+/// Unit normal of a triangle.
+fn normal_of([a, b, c]: &[Vector3; 3]) -> Vector3 {
+    (b - a).cross(&(c - a)).normalize()
+}
+
+/// The triangles along each side, by its ends, the lower first, and whether each runs along it from
+/// the lower to the higher end.
+fn by_side(faces: &[[usize; 3]]) -> BTreeMap<[usize; 2], Vec<(usize, bool)>> {
+    let mut sides: BTreeMap<[usize; 2], Vec<(usize, bool)>> = BTreeMap::new();
+    for (triangle, face) in faces.iter().enumerate() {
+        for k in 0..3 {
+            let (from, to) = (face[k], face[(k + 1) % 3]);
+            let ends = [from.min(to), from.max(to)];
+            sides.entry(ends).or_default().push((triangle, from < to));
+        }
+    }
+    sides
 }
 
 /// Fault of a mesh.
@@ -183,7 +206,6 @@ impl RigidBody {
             return Err(MeshFault::NotFinite(vertex));
         }
         let mut normals = Vec::with_capacity(faces.len());
-        let mut sides: BTreeMap<[usize; 2], Vec<(usize, bool)>> = BTreeMap::new();
         for (triangle, face) in faces.iter().enumerate() {
             if let Some(&vertex) = face.iter().find(|vertex| **vertex >= vertices.len()) {
                 let vertices = vertices.len();
@@ -201,12 +223,8 @@ impl RigidBody {
                 return Err(MeshFault::Degenerate(triangle));
             }
             normals.push(area.normalize());
-            for k in 0..3 {
-                let (from, to) = (face[k], face[(k + 1) % 3]);
-                let ends = [from.min(to), from.max(to)];
-                sides.entry(ends).or_default().push((triangle, from < to));
-            }
         }
+        let sides = by_side(&faces);
         let (mut segments, mut opposite) = (Vec::new(), Vec::new());
         let (mut open, mut first_open) = (0, usize::MAX);
         for (ends, around) in &sides {

@@ -14,6 +14,10 @@ const UNLIKELY: f64 = 100.0;
 /// rod. Distances of rods from farther parts would be lost to rounding.
 const FARTHEST: f64 = 1e9;
 
+/// Largest depth to which an edge of a rod may dip into a smooth mesh between two nodes that touch
+/// it, over the radius of the rod.
+const DEEPEST_DIP: f64 = 0.5;
+
 /// Half the length of a cylinder without ends, over the distance of the farthest node from its
 /// point. No rod reaches its ends, and little is lost to rounding.
 const ENDLESS: f64 = 1e2;
@@ -62,6 +66,8 @@ pub fn place_obstacle(
             vertices,
             triangles,
             closed,
+            crease_angle,
+            ..
         } => {
             let vertices = vertices.iter().copied().map(Vector3::from).collect();
             let body = RigidBody::of_mesh(vertices, triangles.clone(), *closed);
@@ -72,7 +78,14 @@ pub fn place_obstacle(
                 Issue::new(path.key("shape"), format!("invalid mesh: {fault}")).with_help(help)
             })?;
             refuse_other_units(&body, rods, path)?;
-            body
+            match crease_angle {
+                Some(angle) => {
+                    let body = body.smoothed(*angle);
+                    refuse_long_edges(&body, rods, path)?;
+                    body
+                }
+                None => body,
+            }
         }
     };
     let mut coordinates = body.vertices.iter().flat_map(|vertex| vertex.iter());
@@ -123,6 +136,43 @@ fn refuse_other_units(
     );
     let help = "give the unit of the file, for example `unit = \"1 mm\"`".to_owned();
     Err(Issue::new(path.key("shape"), message).with_help(Some(help)))
+}
+
+/// Refuses edges of rods that would dip far into a smooth body between two nodes that touch it.
+///
+/// On a surface of the curvature κ a rod of radius h lies on a curve of radius 1/κ + h, and the
+/// middle of an edge of length L is L²κ/(8 (1 + κh)) below its ends.
+fn refuse_long_edges(
+    body: &RigidBody,
+    rods: &[RodDescription],
+    path: &KeyPath,
+) -> Result<(), Issue> {
+    let curvature = if body.closed {
+        body.largest_curvature()
+    } else {
+        0.0
+    };
+    for rod in rods {
+        let edges = rod.centreline.windows(2);
+        let longest = edges.map(|ends| (ends[1] - ends[0]).norm());
+        let longest = longest.fold(0.0, f64::max);
+        let radius = rod.least_radius();
+        let dip = longest * longest * curvature / (8.0 * (1.0 + curvature * radius));
+        if dip > DEEPEST_DIP * radius {
+            let message = format!(
+                "the edges of rod `{}`, {longest:.3e} m long, would dip {dip:.3e} m into this smooth \
+                 mesh, which has bends of radius {:.3e} m; allowed: half the radius of the rod, \
+                 {:.3e} m",
+                rod.name,
+                1.0 / curvature,
+                DEEPEST_DIP * radius,
+            );
+            let help = "only nodes touch smooth meshes: give the rod shorter edges, or leave out \
+                        `smooth`";
+            return Err(Issue::new(path.key("shape"), message).with_help(Some(help.to_owned())));
+        }
+    }
+    Ok(())
 }
 
 /// Radius of the thinnest rod, m; infinite without rods.

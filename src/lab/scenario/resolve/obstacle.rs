@@ -7,6 +7,10 @@ use crate::scenario::resolved::{Obstacle, ObstacleShape};
 use crate::scenario::section::{FINITE, Section};
 use crate::scenario::typed;
 use rodlab_files::mesh;
+use std::f64::consts::FRAC_PI_4;
+
+/// Default crease angle of smooth meshes, rad.
+const CREASE_ANGLE: f64 = FRAC_PI_4;
 
 /// Maximum number of heights along a side of a grid.
 const MOST_HEIGHTS: usize = 1000;
@@ -144,6 +148,11 @@ fn mesh(
     let position = typed.position(section);
     let axis = typed.axis(section);
     let angle = typed.angle(section);
+    let smooth = typed.smooth(section);
+    let crease_angle = typed.crease_angle(section);
+    if crease_angle.is_some() && !smooth {
+        section.fault("crease_angle", "it applies to a mesh with `smooth = true`");
+    }
     let placed = |vertex: &[f64; 3]| {
         let turned = turned(vertex.map(|coordinate| coordinate * unit), axis, angle);
         std::array::from_fn(|k| turned[k] + position[k])
@@ -152,6 +161,8 @@ fn mesh(
         vertices: vertices.iter().map(placed).collect(),
         triangles,
         closed: typed.closed(section),
+        smooth,
+        crease_angle: smooth.then(|| crease_angle.unwrap_or(CREASE_ANGLE)),
     })
 }
 
@@ -211,6 +222,7 @@ fn turned(vector: [f64; 3], axis: [f64; 3], angle: f64) -> [f64; 3] {
 fn heights(section: &Section<'_>, typed: &typed::Heights) -> Option<ObstacleShape> {
     let origin = typed.origin(section);
     let spacing = typed.spacing(section);
+    let smooth = typed.smooth(section);
     let Some(rows) = &typed.heights else {
         section.missing(
             "heights",
@@ -255,5 +267,7 @@ fn heights(section: &Section<'_>, typed: &typed::Heights) -> Option<ObstacleShap
         vertices,
         triangles,
         closed: false,
+        smooth,
+        crease_angle: smooth.then_some(CREASE_ANGLE),
     })
 }

@@ -76,5 +76,12 @@ pub enum ObstacleShape {
         triangles: Vec<[usize; 3]>,
         /// Whether the mesh encloses a body.
         closed: bool,
+        /// Whether the mesh stands for a smooth surface.
+        #[serde(skip_serializing_if = "std::ops::Not::not")]
+        smooth: bool,
+        /// Angle between triangles above which their common side is a crease of a smooth surface,
+        /// rad; `None` for a mesh that is not smooth.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        crease_angle: Option<f64>,
     },
 }

@@ -3,7 +3,7 @@
 use super::movement::{Pose, Translation, Turn, TypedMovement, moving};
 use crate::scenario::declaration::keys;
 use crate::scenario::quantity::Quantity;
-use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, Section, UP};
+use crate::scenario::section::{CREASE, FINITE, NON_NEGATIVE, POSITIVE, Section, UP};
 use crate::scenario::units::{Angle, AngularVelocity, Dimensionless, Length};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -113,6 +113,11 @@ keys! {
         /// Whether the triangles enclose a body, which rods touch from outside; false for a sheet, which they touch from both
         /// sides.
         closed: flag() default(true),
+        /// Whether the triangles stand for a smooth surface through their corners.
+        smooth: flag() default(false),
+        /// With `smooth`: largest angle between the normals of two triangles with a smooth side between them; above it the side is a
+        /// crease.
+        crease_angle: number(Angle, CREASE) optional,
     }
 }
 
@@ -125,5 +130,7 @@ keys! {
         spacing: number(Length, POSITIVE) required,
         /// Heights above the origin: rows along y of values along x, at least two of each.
         heights: raw(Vec<Vec<Quantity<Length>>>) raw,
+        /// Whether the surface is smooth; otherwise it consists of triangles.
+        smooth: flag() default(false),
     }
 }
