@@ -215,15 +215,29 @@ pub(super) fn capstan_check(name: String, tensions: [f64; 2], bending: f64, boun
         .relative(expected, greater / lesser, bound)
 }
 
-/// Mean tensions of the straight parts of both legs, N, of a rope with the given stretching
-/// stiffness (N) that was placed at `nodes`. The mean is over 0.3 s, when the pull has settled, to
-/// 0.5 s.
+/// Mean tensions of the straight parts of both legs, N: see [`tension_samples`].
 pub(super) fn leg_tensions(
     simulation: &mut Simulation,
     nodes: &[Vector3],
     stretching: f64,
     leg_edges: usize,
 ) -> Result<[f64; 2], GroupError> {
+    let samples = tension_samples(simulation, nodes, stretching, leg_edges)?;
+    let mean = |leg: usize| {
+        let sum: f64 = samples.iter().map(|tensions| tensions[leg]).sum();
+        sum / samples.len() as f64
+    };
+    Ok([mean(0), mean(1)])
+}
+
+/// Tensions of the straight parts of both legs, N, of a rope with the given stretching stiffness
+/// (N) that was placed at `nodes`, in every step from 0.3 s, when the pull has settled, to 0.5 s.
+pub(super) fn tension_samples(
+    simulation: &mut Simulation,
+    nodes: &[Vector3],
+    stretching: f64,
+    leg_edges: usize,
+) -> Result<Vec<[f64; 2]>, GroupError> {
     let tension = |simulation: &Simulation, edge: usize| {
         let natural = (nodes[edge + 1] - nodes[edge]).norm();
         let now = simulation.positions();
@@ -232,17 +246,14 @@ pub(super) fn leg_tensions(
     // The edges in the middle of the legs.
     let edges = [leg_edges / 2, nodes.len() - 2 - leg_edges / 2];
     let (settled, end) = (0.3, 0.5);
-    let (mut sums, mut samples) = ([0.0; 2], 0.0);
+    let mut samples = Vec::new();
     while simulation.time() < end {
         simulation.advance(end)?;
         if simulation.time() > settled {
-            for (sum, edge) in sums.iter_mut().zip(edges) {
-                *sum += tension(simulation, edge);
-            }
-            samples += 1.0;
+            samples.push(edges.map(|edge| tension(simulation, edge)));
         }
     }
-    Ok(sums.map(|sum| sum / samples))
+    Ok(samples)
 }
 
 /// Nodes of a rope over the post, from the end with the weight to the pulled end, with given

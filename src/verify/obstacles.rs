@@ -1,15 +1,17 @@
 //! Obstacles of every shape, from scenario files: ropes over round obstacles, a beam lifted by an
 //! edge and by a ball, and rods that buckle in a tube.
 
-use super::friction::{POST_RADIUS, capstan_check, leg_tensions, rope_over_post};
+use super::friction::{POST_RADIUS, capstan_check, leg_tensions, rope_over_post, tension_samples};
 use super::rods::run_until;
 use super::scenario::built;
 use super::{Check, Expectation, GroupError, sleeve, tube_buckling, tube_coiling};
 use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::Simulation;
 use std::f64::consts::PI;
 use toml::{Table, Value, toml};
 
 const LIFTED: Expectation = Expectation::new("F = 3 EI w/a³", "Euler–Bernoulli");
+const SWING: Expectation = Expectation::new("T₂/T₁ = constant", "");
 const FACETED: Expectation = Expectation::new("force at a ball of formula", "");
 
 /// Bending stiffness of the rope, N m².
@@ -40,11 +42,19 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
         ("the great circle of a sphere", "imc", sphere),
         ("a mesh of 64 faces", "imc", prism(64)),
         ("a mesh of 256 faces", "imc", prism(256)),
+        ("a smooth mesh of 12 faces", "imc", smooth(prism(12))),
+        ("a smooth mesh of 24 faces", "ipc", smooth(prism(24))),
+        (
+            "a smooth mesh of 24 faces",
+            "complementarity",
+            smooth(prism(24)),
+        ),
     ];
     let mut checks = Vec::new();
     for (over, model, shape) in ropes {
         checks.push(capstan(over, model, shape)?);
     }
+    checks.push(swing(24)?);
     checks.extend(lifted_beam()?);
     checks.extend(tube_buckling::checks()?);
     checks.extend(tube_coiling::checks()?);
@@ -53,16 +63,35 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
 }
 
 fn capstan(over: &str, model: &str, shape: Table) -> Result<Check, GroupError> {
+    let (mut simulation, nodes) = rope_over(model, shape)?;
+    let tensions = leg_tensions(&mut simulation, &nodes, STRETCHING, LEG_EDGES)?;
+    let name = format!("rope over {over}, μ = 0.3, half a turn, {model}: T₂/T₁");
+    Ok(capstan_check(name, tensions, BENDING, 5e-3))
+}
+
+/// Largest deviation of T₂/T₁ from its mean while a rope slides over a smooth mesh of a cylinder,
+/// relative to the mean.
+fn swing(faces: usize) -> Result<Check, GroupError> {
+    let (mut simulation, nodes) = rope_over("imc", smooth(prism(faces)))?;
+    let samples = tension_samples(&mut simulation, &nodes, STRETCHING, LEG_EDGES)?;
+    let ratios: Vec<f64> = samples.iter().map(|[less, more]| more / less).collect();
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    let farthest = |most: f64, ratio: &f64| most.max((ratio / mean - 1.0).abs());
+    let name = format!("rope over a smooth mesh of {faces} faces, imc: swing of T₂/T₁");
+    Ok(SWING
+        .of(name, "")
+        .zero(ratios.iter().fold(0.0, farthest), 1e-2))
+}
+
+/// A rope over an obstacle, and its nodes as placed.
+fn rope_over(model: &str, shape: Table) -> Result<(Simulation, Vec<Vector3>), GroupError> {
     let nodes = rope_over_post(WRAPPED_EDGES, LEG_EDGES, 3e-3);
     let points: Vec<[f64; 3]> = nodes.iter().map(|x| (*x).into()).collect();
     let mut scene: Table = include_str!("scenes/rope.toml").parse()?;
     scene["rods"][0]["shape"]["points"] = Value::try_from(points)?;
     scene["obstacles"][0]["shape"] = shape.into();
     scene["contact"]["model"] = model.into();
-    let mut simulation = built(scene)?;
-    let tensions = leg_tensions(&mut simulation, &nodes, STRETCHING, LEG_EDGES)?;
-    let name = format!("rope over {over}, μ = 0.3, half a turn, {model}: T₂/T₁");
-    Ok(capstan_check(name, tensions, BENDING, 5e-3))
+    Ok((built(scene)?, nodes))
 }
 
 /// The cylinder as a mesh with the given number of faces around it and with its corners on the
@@ -134,6 +163,12 @@ fn ball(centre: [f64; 3], radius: f64, cuts: usize) -> Table {
     mesh(&vertices, &triangles)
 }
 
+/// A mesh that stands for a smooth surface.
+fn smooth(mut mesh: Table) -> Table {
+    mesh.insert("smooth".to_owned(), true.into());
+    mesh
+}
+
 fn mesh(vertices: &[[f64; 3]], triangles: &[[usize; 3]]) -> Table {
     toml! {
         kind = "mesh"
@@ -150,7 +185,7 @@ fn sphere(centre: [f64; 3], radius: f64) -> Table {
 /// Radius of the balls that lift the beam, m.
 const BALL: f64 = 0.02;
 
-fn lifted_beam() -> Result<[Check; 2], GroupError> {
+fn lifted_beam() -> Result<[Check; 3], GroupError> {
     let force = |shape: Option<Table>| -> Result<f64, GroupError> {
         let mut scene: Table = include_str!("scenes/pushed_beam.toml").parse()?;
         if let Some(shape) = shape {
@@ -168,13 +203,18 @@ fn lifted_beam() -> Result<[Check; 2], GroupError> {
     let expected = 3.0 * bending * lift / arm.powi(3);
     // The initial position is a millimetre below the beam, like that of the edge of the box.
     let centre = [arm, 0.0, -radius - 1e-3 - BALL];
-    let (of_formula, of_mesh) = (sphere(centre, BALL), ball(centre, BALL, 4));
+    let of_formula = force(Some(sphere(centre, BALL)))?;
+    let of_mesh = force(Some(ball(centre, BALL, 4)))?;
+    let of_smooth = force(Some(smooth(ball(centre, BALL, 2))))?;
     Ok([
         LIFTED
             .of("beam lifted by the edge of a box: force", "N")
             .relative(expected, force(None)?, 1e-2),
         FACETED
             .of("beam lifted by a ball of 2048 triangles: force", "N")
-            .relative(force(Some(of_formula))?, force(Some(of_mesh))?, 1e-2),
+            .relative(of_formula, of_mesh, 1e-2),
+        FACETED
+            .of("beam lifted by a smooth ball of 128 triangles: force", "N")
+            .relative(of_formula, of_smooth, 2e-3),
     ])
 }
