@@ -33,13 +33,13 @@ fn ring(around: usize, across: usize) -> RigidBody {
 }
 
 /// `scenarios/mesh_obstacle.toml` with 300 edges and another ring.
-fn cables(around: usize, across: usize) -> Simulation {
+fn cables(ring: RigidBody) -> Simulation {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
     let text = std::fs::read_to_string(directory.join("mesh_obstacle.toml")).expect("a scenario");
     let set = ["rods.0.edges=150", "rods.1.edges=150"].map(String::from);
     let loaded = experiment::from_text("mesh", &text, &directory, &set).expect("valid");
     let mut prepared = experiment::prepare(&loaded.scenario).expect("a valid scene");
-    prepared.scene.obstacles[0].body = ring(around, across);
+    prepared.scene.obstacles[0].body = ring;
     Simulation::new(&prepared.scene, &prepared.integration).expect("sound")
 }
 
@@ -47,13 +47,22 @@ fn steps(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step of 1 ms of cables on a mesh");
     group.sample_size(10);
     let start = 0.1;
-    for [around, across] in [[16, 12], [100, 50], [500, 100]] {
-        let mut simulation = cables(around, across);
+    let sizes = [[16, 12], [100, 50], [500, 100]];
+    for (smooth, [around, across]) in [false, true]
+        .into_iter()
+        .flat_map(|s| sizes.map(|n| (s, n)))
+    {
+        let ring = ring(around, across);
+        let (ring, kind) = match smooth {
+            true => (ring.smoothed(1.0), "smooth "),
+            false => (ring, ""),
+        };
+        let mut simulation = cables(ring);
         while simulation.time() < start {
             simulation.advance(start).expect("converges");
         }
         let state = simulation.state();
-        let name = format!("{} triangles, 20 steps", 2 * around * across);
+        let name = format!("{kind}{} triangles, 20 steps", 2 * around * across);
         group.bench_function(name, |bencher| {
             bencher.iter_batched(
                 || state.clone(),
