@@ -80,7 +80,7 @@ fn swing(faces: usize) -> Result<Check, GroupError> {
     let name = format!("rope over a smooth mesh of {faces} faces, imc: swing of T₂/T₁");
     Ok(SWING
         .of(name, "")
-        .zero(ratios.iter().fold(0.0, farthest), 1e-2))
+        .zero(ratios.iter().fold(0.0, farthest), 1e-3))
 }
 
 /// A rope over an obstacle, and its nodes as placed.

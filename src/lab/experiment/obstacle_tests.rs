@@ -29,6 +29,9 @@ fn with(shape: &str) -> String {
     format!("[contact]\nfriction = 0.3\n[[obstacles]]\nname = \"body\"\nshape = {shape}\n")
 }
 
+const OCTAHEDRON: &str = "position = [0, 0, 0.04], \
+    vertices = [[0.05,0,0],[-0.05,0,0],[0,0.05,0],[0,-0.05,0],[0,0,0.05],[0,0,-0.05]], \
+    triangles = [[0,2,4],[2,1,4],[1,3,4],[3,0,4],[2,0,5],[1,2,5],[3,1,5],[0,3,5]]";
 const TETRAHEDRON: &str = "vertices = [[0,0,0],[0.1,0,0],[0,0.1,0],[0,0,0.05]]";
 
 #[test]
@@ -48,11 +51,15 @@ fn faults_name_the_obstacle_and_what_is_allowed() {
         { kind = "mesh", TETRAHEDRON, triangles = [[0,1,1]] } => no area
         { kind = "mesh", TETRAHEDRON, triangles = [[0,1,7]] } => allowed: 0 to 3
         { kind = "mesh", unit = 1e4, TETRAHEDRON, triangles = [[0,2,1],[0,1,3],[0,3,2],[1,2,3]] } => in another unit
+        { kind = "mesh", crease_angle = "30 deg", TETRAHEDRON, triangles = [[0,2,1],[0,1,3],[0,3,2],[1,2,3]] } => `smooth = true`
+        { kind = "mesh", smooth = true, crease_angle = "91 deg", OCTAHEDRON } => from 0 to 90 deg
+        { kind = "mesh", smooth = true, crease_angle = "80 deg", OCTAHEDRON } => the edges of rod `rod`
         { kind = "heights", spacing = 0.1, heights = [[0, 0], [0]] } => the first row has 2
         { kind = "heights", spacing = 0.1, heights = [[0, 0]] } => 2 by 1
     "#;
     let of_shapes = cases(shapes).map(|(shape, expected)| {
         let shape = shape.replace("TETRAHEDRON", TETRAHEDRON);
+        let shape = shape.replace("OCTAHEDRON", OCTAHEDRON);
         (with(&shape), expected)
     });
     let others = [
@@ -102,6 +109,7 @@ fn every_shape_bears_a_rod_with_every_model() {
         "{ kind = \"cylinder\", point = [0, 0, 0.044], direction = [0, 1, 0], radius = 0.05 }",
         "{ kind = \"box\", centre = [0, 0, 0.044], size = [0.1, 0.1, 0.1], rounding = 0.01 }",
         "{ kind = \"heights\", origin = [-1, -0.1, 0.094], spacing = 0.2, heights = [[0,0,0,0,0,0,0,0,0,0,0],[0,0,0,0,0,0,0,0,0,0,0]] }",
+        "{ kind = \"heights\", origin = [-1, -0.1, 0.094], smooth = true, spacing = 0.2, heights = [[0,0,0,0,0,0,0,0,0,0,0],[0,0,0,0,0,0,0,0,0,0,0]] }",
         "{ kind = \"tube\", start = [-1, 0, 1.094], end = [1, 0, 1.094], radius = 1 }",
         tetrahedron.as_str(),
     ];
@@ -160,6 +168,10 @@ fn a_rod_shot_at_an_obstacle_at_ten_diameters_a_step_does_not_pass() {
         ),
         (
             "{ kind = \"heights\", origin = [-1, -1, 0.07], spacing = 0.4, heights = [[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0]] }",
+            0.07,
+        ),
+        (
+            "{ kind = \"heights\", origin = [-1, -1, 0.07], smooth = true, spacing = 0.4, heights = [[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0]] }",
             0.07,
         ),
         (

@@ -18,6 +18,7 @@
 //! | `rim` | the rims of tubes |
 //! | `reflex_edge` | edges in valleys of a mesh, which have no contact |
 //! | `smooth_faces`, `patch` | meshes that stand for smooth surfaces, and their faces as curved patches |
+//! | `patch_search` | the foot of a node on them |
 //! | `jet` | numbers with first and second derivatives |
 //! | `nearest_points` | the same of two edges, or of a node and a face |
 //! | `parameters` | the contact model and its numbers |
@@ -84,6 +85,7 @@ mod normal_response;
 mod obstacle_tests;
 mod parameters;
 mod patch;
+mod patch_search;
 mod placed_obstacles;
 mod plane;
 mod plane_contact;

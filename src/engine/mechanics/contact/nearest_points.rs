@@ -211,14 +211,17 @@ impl ContactSystem {
         nearest: &NearestPoints,
         start: &Points,
     ) -> Option<bool> {
-        if pair.is_with_patch()
-            && let Some(before) = self.surface.foot_on_patch(pair, start)
-        {
-            return Some(before.distance < 0.0);
-        }
-        let face = nearest.settled(&self.surface, pair);
-        let before = Foot::in_plane(&start.of(face.nodes), 1.0)?;
-        Some(before.distance < 0.0)
+        let on_patch = pair
+            .is_with_patch()
+            .then(|| self.surface.foot_on_patch(pair, start));
+        let height = match on_patch.flatten() {
+            Some(foot) => foot.distance,
+            None => {
+                let face = nearest.settled(&self.surface, pair);
+                Foot::in_plane(&start.of(face.nodes), 1.0)?.distance
+            }
+        };
+        Some(height < 0.0)
     }
 
     /// Distance between the surfaces of a pair at which the gap of the force law is zero, m.

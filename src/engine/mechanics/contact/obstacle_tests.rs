@@ -412,6 +412,49 @@ fn candidates_follow_an_obstacle_that_moves() {
 }
 
 #[test]
+fn a_smooth_ball_that_turns_carries_points_of_its_surface() {
+    let ball = 5;
+    let mut random = Random::new(100);
+    let model = ContactModel::ImplicitContact;
+    let mut tested = 0;
+    for _ in 0..10 {
+        let Some(positions) = at_reach(ball, model, &mut random) else {
+            continue;
+        };
+        let mut contact = system(ball, model, &positions);
+        let (time_step, turn) = (1e-2, random.vector() * 0.02);
+        let pose = Pose {
+            rotation: UnitQuaternion::from_scaled_axis(turn),
+            translation: Vector3::zeros(),
+        };
+        contact.place_obstacle(0, pose);
+        contact.update_candidates(&positions);
+        contact.evaluate(&positions, &positions, time_step);
+        for one in contact.contacts() {
+            let pair = contact.candidates()[one.candidate];
+            let points = contact.obstacles.points(&positions);
+            let nearest = contact.nearest_in_step(&pair, &points, 0.0).unwrap();
+            let pair = nearest.settled(&contact.surface, &pair);
+            let motion = evaluation::Motion {
+                positions: &positions,
+                previous: &positions,
+                time_step,
+            };
+            let velocities = contact.velocities(&pair, &nearest, &motion);
+            let corners = velocities.iter().zip(nearest.weights());
+            let found: Vector3 = -corners.map(|(v, weight)| v * weight).sum::<Vector3>();
+            let foot = positions[pair.nodes[0]] - nearest.normal() * nearest.distance();
+            let expected = (foot - pose.back_of(&foot)) / time_step;
+            // Up to the accuracy of the normals of 128 triangles.
+            let error = (found - expected).norm() / expected.norm();
+            assert!(error < 2e-3, "{error:e}");
+            tested += 1;
+        }
+    }
+    assert!(tested > 3, "{tested}");
+}
+
+#[test]
 fn rods_within_obstacles_are_named_with_their_depth() {
     for kind in CLOSED {
         let deep: Vec<Vector3> = (0..NODES)

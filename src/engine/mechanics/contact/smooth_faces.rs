@@ -1,22 +1,6 @@
-//! Meshes that stand for smooth surfaces: the faces as curved patches, and the foot of a node.
-//!
-//! Only nodes of rods touch a smooth part of a mesh, each in one point. The search for it walks from
-//! face to face across the sides beyond which the node lies; see [`super::patch`] for the
-//! coordinates that decide this. Creases and borders are touched by edges, as those of other
-//! meshes.
+//! Meshes that stand for smooth surfaces: normals and neighbours of their faces.
 
-use super::contacts::{ABOVE, CandidatePair};
-use super::foot::Points;
-use super::patch::{Patch, PatchBend, PatchPoint};
-use super::surface::ContactSurface;
-use crate::mechanics::Vector3;
 use crate::mechanics::rigid_body::{NO_FACE, RigidBody};
-
-/// Maximum number of faces that a search visits.
-const MOST_FACES: usize = 256;
-/// Weight of a corner above which a point that belongs to neither of two faces by rounding error
-/// counts as over both.
-const ROUNDING: f64 = -1e-9;
 
 /// The smooth faces of all obstacles.
 #[derive(Clone, Debug, Default)]
@@ -29,11 +13,11 @@ pub(super) struct SmoothFaces {
 
 /// A curved face.
 #[derive(Clone, Copy, Debug)]
-struct SmoothFace {
+pub(super) struct SmoothFace {
     /// Normals at its corners, among those of all obstacles.
-    normals: [u32; 3],
+    pub normals: [u32; 3],
     /// Faces across the sides opposite to its corners.
-    across: [u32; 3],
+    pub across: [u32; 3],
 }
 
 impl SmoothFaces {
@@ -61,124 +45,8 @@ impl SmoothFaces {
         self.normals += smooth.normals.len();
     }
 
-    fn face(&self, face: usize) -> Option<&SmoothFace> {
+    /// A curved face; `None` for a flat one.
+    pub(crate) fn face(&self, face: usize) -> Option<&SmoothFace> {
         self.faces.get(face)?.as_ref()
     }
-}
-
-impl ContactSurface {
-    /// Whether a body is a curved face.
-    pub(super) fn is_smooth_face(&self, body: usize) -> bool {
-        let face = body.checked_sub(self.edges().len());
-        face.is_some_and(|face| self.smooth_faces.face(face).is_some())
-    }
-
-    /// The curved patch of a face; `None` for a flat face.
-    fn patch(&self, face: usize, points: &Points) -> Option<Patch> {
-        let smooth = self.smooth_faces.face(face)?;
-        Some(Patch {
-            corners: points.of(self.faces()[face].vertices),
-            normals: smooth.normals.map(|normal| points.normals[normal as usize]),
-        })
-    }
-
-    /// The foot of the node of a pair with a smooth part of a mesh; `None` if the node is not over
-    /// it.
-    pub(super) fn foot_on_patch(
-        &self,
-        pair: &CandidatePair,
-        points: &Points,
-    ) -> Option<PatchPoint> {
-        self.foot_over(pair, &points.at(pair.nodes[0]), points)
-    }
-
-    /// Like [`Self::foot_on_patch`] for the node at another position.
-    pub(super) fn foot_over(
-        &self,
-        pair: &CandidatePair,
-        position: &Vector3,
-        points: &Points,
-    ) -> Option<PatchPoint> {
-        let side = if pair.side == ABOVE { 1.0 } else { -1.0 };
-        self.foot_from(pair.start as usize, side, position, points)
-    }
-
-    /// The foot of a point on the smooth part that contains a face; `None` for a flat face, and if
-    /// the point is not over the smooth part.
-    pub(super) fn foot_from(
-        &self,
-        start: usize,
-        side: f64,
-        point: &Vector3,
-        points: &Points,
-    ) -> Option<PatchPoint> {
-        let (mut face, mut before) = (start, None);
-        for _ in 0..MOST_FACES {
-            let patch = self.patch(face, points)?;
-            let found = patch.coordinates(point);
-            let weights = match &found {
-                Ok(at) => at.weights,
-                Err(weights) => *weights,
-            };
-            let [least, second] = lowest(&weights);
-            if let Ok(at) = &found
-                && weights[least] >= 0.0
-            {
-                return Some(patch.foot(face, at, side));
-            }
-            let across = &self.smooth_faces.face(face)?.across;
-            let beyond = |k: usize| {
-                let next = across[k];
-                (weights[k] < 0.0 && next != NO_FACE).then_some(next as usize)
-            };
-            let next = beyond(least).or_else(|| beyond(second))?;
-            if before == Some(next) {
-                let at = found.ok().filter(|_| weights[least] >= ROUNDING)?;
-                return Some(patch.foot(face, &at, side));
-            }
-            (before, face) = (Some(face), next);
-        }
-        None
-    }
-
-    /// How a foot on the side of a pair moves with its node at a position.
-    pub(super) fn bend_at(
-        &self,
-        pair: &CandidatePair,
-        foot: &PatchPoint,
-        position: &Vector3,
-        points: &Points,
-    ) -> PatchBend {
-        let side = if pair.side == ABOVE { 1.0 } else { -1.0 };
-        let bend = self.patch(foot.face, points).and_then(|patch| {
-            let at = patch.coordinates(position).ok()?;
-            Some(patch.bend(&at, side))
-        });
-        bend.unwrap_or_else(PatchBend::none)
-    }
-
-    /// Moves the vertices of a curved face (the last three points) along its normals to the height
-    /// of the surface under a foot.
-    pub(super) fn raise(&self, nodes: &mut [Vector3; 4], foot: &PatchPoint, points: &Points) {
-        if let Some(patch) = self.patch(foot.face, points) {
-            for (vertex, normal) in nodes[1..].iter_mut().zip(&patch.normals) {
-                *vertex += normal * foot.surface_height;
-            }
-        }
-    }
-
-    /// A pair with a smooth part of a mesh with the vertices of the face that is touched.
-    pub(super) fn settled(&self, pair: &CandidatePair, foot: &PatchPoint) -> CandidatePair {
-        CandidatePair {
-            nodes: self.faces()[foot.face].with(pair.nodes[0]),
-            ..*pair
-        }
-    }
-}
-
-/// Indices of the lowest and the second lowest of three values.
-fn lowest(values: &[f64; 3]) -> [usize; 2] {
-    let mut order = [0, 1, 2];
-    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
-    [order[0], order[1]]
 }
