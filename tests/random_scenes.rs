@@ -18,7 +18,8 @@
 //! | `mechanisms` | rods with tendons, winches and bungees, wires that yield, snakes on scales |
 //! | `units` | scenes of these in other units of length, time and mass |
 //!
-//! One in four impacts has rods that taper and have steps, and one in four has free bodies.
+//! One in four impacts has rods that taper and have steps, one in four has free bodies, one in four
+//! a box, and one in four a landscape of triangles, which may stand for a smooth surface.
 //!
 //! By default there are 200 impacts and a dozen scenes of each other family.
 //! `RODLAB_RANDOM_SCENES=10000 cargo test --release random_scenes::` runs that number of each
@@ -65,6 +66,8 @@ const SECTIONED: u64 = 4;
 const EMBODIED: u64 = 1;
 /// Remainder by that number of the scenes with boxes that do not move.
 const WALLED: u64 = 2;
+/// Remainder by that number of the scenes over a landscape.
+const UNEVEN: u64 = 3;
 /// Allowed penetration, as a fraction of the sum of the radii, plus rounding errors.
 const BOUND: f64 = 0.05 + 1e-9;
 
@@ -232,9 +235,28 @@ impl Case {
                 0.1 * thick * random.between(0.1, 1.0),
             );
         }
+        if seed % SECTIONED == UNEVEN && !FOUND_BROKEN.contains(&seed) {
+            case.free = false;
+            text.push_str(&landscape(&mut Random(!seed), radius, size));
+        }
         case.text = text;
         case
     }
+}
+
+/// A landscape of triangles below rods of a radius (m) within `size` (m), smooth or not.
+fn landscape(random: &mut Random, radius: f64, size: f64) -> String {
+    let smooth = random.chance(0.7);
+    let spacing = size * random.between(0.3, 0.8);
+    let half = 2.5 * spacing;
+    let rows: [[f64; 6]; 6] =
+        std::array::from_fn(|_| std::array::from_fn(|_| size * random.between(-0.05, 0.05)));
+    let depth = -1.06 * size - 2.0 * radius;
+    format!(
+        "[[obstacles]]\nname = \"land\"\nshape = {{ kind = \"heights\", smooth = {smooth}, \
+         origin = [{:e}, {:e}, {depth:e}], spacing = {spacing:e}, heights = {rows:?} }}\n",
+        -half, -half,
+    )
 }
 
 /// One or two free bodies beside rods of a radius (m) within `size` (m) that come towards them with

@@ -13,6 +13,7 @@ use rodlab_engine::mechanics::rigid_body::RigidBody;
 use rodlab_engine::mechanics::scene::{
     Clamp, LoadKind, Motion, Obstacle, Plane, RodDescription, Scene,
 };
+use std::f64::consts::{PI, TAU};
 
 const ROLLING: Expectation = Expectation::new(
     "a = g sin α/(1 + I/(m h²)) = ⅔ g sin α",
@@ -24,7 +25,12 @@ const BELT: Expectation =
     Expectation::new("v = V/(1 + m h²/I) = V/3", "balance of momentum and spin");
 const GEARS: Expectation = Expectation::new("ω₂/ω₁ = −h₁/h₂", "rolling without slip");
 
+const TROUGH: Expectation =
+    Expectation::new("T = 2π √(3 (R − h)/2g) (1 + φ²/16)", "rolling without slip");
+
 const GRAVITY: f64 = 9.81;
+/// A driver of rods.
+const PRISM: &str = "smooth prism of 24 faces";
 /// The models that can turn rods, by their names in scenario files.
 const MODELS: [(ContactModel, &str); 2] = [
     (ContactModel::ImplicitContact, "imc"),
@@ -57,11 +63,14 @@ pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
             BELT.of(row, "m/s")
                 .relative(PART_OF_BELT * speed, found, BOUND),
         );
-        for (driver, large) in [("rod", 8e-3), ("roller", 20e-3)] {
+        for (driver, large) in [("rod", 8e-3), ("roller", 20e-3), (PRISM, 20e-3)] {
             let row = format!("rod driven by a {driver} of {large} m, {name}: ratio of rates");
-            let found = driven(model, driver == "rod", large)?;
+            let found = driven(model, driver, large)?;
             checks.push(GEARS.of(row, "").relative(-large / RADIUS, found, BOUND));
         }
+        let row = format!("rod in a smooth mesh of a trough, {name}: half of its period");
+        let [expected, found] = in_trough(model)?;
+        checks.push(TROUGH.of(row, "s").relative(expected, found, 1e-3));
     }
     Ok(checks)
 }
@@ -146,9 +155,73 @@ fn on_belt(model: ContactModel, speed: f64) -> Result<f64, GroupError> {
     Ok(state(&simulation)[0])
 }
 
+/// Part of a cylinder of a radius (m) around the x axis, from `start` by `count` angles `step`
+/// (rad), as a smooth mesh that rods touch from both sides.
+fn shell(radius: f64, start: f64, step: f64, count: usize) -> Result<RigidBody, GroupError> {
+    let closes = (step * count as f64 - TAU).abs() < 1e-9;
+    let columns = if closes { count } else { count + 1 };
+    let corner = |k: usize| {
+        let (sine, cosine) = libm::sincos(start + step * (k % columns) as f64);
+        let side = if k < columns { -1.0 } else { 1.0 };
+        Vector3::new(side, radius * sine, -radius * cosine)
+    };
+    let faces = (0..count).flat_map(|k| {
+        let next = (k + 1) % columns;
+        [[k, columns + k, columns + next], [k, columns + next, next]]
+    });
+    let body = RigidBody::of_mesh(
+        (0..2 * columns).map(corner).collect(),
+        faces.collect(),
+        false,
+    );
+    let body = body.map_err(|fault| fault.to_string())?;
+    Ok(body.smoothed(0.5))
+}
+
+/// Half of the period of a rod that rolls in a trough of facets of 0.1 rad: in theory, and in a
+/// motion.
+fn in_trough(model: ContactModel) -> Result<[f64; 2], GroupError> {
+    let (radius, tilt) = (0.5, 0.2);
+    let arm = radius - RADIUS;
+    let mut rod = rod_at(0.0, RADIUS);
+    let place = Vector3::new(0.0, libm::sin(tilt), -libm::cos(tilt)) * (arm - 2e-5);
+    rod.centreline.iter_mut().for_each(|node| *node += place);
+    let scene = Scene {
+        rods: vec![rod],
+        loads: vec![gravity(GRAVITY)],
+        obstacles: vec![Obstacle {
+            name: "trough".into(),
+            body: shell(radius, -0.45, 0.1, 9)?,
+            ..Obstacle::default()
+        }],
+        contact: Some(at_surface(model, 0.4)),
+        ..Scene::default()
+    };
+    let mut simulation = Simulation::new(&scene, &steps_of(5e-4))?;
+    let mut crossings = Vec::new();
+    let mut before = (0.0, simulation.positions()[1].y);
+    while crossings.len() < 2 && simulation.time() < 2.0 {
+        simulation.advance(2.0)?;
+        let now = (simulation.time(), simulation.positions()[1].y);
+        if before.1 * now.1 <= 0.0 {
+            let part = before.1 / (before.1 - now.1);
+            crossings.push(before.0 + (now.0 - before.0) * part);
+        }
+        before = now;
+    }
+    let [first, second] = crossings[..] else {
+        return Err(GroupError::from(
+            "the rod does not roll through the trough".to_owned(),
+        ));
+    };
+    let expected = PI * (1.5 * arm / GRAVITY).sqrt() * (1.0 + tilt * tilt / 16.0);
+    Ok([expected, second - first])
+}
+
 /// Ratio of the spin rate of a rod on pins to that of a rod of a given radius (m), or of a roller,
 /// that turns under it.
-fn driven(model: ContactModel, by_rod: bool, large: f64) -> Result<f64, GroupError> {
+fn driven(model: ContactModel, driver: &str, large: f64) -> Result<f64, GroupError> {
+    let by_rod = driver == "rod";
     let rate = if by_rod { 3.0 } else { -2.0 };
     let pin = |node: usize| Clamp {
         holds_frame: false,
@@ -178,9 +251,13 @@ fn driven(model: ContactModel, by_rod: bool, large: f64) -> Result<f64, GroupErr
         }));
     } else {
         let ends = [-1.0, 1.0].map(|side| Vector3::x() * side);
+        let body = match driver {
+            PRISM => shell(large, 0.0, TAU / 24.0, 24)?,
+            _ => RigidBody::capsule(ends, large),
+        };
         scene.obstacles.push(Obstacle {
             name: "roller".into(),
-            body: RigidBody::capsule(ends, large),
+            body,
             motion: Motion {
                 axis: Some(Vector3::x()),
                 ..turning
