@@ -70,7 +70,7 @@ pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
         }
         let row = format!("rod in a smooth mesh of a trough, {name}: half of its period");
         let [expected, found] = in_trough(model)?;
-        checks.push(TROUGH.of(row, "s").relative(expected, found, 1e-3));
+        checks.push(TROUGH.of(row, "s").relative(expected, found, BOUND));
     }
     Ok(checks)
 }

@@ -55,7 +55,7 @@ pub use super::own_tables::OwnTable;
 pub use super::part::Part;
 pub use super::resolve::{
     BuiltRod, CommonTables, ExperimentKeys, FINITE, FRACTION, NON_NEGATIVE, POSITIVE, Range,
-    Request, Section, read_columns,
+    Request, Section, read_columns, triangle_mesh,
 };
 pub use super::typed::{Quantity, Vector};
 pub use super::units::{

@@ -113,9 +113,8 @@ pub(super) fn finish(
             name,
             experiments: experiments.in_words(),
             document: &document,
-            directory_of: &directory_of,
         };
-        resolve(&context, &file.common, file.kind, &file.own)
+        resolve(&context, &directory_of, &file.common, file.kind, &file.own)
     });
     match resolved {
         Ok(scenario) => Ok(Loaded {

@@ -8,6 +8,7 @@ use std::cell::RefCell;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 use std::ops::RangeInclusive;
+use std::path::PathBuf;
 
 /// Range of the numbers that a key allows.
 #[derive(Clone, Copy)]
@@ -88,17 +89,32 @@ pub struct Section<'a> {
     /// Path of the table.
     pub path: KeyPath,
     issues: &'a RefCell<Issues>,
+    directory_of: &'a dyn Fn(&KeyPath) -> PathBuf,
 }
 
 impl<'a> Section<'a> {
-    /// The table at `path`.
-    pub fn new(path: KeyPath, issues: &'a RefCell<Issues>) -> Self {
-        Self { path, issues }
+    /// The table at `path`; `directory_of` returns the directory relative to which the value of a
+    /// key names files.
+    pub fn new(
+        path: KeyPath,
+        issues: &'a RefCell<Issues>,
+        directory_of: &'a dyn Fn(&KeyPath) -> PathBuf,
+    ) -> Self {
+        Self {
+            path,
+            issues,
+            directory_of,
+        }
+    }
+
+    /// Path of the file that the value of `key` names.
+    pub fn path_of(&self, key: &str, file: &str) -> PathBuf {
+        (self.directory_of)(&self.path.key(key)).join(file)
     }
 
     /// The table or element below `key`.
     pub fn below(&self, key: &str) -> Self {
-        Self::new(self.path.key(key), self.issues)
+        Self::new(self.path.key(key), self.issues, self.directory_of)
     }
 
     /// The elements of the array `key`, each with its section.

@@ -37,7 +37,9 @@ impl PaperFile {
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         let file: TypedFile<Typed> = TypedFile::read(path)?;
         let issues = RefCell::new(Issues::default());
-        let section = Section::new(KeyPath::from("folding.paper"), &issues);
+        let directory = path.parent().unwrap_or(Path::new(""));
+        let directory_of = |_: &KeyPath| directory.to_owned();
+        let section = Section::new(KeyPath::from("folding.paper"), &issues, &directory_of);
         let paper = resolve_paper(&section, &file.typed.folding.paper);
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let title = file.typed.title.clone();

@@ -1,13 +1,12 @@
 //! Resolving clamps.
 
-use super::Context;
 use super::movement::movement;
 use crate::scenario::resolved::{Clamp, Hold};
 use crate::scenario::section::Section;
 use crate::scenario::typed;
 
 /// Resolves all clamps.
-pub fn clamps(context: &Context<'_>, top: &Section<'_>, typed: &[typed::Clamp]) -> Vec<Clamp> {
+pub fn clamps(top: &Section<'_>, typed: &[typed::Clamp]) -> Vec<Clamp> {
     let clamp = |(section, typed): (Section<'_>, &typed::Clamp)| {
         let clamp = Clamp {
             rod: typed.rod(&section),
@@ -15,7 +14,7 @@ pub fn clamps(context: &Context<'_>, top: &Section<'_>, typed: &[typed::Clamp]) 
             hold: typed.hold(&section),
             offset: typed.offset(&section),
             rotation: typed.rotation(&section),
-            movement: movement(context, &section, &typed.movement(&section)),
+            movement: movement(&section, &typed.movement(&section)),
         };
         refuse_free(&section, &clamp);
         clamp

@@ -19,6 +19,7 @@ mod sections;
 mod shape;
 mod slip;
 mod start;
+mod triangle_mesh;
 
 pub use super::section::{FINITE, FRACTION, NON_NEGATIVE, POSITIVE, Range, Section};
 pub use columns::read_columns;
@@ -26,6 +27,7 @@ pub use experiment::ExperimentKeys;
 pub use polyline::read as read_polyline;
 pub use request::{BuiltRod, CommonTables, Request};
 pub use start::{END_STATE, file_of as start_file_of};
+pub use triangle_mesh::triangle_mesh;
 
 use super::document::Node;
 use super::issue::{Issues, KeyPath};
@@ -44,8 +46,6 @@ pub struct Context<'a> {
     pub experiments: String,
     /// The file as a tree.
     pub document: &'a Node,
-    /// The directory relative to which the value of a key names files.
-    pub directory_of: &'a dyn Fn(&KeyPath) -> PathBuf,
 }
 
 /// Resolves a scenario.
@@ -55,12 +55,13 @@ pub struct Context<'a> {
 /// other.
 pub fn resolve(
     context: &Context<'_>,
+    directory_of: &dyn Fn(&KeyPath) -> PathBuf,
     file: &ScenarioFile,
     kind: Option<&dyn ExperimentKeys>,
     own: &OwnTables,
 ) -> Result<Scenario, Issues> {
     let issues = RefCell::new(Issues::default());
-    let top = Section::new(KeyPath::root(), &issues);
+    let top = Section::new(KeyPath::root(), &issues, directory_of);
     let usual_time = kind.and_then(|kind| kind.usual_time());
     let time = match (usual_time, &file.time) {
         (Some(usual), None) => usual,
@@ -80,9 +81,9 @@ pub fn resolve(
         top.missing("experiment", context.experiments.as_str());
     }
     let name = kind.map(|kind| kind.name());
-    let mut rods = rod::rods(context, &top, file, name, own.lump_inertia());
+    let mut rods = rod::rods(&top, file, name, own.lump_inertia());
     let material = rod::CommonMaterial::of(&top, file);
-    let networks = network::networks(context, &top, &file.networks, &material);
+    let networks = network::networks(&top, &file.networks, &material);
     rods.extend(networks.rods);
     let parts = own.parts(&top, &time);
     let smallest_radius = rods
@@ -112,7 +113,7 @@ pub fn resolve(
     let continuation = continuation::continuation(&top, file, &time);
     let loads = tables::loads(&top, &file.loads);
     let planes = tables::planes(&top, &file.planes);
-    let obstacles = obstacle::obstacles(context, &top, &file.obstacles);
+    let obstacles = obstacle::obstacles(&top, &file.obstacles);
     if !obstacles.is_empty() && contact == Contact::None {
         top.fault(
             "obstacles",
@@ -122,7 +123,7 @@ pub fn resolve(
     model::refuse_directed_friction(&top, &contact, &planes);
     continuation::refuse_friction(&top, &time, contact.friction(), &planes, &obstacles);
     continuation::refuse_fluid(&top, &time, &fluid);
-    let mut clamps = clamp::clamps(context, &top, &file.clamps);
+    let mut clamps = clamp::clamps(&top, &file.clamps);
     model::refuse_static_motion(&top, &time, &clamps, &loads, &obstacles);
     network::refuse_static_motion(&top, &file.networks, &time);
     clamps.extend(networks.clamps);
@@ -157,7 +158,7 @@ pub fn resolve(
         parts,
         planes,
         obstacles,
-        start: start::start(context, &top, file.start.as_ref()),
+        start: start::start(&top, file.start.as_ref()),
         probes: tables::probes(&top, &file.probes),
         stop_when: tables::stop_when(&top, file.stop_when.as_ref()),
         contact,

@@ -1,16 +1,12 @@
 //! Resolves the motion of a clamp or an obstacle.
 
-use super::{Context, poses};
+use super::poses;
 use crate::scenario::resolved::Movement;
 use crate::scenario::section::{FINITE, Section};
 use crate::scenario::typed::TypedMovement;
 
 /// Resolves a motion: by its own keys or by poses.
-pub fn movement(
-    context: &Context<'_>,
-    section: &Section<'_>,
-    typed: &TypedMovement<'_>,
-) -> Movement {
+pub fn movement(section: &Section<'_>, typed: &TypedMovement<'_>) -> Movement {
     let movement = Movement {
         translation: section.corners("move", typed.translation, |corner, displacement| {
             corner.components("1", displacement)
@@ -21,7 +17,7 @@ pub fn movement(
         angular_velocity: typed.angular_velocity,
         axis: typed.axis,
         pivot: typed.pivot,
-        poses: poses::poses(context, section, typed.follow, typed.poses),
+        poses: poses::poses(section, typed.follow, typed.poses),
     };
     for (key, given) in given_keys(&movement) {
         if given && key != "poses" && !movement.poses.is_empty() {

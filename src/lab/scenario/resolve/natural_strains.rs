@@ -1,7 +1,6 @@
 //! Resolves natural curvature and twist over the arc length: rows from a CSV file or from the
 //! scenario itself.
 
-use super::Context;
 use super::columns::read_columns;
 use crate::scenario::resolved::Strains;
 use crate::scenario::section::{LARGEST, Section};
@@ -11,7 +10,7 @@ use std::path::Path;
 const COLUMNS: [&str; 4] = ["arc_length", "curvature_1", "curvature_2", "twist"];
 
 /// Resolves natural strains.
-pub fn strains(context: &Context<'_>, section: &Section<'_>, typed: &typed::Strains) -> Strains {
+pub fn strains(section: &Section<'_>, typed: &typed::Strains) -> Strains {
     let lists = [
         &typed.arc_length,
         &typed.curvature_1,
@@ -22,8 +21,7 @@ pub fn strains(context: &Context<'_>, section: &Section<'_>, typed: &typed::Stra
         let given = COLUMNS.iter().zip(lists);
         let given: Vec<(&str, bool)> = given.map(|(key, list)| (*key, list.is_some())).collect();
         section.refuse(&given, "give `file` or lists, not both");
-        let directory = (context.directory_of)(&section.path.key("file"));
-        return read(&directory.join(file)).unwrap_or_else(|message| {
+        return read(&section.path_of("file", file)).unwrap_or_else(|message| {
             section.fault("file", message);
             Strains::default()
         });

@@ -2,8 +2,8 @@
 
 use super::columns::read_columns;
 use super::polyline;
+use super::rod;
 use super::rod::{CommonMaterial, MOST_EDGES, Member};
-use super::{Context, rod};
 use crate::scenario::resolved::{
     Clamp, HeldEnds, Hold, Joint, JointKind, Movement, NetworkJoint, Place, Rod, Shape, Time,
 };
@@ -35,7 +35,6 @@ struct Layout {
 
 /// Resolves all networks.
 pub fn networks(
-    context: &Context<'_>,
     top: &Section<'_>,
     typed: &[typed::Network],
     common: &CommonMaterial<'_>,
@@ -47,7 +46,7 @@ pub fn networks(
         if names.contains(&name) {
             below.fault("name", format!("another network is called `{name}`"));
         }
-        add(context, &below, typed, &name, common, &mut all);
+        add(&below, typed, &name, common, &mut all);
         names.push(name);
     }
     all
@@ -68,7 +67,6 @@ pub fn refuse_static_motion(top: &Section<'_>, typed: &[typed::Network], time: &
 }
 
 fn add(
-    context: &Context<'_>,
     section: &Section<'_>,
     typed: &typed::Network,
     name: &str,
@@ -108,7 +106,7 @@ fn add(
     let edges = below.count("edges", of_rod.edges.or(Some(1)), 1..=MOST_EDGES);
     let layout = match of_shape {
         typed::NetworkShape::Grid { .. } => grid(&section.below("shape"), of_shape),
-        typed::NetworkShape::Table { .. } => table(context, &section.below("shape"), of_shape),
+        typed::NetworkShape::Table { .. } => table(&section.below("shape"), of_shape),
     };
     let (Some(edges), Some(layout)) = (edges, layout) else {
         return;
@@ -141,8 +139,7 @@ fn add(
                 }
             },
         };
-        all.rods
-            .push(rod::member(context, &below, of_rod, common, member));
+        all.rods.push(rod::member(&below, of_rod, common, member));
     }
     let kind = match typed.joint.unwrap_or_default() {
         NetworkJoint::Ball => JointKind::Ball,
@@ -241,11 +238,7 @@ fn grid(section: &Section<'_>, typed: &typed::NetworkShape) -> Option<Layout> {
 }
 
 /// Polylines through listed points.
-fn table(
-    context: &Context<'_>,
-    section: &Section<'_>,
-    typed: &typed::NetworkShape,
-) -> Option<Layout> {
+fn table(section: &Section<'_>, typed: &typed::NetworkShape) -> Option<Layout> {
     let typed::NetworkShape::Table {
         points_file,
         rods_file,
@@ -255,11 +248,11 @@ fn table(
     else {
         return None;
     };
-    let points = polyline::corners(context, section, "points_file", points_file, points);
+    let points = polyline::corners(section, "points_file", points_file, points);
     let rods: Vec<Vec<i64>> = match (rods_file, rods) {
         (None, Some(rods)) => rods.clone(),
         (Some(file), None) => {
-            let path = (context.directory_of)(&section.path.key("rods_file")).join(file);
+            let path = section.path_of("rods_file", file);
             match read_columns(&path, ["rod", "point"]) {
                 Ok(rows) => by_rods(&rows),
                 Err(message) => {

@@ -1,12 +1,10 @@
 //! Resolving obstacles.
 
-use super::Context;
 use super::movement::movement;
-use crate::scenario::input_file;
+use super::triangle_mesh::triangle_mesh;
 use crate::scenario::resolved::{Obstacle, ObstacleShape};
 use crate::scenario::section::{FINITE, Section};
 use crate::scenario::typed;
-use rodlab_files::mesh;
 use std::f64::consts::FRAC_PI_4;
 
 /// Default crease angle of smooth meshes, rad.
@@ -16,11 +14,7 @@ const CREASE_ANGLE: f64 = FRAC_PI_4;
 const MOST_HEIGHTS: usize = 1000;
 
 /// Resolves all obstacles.
-pub fn obstacles(
-    context: &Context<'_>,
-    top: &Section<'_>,
-    typed: &[typed::Obstacle],
-) -> Vec<Obstacle> {
+pub fn obstacles(top: &Section<'_>, typed: &[typed::Obstacle]) -> Vec<Obstacle> {
     let mut resolved: Vec<Obstacle> = Vec::with_capacity(typed.len());
     for (index, (below, typed)) in top.elements("obstacles", typed).enumerate() {
         let name = typed.name.clone();
@@ -35,25 +29,21 @@ pub fn obstacles(
             );
             continue;
         };
-        let Some(shape) = shape(context, &below.below("shape"), of_shape) else {
+        let Some(shape) = shape(&below.below("shape"), of_shape) else {
             continue;
         };
         resolved.push(Obstacle {
             name,
             shape,
             friction: typed.friction(&below),
-            movement: movement(context, &below, &typed.movement(&below)),
+            movement: movement(&below, &typed.movement(&below)),
         });
     }
     resolved
 }
 
 /// Resolves a shape; `None` after a fault that prevents further checks.
-fn shape(
-    context: &Context<'_>,
-    section: &Section<'_>,
-    typed: &typed::ObstacleShape,
-) -> Option<ObstacleShape> {
+fn shape(section: &Section<'_>, typed: &typed::ObstacleShape) -> Option<ObstacleShape> {
     Some(match typed {
         typed::ObstacleShape::Sphere(sphere) => ObstacleShape::Sphere {
             centre: sphere.centre(section),
@@ -73,7 +63,7 @@ fn shape(
             radius: cylinder.radius(section),
         },
         typed::ObstacleShape::Box(typed) => cuboid(section, typed),
-        typed::ObstacleShape::Mesh(typed) => return mesh(context, section, typed),
+        typed::ObstacleShape::Mesh(typed) => return mesh(section, typed),
         typed::ObstacleShape::Heights(typed) => return heights(section, typed),
     })
 }
@@ -111,39 +101,8 @@ fn cuboid(section: &Section<'_>, typed: &typed::Cuboid) -> ObstacleShape {
     }
 }
 
-fn mesh(
-    context: &Context<'_>,
-    section: &Section<'_>,
-    typed: &typed::Mesh,
-) -> Option<ObstacleShape> {
-    let (vertices, triangles) = match (&typed.file, &typed.vertices, &typed.triangles) {
-        (Some(file), None, None) => match read(context, section, file) {
-            Ok(mesh) => (mesh.vertices, mesh.triangles),
-            Err(message) => {
-                section.fault("file", message);
-                return None;
-            }
-        },
-        (None, Some(vertices), Some(triangles)) => (
-            vertices.clone(),
-            corners(section, vertices.len(), triangles)?,
-        ),
-        (None, None, None) => {
-            section.missing("file", "an STL or OBJ file, or `vertices` and `triangles`");
-            return None;
-        }
-        (Some(_), ..) => {
-            section.fault(
-                "file",
-                "give `file`, or `vertices` and `triangles`, not both",
-            );
-            return None;
-        }
-        _ => {
-            section.missing("triangles", "`vertices` and `triangles` go together");
-            return None;
-        }
-    };
+fn mesh(section: &Section<'_>, typed: &typed::Mesh) -> Option<ObstacleShape> {
+    let mesh = triangle_mesh(section, &typed.file, &typed.vertices, &typed.triangles)?;
     let unit = typed.unit(section);
     let position = typed.position(section);
     let axis = typed.axis(section);
@@ -158,49 +117,12 @@ fn mesh(
         std::array::from_fn(|k| turned[k] + position[k])
     };
     Some(ObstacleShape::Mesh {
-        vertices: vertices.iter().map(placed).collect(),
-        triangles,
+        vertices: mesh.vertices.iter().map(placed).collect(),
+        triangles: mesh.triangles,
         closed: typed.closed(section),
         smooth,
         crease_angle: smooth.then(|| crease_angle.unwrap_or(CREASE_ANGLE)),
     })
-}
-
-fn read(context: &Context<'_>, section: &Section<'_>, file: &str) -> Result<mesh::Mesh, String> {
-    let directory = (context.directory_of)(&section.path.key("file"));
-    let path = directory.join(file);
-    let ending = path.extension().and_then(|ending| ending.to_str());
-    let bytes = input_file::read(&path, input_file::LARGEST_TABLE)?;
-    mesh::parse(&bytes, ending.unwrap_or_default())
-        .map_err(|what| format!("{} {what}", path.display()))
-}
-
-fn corners(
-    section: &Section<'_>,
-    vertices: usize,
-    triangles: &[[i64; 3]],
-) -> Option<Vec<[usize; 3]>> {
-    let below = section.below("triangles");
-    let mut corners = Vec::with_capacity(triangles.len());
-    for (index, triangle) in triangles.iter().enumerate() {
-        let known = triangle.map(|corner| usize::try_from(corner).unwrap_or(usize::MAX));
-        if let Some(k) = known.iter().position(|corner| *corner >= vertices) {
-            let message = match vertices {
-                0 => "there are no vertices".to_owned(),
-                _ => format!(
-                    "there is no vertex {}; allowed: 0 to {}",
-                    triangle[k],
-                    vertices - 1
-                ),
-            };
-            below
-                .below(&index.to_string())
-                .fault(&k.to_string(), message);
-            return None;
-        }
-        corners.push(known);
-    }
-    Some(corners)
 }
 
 /// A vector rotated about a unit vector by an angle (Rodrigues); exactly the same vector for angle

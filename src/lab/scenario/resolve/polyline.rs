@@ -1,6 +1,5 @@
 //! Resolves polylines: corners from a CSV file or from the scenario itself.
 
-use super::Context;
 use super::columns::read_columns;
 use crate::scenario::resolved::Shape;
 use crate::scenario::section::Section;
@@ -9,28 +8,24 @@ use crate::scenario::units::Length;
 use std::path::Path;
 
 /// Resolves a polyline.
-pub fn points(context: &Context<'_>, section: &Section<'_>, typed: &typed::Points) -> Shape {
+pub fn points(section: &Section<'_>, typed: &typed::Points) -> Shape {
     Shape::Points {
-        points: corners(context, section, "file", &typed.file, &typed.points),
+        points: corners(section, "file", &typed.file, &typed.points),
     }
 }
 
 /// Corners from the file that `key` names, or from the key `points`; empty after a fault.
 pub fn corners(
-    context: &Context<'_>,
     section: &Section<'_>,
     key: &str,
     file: &Option<String>,
     points: &Option<Vec<Vector<Length>>>,
 ) -> Vec<[f64; 3]> {
     match (file, points) {
-        (Some(file), None) => {
-            let directory = (context.directory_of)(&section.path.key(key));
-            read(&directory.join(file)).unwrap_or_else(|message| {
-                section.fault(key, message);
-                Vec::new()
-            })
-        }
+        (Some(file), None) => read(&section.path_of(key, file)).unwrap_or_else(|message| {
+            section.fault(key, message);
+            Vec::new()
+        }),
         (None, Some(points)) => {
             let below = section.below("points");
             let points: Vec<[f64; 3]> = points

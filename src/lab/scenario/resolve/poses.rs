@@ -1,7 +1,6 @@
 //! Resolves the poses of a gripper that a clamp follows: from a CSV file or from the scenario
 //! itself.
 
-use super::Context;
 use super::columns::read_columns;
 use crate::scenario::resolved::Pose;
 use crate::scenario::section::{FINITE, NON_NEGATIVE, Section};
@@ -14,7 +13,6 @@ const UNIT_TOLERANCE: f64 = 0.02;
 
 /// Resolves the poses that a clamp or an obstacle follows; empty if it follows none.
 pub fn poses(
-    context: &Context<'_>,
     section: &Section<'_>,
     follow: &Option<String>,
     typed: &Option<Vec<typed::Pose>>,
@@ -25,13 +23,10 @@ pub fn poses(
             section.fault("poses", "give `follow` or `poses`, not both");
             Vec::new()
         }
-        (Some(file), None) => {
-            let directory = (context.directory_of)(&section.path.key("follow"));
-            read(&directory.join(file)).unwrap_or_else(|message| {
-                section.fault("follow", message);
-                Vec::new()
-            })
-        }
+        (Some(file), None) => read(&section.path_of("follow", file)).unwrap_or_else(|message| {
+            section.fault("follow", message);
+            Vec::new()
+        }),
         (None, Some(typed)) => listed(section, typed),
     }
 }

@@ -1,7 +1,6 @@
 //! Resolves the radius over the arc length of a rod: rows from a CSV file or from the scenario
 //! itself, as sections between them.
 
-use super::Context;
 use super::columns::read_columns;
 use super::cross_section::check_wall;
 use crate::scenario::quantity::Quantity;
@@ -14,12 +13,7 @@ use std::path::Path;
 const COLUMNS: [&str; 2] = ["arc_length", "radius"];
 
 /// Resolves a profile.
-pub fn sections(
-    context: &Context<'_>,
-    section: &Section<'_>,
-    typed: &typed::Profile,
-    rod: &Rod,
-) -> Vec<RodSection> {
+pub fn sections(section: &Section<'_>, typed: &typed::Profile, rod: &Rod) -> Vec<RodSection> {
     if matches!(rod.cross_section, CrossSection::Rectangle { .. }) {
         section.fault(
             "radius",
@@ -27,7 +21,7 @@ pub fn sections(
         );
         return Vec::new();
     }
-    let rows = rows(context, section, typed);
+    let rows = rows(section, typed);
     let least = rows.iter().map(|row| row[1]).fold(f64::INFINITY, f64::min);
     check_wall(section, &rod.cross_section, least);
     let between = |pair: &[[f64; 2]]| RodSection {
@@ -48,14 +42,13 @@ pub fn sections(
 }
 
 /// The rows, each an arc length and a radius in m; none after a fault.
-fn rows(context: &Context<'_>, section: &Section<'_>, typed: &typed::Profile) -> Vec<[f64; 2]> {
+fn rows(section: &Section<'_>, typed: &typed::Profile) -> Vec<[f64; 2]> {
     let lists = [&typed.arc_length, &typed.radius];
     if let Some(file) = &typed.file {
         let given = COLUMNS.iter().zip(lists);
         let given: Vec<(&str, bool)> = given.map(|(key, list)| (*key, list.is_some())).collect();
         section.refuse(&given, "give `file` or lists, not both");
-        let directory = (context.directory_of)(&section.path.key("file"));
-        return read(&directory.join(file)).unwrap_or_else(|message| {
+        return read(&section.path_of("file", file)).unwrap_or_else(|message| {
             section.fault("file", message);
             Vec::new()
         });

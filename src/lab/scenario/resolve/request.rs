@@ -2,7 +2,6 @@
 
 use super::rod::{material, refuse_degenerate};
 use super::{Context, polyline};
-use crate::scenario::issue::KeyPath;
 use crate::scenario::own_tables::OwnTables;
 use crate::scenario::resolved::{
     BuilderRod, Contact, CrossSection, Fluid, Material, Parts, Rod, Stiffness, Time,
@@ -12,7 +11,6 @@ use crate::scenario::typed::{ScenarioFile, Vector};
 use crate::scenario::units::Length;
 use std::any::Any;
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
 
 /// Input of a kind of experiment: the scenario file with its tables.
 pub struct Request<'a> {
@@ -115,11 +113,6 @@ impl<'a> Request<'a> {
         file: &Option<String>,
         points: &Option<Vec<Vector<Length>>>,
     ) -> Vec<[f64; 3]> {
-        polyline::corners(self.context, section, key, file, points)
-    }
-
-    /// Path of the file that the value of a key names.
-    pub fn path_of(&self, key: &KeyPath, file: &str) -> PathBuf {
-        (self.context.directory_of)(key).join(file)
+        polyline::corners(section, key, file, points)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::cross_section::{check_wall, cross_section_of};
 use super::sections::sections;
-use super::{Context, model, shape};
+use super::{model, shape};
 use crate::scenario::resolved::{
     CrossSection, Inertia, Material, NaturalShape, Rod, Shape, Stiffness,
 };
@@ -15,7 +15,6 @@ pub const MOST_EDGES: usize = 1_000_000;
 /// Resolves all rods: those of a general `scene`, or those in addition to the rods that another
 /// experiment builds.
 pub fn rods(
-    context: &Context<'_>,
     top: &Section<'_>,
     file: &ScenarioFile,
     experiment: Option<&str>,
@@ -27,7 +26,7 @@ pub fn rods(
     let section = top.below("rods");
     let rods = top.elements("rods", &file.rods).enumerate();
     let rods: Vec<Rod> = rods
-        .map(|(index, (section, typed))| rod(context, &section, typed, index, &common, vibrates))
+        .map(|(index, (section, typed))| rod(&section, typed, index, &common, vibrates))
         .collect();
     for (index, rod) in rods.iter().enumerate() {
         if let Some(first) = rods[..index]
@@ -47,7 +46,6 @@ pub fn rods(
 }
 
 fn rod(
-    context: &Context<'_>,
     section: &Section<'_>,
     typed: &typed::Rod,
     index: usize,
@@ -62,7 +60,7 @@ fn rod(
             );
             Shape::Points { points: Vec::new() }
         },
-        |typed| shape::shape(context, &section.below("shape"), typed),
+        |typed| shape::shape(&section.below("shape"), typed),
     );
     let closed = closed(section, typed.closed, &shape);
     let member = Member {
@@ -70,7 +68,7 @@ fn rod(
         edges: edges(section, typed.edges, &shape, closed),
         shape,
     };
-    let rod = self::member(context, section, typed, common, member);
+    let rod = self::member(section, typed, common, member);
     if let Shape::Coil { spacing, .. } = rod.shape
         && spacing <= 2.0 * rod.radius
     {
@@ -88,7 +86,7 @@ fn rod(
         );
     }
     let rod = Rod { closed, ..rod };
-    let sections = sections(context, section, typed, &rod);
+    let sections = sections(section, typed, &rod);
     let is_uniform = sections.is_empty();
     let gains = vibrates && is_uniform && is_straight(&rod.natural_shape, &rod.shape);
     let inertia = inertia(typed.inertia(section), gains);
@@ -117,7 +115,6 @@ pub struct Member {
 
 /// Resolves an open rod with lumped inertia and a given name, number of edges and shape.
 pub fn member(
-    context: &Context<'_>,
     section: &Section<'_>,
     typed: &typed::Rod,
     common: &CommonMaterial<'_>,
@@ -142,7 +139,7 @@ pub fn member(
             "a rod with a yield stress has the stiffness of its material and cross-section",
         );
     }
-    let natural_shape = natural_shape(context, section, typed);
+    let natural_shape = natural_shape(section, typed);
     Rod {
         name: member.name,
         radius,
@@ -456,7 +453,7 @@ fn edges(section: &Section<'_>, typed: Option<i64>, shape: &Shape, closed: bool)
     edges.max(fewest)
 }
 
-fn natural_shape(context: &Context<'_>, section: &Section<'_>, typed: &typed::Rod) -> NaturalShape {
+fn natural_shape(section: &Section<'_>, typed: &typed::Rod) -> NaturalShape {
     let curved = typed.natural_curvature.is_some() || typed.natural_twist.is_some();
     match &typed.natural_shape {
         Some(_) if curved => {
@@ -466,7 +463,7 @@ fn natural_shape(context: &Context<'_>, section: &Section<'_>, typed: &typed::Ro
             );
             NaturalShape::AsPlaced
         }
-        Some(natural) => shape::natural_shape(context, &section.below("natural_shape"), natural),
+        Some(natural) => shape::natural_shape(&section.below("natural_shape"), natural),
         None if curved => NaturalShape::Curved {
             curvature: typed.natural_curvature(section).unwrap_or_default(),
             twist: typed.natural_twist(section).unwrap_or(0.0),

@@ -1,25 +1,20 @@
 //! Resolving sections of rods.
 
 use super::cross_section::{check_wall, cross_section_of};
-use super::{Context, profile};
+use super::profile;
 use crate::scenario::resolved::{CrossSection, NaturalShape, Rod, RodSection, Shape};
 use crate::scenario::section::Section;
 use crate::scenario::typed;
 
 /// Resolves the sections of a rod, or its profile. Their ends are compared with its length where it
 /// is placed.
-pub fn sections(
-    context: &Context<'_>,
-    section: &Section<'_>,
-    rod_as_typed: &typed::Rod,
-    rod: &Rod,
-) -> Vec<RodSection> {
+pub fn sections(section: &Section<'_>, rod_as_typed: &typed::Rod, rod: &Rod) -> Vec<RodSection> {
     let typed = rod_as_typed.sections.as_slice();
     if let Some(profile) = &rod_as_typed.profile {
         if !typed.is_empty() {
             section.fault("profile", "give `profile` or `sections`, not both");
         }
-        return profile::sections(context, &section.below("profile"), profile, rod);
+        return profile::sections(&section.below("profile"), profile, rod);
     }
     let mut sections: Vec<RodSection> = Vec::new();
     for (index, (below, one)) in section.elements("sections", typed).enumerate() {

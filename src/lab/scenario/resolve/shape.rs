@@ -1,13 +1,13 @@
 //! Resolving shapes.
 
-use super::{Context, natural_strains, polyline};
+use super::{natural_strains, polyline};
 use crate::scenario::resolved::{NaturalShape, Shape};
 use crate::scenario::section::Section;
 use crate::scenario::typed;
 use std::f64::consts::TAU;
 
 /// Resolves a placed shape.
-pub fn shape(context: &Context<'_>, section: &Section<'_>, typed: &typed::Shape) -> Shape {
+pub fn shape(section: &Section<'_>, typed: &typed::Shape) -> Shape {
     match typed {
         typed::Shape::Straight(line) => straight(section, line),
         typed::Shape::Helix(curve) => helix(section, curve),
@@ -16,16 +16,12 @@ pub fn shape(context: &Context<'_>, section: &Section<'_>, typed: &typed::Shape)
         typed::Shape::Catenary(chain) => catenary(section, chain),
         typed::Shape::Slack(rod) => slack(section, rod),
         typed::Shape::Coil(rod) => coil(section, rod),
-        typed::Shape::Points(points) => polyline::points(context, section, points),
+        typed::Shape::Points(points) => polyline::points(section, points),
     }
 }
 
 /// Resolves a natural shape.
-pub fn natural_shape(
-    context: &Context<'_>,
-    section: &Section<'_>,
-    typed: &typed::NaturalShape,
-) -> NaturalShape {
+pub fn natural_shape(section: &Section<'_>, typed: &typed::NaturalShape) -> NaturalShape {
     match typed {
         typed::NaturalShape::AsPlaced(_) => NaturalShape::AsPlaced,
         typed::NaturalShape::Straight(line) if line.start.is_none() && line.end.is_none() => {
@@ -40,10 +36,10 @@ pub fn natural_shape(
         typed::NaturalShape::Arc(curve) => NaturalShape::Curve(arc(section, curve)),
         typed::NaturalShape::Ring(curve) => NaturalShape::Curve(ring(section, curve)),
         typed::NaturalShape::Points(points) => {
-            NaturalShape::Curve(polyline::points(context, section, points))
+            NaturalShape::Curve(polyline::points(section, points))
         }
         typed::NaturalShape::Strains(strains) => {
-            NaturalShape::Strains(natural_strains::strains(context, section, strains))
+            NaturalShape::Strains(natural_strains::strains(section, strains))
         }
     }
 }

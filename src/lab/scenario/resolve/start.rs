@@ -1,6 +1,6 @@
 //! Resolves starts from the end of another run. The file is read and identified by its hash.
 
-use super::{Context, Section};
+use super::Section;
 use crate::scenario::input_file::{self, LARGEST_TABLE};
 use crate::scenario::resolved::Start;
 use crate::scenario::typed;
@@ -23,16 +23,12 @@ pub fn file_of(from: &Path) -> PathBuf {
 }
 
 /// Resolves the table; `None` if it is missing or faulty.
-pub fn start(
-    context: &Context<'_>,
-    top: &Section<'_>,
-    typed: Option<&typed::Start>,
-) -> Option<Start> {
+pub fn start(top: &Section<'_>, typed: Option<&typed::Start>) -> Option<Start> {
     let typed = typed?;
     let section = top.below("start");
     let help = "a results directory, such as \"results/hang\"";
     let from = section.needed("from", typed.from.as_ref(), help)?;
-    let place = (context.directory_of)(&section.path.key("from")).join(from);
+    let place = section.path_of("from", from);
     let file = file_of(&place);
     if place.is_dir() && !file.exists() {
         let message = format!(

@@ -49,8 +49,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     let rod = rod.and_then(|rod| resolve_rod(&section.below("rod"), rod));
     let help = "{ file = \"drawing.svg\" }, or { kind = \"circle\", radius = \"9 cm\" }";
     let pattern = section.needed("pattern", typed.pattern.as_ref(), help);
-    let pattern =
-        pattern.and_then(|pattern| pattern::resolve(request, &section.below("pattern"), pattern));
+    let pattern = pattern.and_then(|pattern| pattern::resolve(&section.below("pattern"), pattern));
     let length_error = on_table::length_error(&section, &typed.length_error);
     let jitter = typed.jitter(&section);
     let frame_shift = typed.frame_shift(&section).unwrap_or_default();
@@ -62,7 +61,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     let is_tied = typed.knot.is_some();
     let curve = with_lead_in(&section, typed.lead_in.as_ref(), is_tied, &rod, &pattern)?;
     let scheme = typed.scheme(&section);
-    let second = second::resolve(request, &section, typed, scheme)?;
+    let second = second::resolve(&section, typed, scheme)?;
     let pegs = fixtures::resolve(&section, typed, &rod, &curve)?;
     let release = release(request, &section, typed)?;
     let knot = knot::resolve(&section, typed, (&rod, &curve), second.as_ref())?;

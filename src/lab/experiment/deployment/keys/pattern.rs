@@ -2,7 +2,7 @@
 
 use super::resolved::Pattern;
 use super::typed::{self, PatternKind};
-use crate::scenario::keys::{Request, Section, read_columns};
+use crate::scenario::keys::{Section, read_columns};
 use crate::scenario::read_text_file;
 use rodlab_files::input::xml_text;
 use rodlab_planning::plan::pattern::{Drawing, Point, StrokeChoice, SvgDrawing};
@@ -12,15 +12,11 @@ use std::path::Path;
 const MOST_WAVES: f64 = 1000.0;
 
 /// Resolves a pattern; `None` after a fault that prevents further checks.
-pub fn resolve(
-    request: &Request<'_>,
-    section: &Section<'_>,
-    typed: &typed::Pattern,
-) -> Option<Pattern> {
+pub fn resolve(section: &Section<'_>, typed: &typed::Pattern) -> Option<Pattern> {
     let kind = typed.kind(section);
     refuse_keys_of_others(section, typed, kind);
     let pattern = match kind {
-        PatternKind::Drawn => return drawn(request, section, typed),
+        PatternKind::Drawn => return drawn(section, typed),
         PatternKind::Line => Pattern::Line {
             length: typed.length(section),
         },
@@ -88,7 +84,7 @@ fn refuse_keys_of_others(section: &Section<'_>, typed: &typed::Pattern, kind: Pa
     }
 }
 
-fn drawn(request: &Request<'_>, section: &Section<'_>, typed: &typed::Pattern) -> Option<Pattern> {
+fn drawn(section: &Section<'_>, typed: &typed::Pattern) -> Option<Pattern> {
     let deviation = typed.deviation(section);
     let drawing = Drawing {
         size: typed.size(section),
@@ -100,7 +96,7 @@ fn drawn(request: &Request<'_>, section: &Section<'_>, typed: &typed::Pattern) -
     };
     let (key, points) = match (&typed.file, &typed.points) {
         (Some(file), None) => {
-            let path = request.path_of(&section.path.key("file"), file);
+            let path = section.path_of("file", file);
             ("file", read(&path, stroke))
         }
         (None, Some(points)) => {

@@ -2,12 +2,11 @@
 
 use super::resolved::{Scheme, Second};
 use super::{pattern, resolve_rod, typed, with_lead_in};
-use crate::scenario::keys::{Request, Section};
+use crate::scenario::keys::Section;
 use rodlab_planning::plan::pattern::Pattern;
 
 /// The second rod with its pattern, if there is one; `None` after a fault.
 pub fn resolve(
-    request: &Request<'_>,
     section: &Section<'_>,
     deployment: &typed::Deployment,
     scheme_of_first: Scheme,
@@ -31,8 +30,7 @@ pub fn resolve(
     let rod = rod.and_then(|rod| resolve_rod(&section.below("rod"), rod));
     let help = "{ file = \"drawing.svg\", stroke = 2 }, in the frame of the first";
     let drawn = section.needed("pattern", typed.pattern.as_ref(), help);
-    let pattern =
-        drawn.and_then(|drawn| pattern::resolve(request, &section.below("pattern"), drawn));
+    let pattern = drawn.and_then(|drawn| pattern::resolve(&section.below("pattern"), drawn));
     let (rod, pattern) = (rod?, pattern?);
     let is_tied = deployment.knot.is_some();
     let curve = with_lead_in(&section, typed.lead_in.as_ref(), is_tied, &rod, &pattern)?;

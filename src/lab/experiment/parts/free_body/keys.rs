@@ -151,12 +151,16 @@ keys! {
 }
 
 keys! {
-    /// A convex mesh. The surface is at the distance `rounding` from its triangles.
+    /// A convex mesh; give `file`, or `vertices` and `triangles`. The surface is at the distance `rounding` from its triangles.
     table MeshKeys "free_mesh" {
+        /// STL or OBJ file, relative to the scenario file.
+        file: raw(String) raw,
+        /// Length of a unit of the file, for example "1 mm".
+        unit: number(Length, POSITIVE) default(1.0),
         /// The vertices, in m.
         vertices: raw(Vec<[f64; 3]>) raw,
         /// Three vertices of each triangle, counted from 0, anticlockwise as seen from outside.
-        triangles: raw(Vec<[usize; 3]>) raw,
+        triangles: raw(Vec<[i64; 3]>) raw,
         /// Distance of the surface from the triangles.
         rounding: number(Length, POSITIVE) required,
     }

@@ -5,7 +5,7 @@ mod keys;
 mod solid;
 
 use super::ScenePart;
-use crate::scenario::keys::{Part, Section};
+use crate::scenario::keys::{Part, Section, triangle_mesh};
 use crate::scenario::{Issue, KeyPath, Scheme, Time};
 use joined::{Axle, Joined};
 use keys::{BoxKeys, CylinderKeys, FreeBodyKeys, FreeShapeKeys, MeshKeys};
@@ -137,19 +137,13 @@ impl FreeShape {
     }
 
     fn of_mesh(section: &Section<'_>, typed: &MeshKeys) -> Self {
-        let rounding = typed.rounding(section);
-        if typed.vertices.is_none() {
-            section.missing("vertices", "a list of points, in m");
-        }
-        if typed.triangles.is_none() {
-            section.missing(
-                "triangles",
-                "three vertices of each triangle, counted from 0",
-            );
-        }
+        let (rounding, unit) = (typed.rounding(section), typed.unit(section));
+        let mesh = triangle_mesh(section, &typed.file, &typed.vertices, &typed.triangles);
+        let mesh = mesh.unwrap_or_default();
+        let scaled = |vertex: &[f64; 3]| vertex.map(|coordinate| coordinate * unit);
         Self::Mesh {
-            vertices: typed.vertices.clone().unwrap_or_default(),
-            triangles: typed.triangles.clone().unwrap_or_default(),
+            vertices: mesh.vertices.iter().map(scaled).collect(),
+            triangles: mesh.triangles,
             rounding,
         }
     }
@@ -452,6 +446,23 @@ BODY
     }
 
     #[test]
+    fn a_mesh_from_a_file_is_the_same_body_in_its_unit() {
+        let directory = tempfile::tempdir().unwrap();
+        let file = directory.path().join("wedge.obj");
+        let text = "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+        std::fs::write(&file, text).unwrap();
+        let place = "rounding = 0.01 }\nposition = [0, 0, 1]\nmass = 1.0";
+        let listed = "vertices = [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]], \
+                      triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]";
+        let filed = format!("file = {file:?}, unit = \"1 mm\"");
+        let [listed, filed] = [listed, &filed].map(|keys| {
+            let keys = format!("shape = {{ kind = \"mesh\", {keys}, {place}");
+            prepared(&with(&keys)).unwrap().free_bodies.remove(0).shape
+        });
+        assert_eq!(listed, filed);
+    }
+
+    #[test]
     fn faults_of_free_bodies_name_the_key_and_what_is_allowed() {
         let block = "shape = { kind = \"box\", size = [0.1, 0.1, 0.1] }\nposition = [0, 0, 1]";
         let mesh = |triangles: &str| {
@@ -485,7 +496,12 @@ BODY
             (
                 mesh("[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 7]]"),
                 "shape",
-                "vertex 7",
+                "there is no vertex 7",
+            ),
+            (
+                mesh("[[0, 2, 1]]").replace("vertices", "file = \"a.stl\", vertices"),
+                "file",
+                "not both",
             ),
         ] {
             let error = prepared(&with(&keys)).unwrap_err();

@@ -49,7 +49,7 @@ pub fn resolve(request: &Request<'_>) -> Option<HelixTables> {
         typed.section_directions.or(Some(0)),
         0..=MOST_DIRECTIONS,
     );
-    let directions = directions(request, &section, typed.directions.as_ref());
+    let directions = directions(&section, typed.directions.as_ref());
     let edges = edges?;
     let extrapolate = typed.extrapolate(&section);
     if extrapolate && (edges % 2 == 1 || edges < 2 * HelixStability::FEWEST_EDGES) {
@@ -85,11 +85,7 @@ pub fn resolve(request: &Request<'_>) -> Option<HelixTables> {
     })
 }
 
-fn directions(
-    request: &Request<'_>,
-    section: &Section<'_>,
-    typed: Option<&typed::Directions>,
-) -> Option<Directions> {
+fn directions(section: &Section<'_>, typed: Option<&typed::Directions>) -> Option<Directions> {
     let kinds = "{ kind = \"fibonacci\", count = 1000 }, { kind = \"grid\", ... } or { kind = \"list\", ... }";
     let typed = section.needed("directions", typed, kinds)?;
     let section = section.below("directions");
@@ -109,19 +105,15 @@ fn directions(
             })
         }
         typed::Directions::List(list) => Some(Directions::List {
-            points: points(request, &section, list)?,
+            points: points(&section, list)?,
         }),
     }
 }
 
-fn points(
-    request: &Request<'_>,
-    section: &Section<'_>,
-    typed: &typed::List,
-) -> Option<Vec<[f64; 3]>> {
+fn points(section: &Section<'_>, typed: &typed::List) -> Option<Vec<[f64; 3]>> {
     match (&typed.file, &typed.points) {
         (Some(file), None) => {
-            let path = request.path_of(&section.path.key("file"), file);
+            let path = section.path_of("file", file);
             let read = read_columns(&path, ["kappa", "tau", "omega"]).and_then(|rows| {
                 for (line, point) in &rows {
                     if let Some(fault) = fault_of(point) {
