@@ -60,6 +60,22 @@ impl<const N: usize, const M: usize> Jet<N, M> {
         self.through(root, half, -half / (2.0 * self.value))
     }
 
+    /// The product rule.
+    fn times(&self, other: &Self) -> Self {
+        Self {
+            value: self.value * other.value,
+            slopes: from_fn(|k| self.value * other.slopes[k] + other.value * self.slopes[k]),
+            curvatures: from_fn(|k| {
+                from_fn(|l| {
+                    self.value * other.curvatures[k][l]
+                        + other.value * self.curvatures[k][l]
+                        + self.slopes[k] * other.slopes[l]
+                        + self.slopes[l] * other.slopes[k]
+                })
+            }),
+        }
+    }
+
     /// x².
     pub(crate) fn square(self) -> Self {
         self.through(self.value * self.value, 2.0 * self.value, 2.0)
@@ -157,19 +173,7 @@ impl<const N: usize, const M: usize> Mul<f64> for Jet<N, M> {
 impl<const N: usize, const M: usize> Mul for Jet<N, M> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        let (a, b) = (&self, &other);
-        Self {
-            value: a.value * b.value,
-            slopes: from_fn(|k| a.value * b.slopes[k] + b.value * a.slopes[k]),
-            curvatures: from_fn(|k| {
-                from_fn(|l| {
-                    a.value * b.curvatures[k][l]
-                        + b.value * a.curvatures[k][l]
-                        + a.slopes[k] * b.slopes[l]
-                        + a.slopes[l] * b.slopes[k]
-                })
-            }),
-        }
+        self.times(&other)
     }
 }
 
