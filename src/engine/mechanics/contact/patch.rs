@@ -71,8 +71,6 @@ pub(super) struct Coordinates {
     height: f64,
     /// ∇b₁, ∇b₂ (1/m) and ∇t.
     gradients: [Vector3; 3],
-    /// N.
-    normal: Vector3,
 }
 
 /// A point and its foot on a patch.
@@ -154,7 +152,6 @@ impl Patch {
                     weights: all,
                     height,
                     gradients,
-                    normal,
                 });
             }
         }
@@ -220,14 +217,17 @@ impl Patch {
         let surface_height = bulge.value / length.value;
         let shares = products.map(Jet::square);
         let all = shares[0] + shares[1] + shares[2];
-        if all.value > AT_CORNER {
+        let is_flat = sides.iter().all(|side| side.turn == 0.0);
+        if all.value > AT_CORNER && !is_flat {
             let inverse = all.recip();
-            for (side, (share, [i, j, k])) in sides.iter().zip(shares.into_iter().zip(SIDES)) {
+            for (m, (share, [i, j, k])) in shares.into_iter().zip(SIDES).enumerate() {
                 let along = weights[i] + weights[j];
                 // Such weights belong to the opposite corner, where the share is far smaller.
                 if along.value > AT_CORNER.sqrt() {
                     let place = weights[j] * along.recip();
-                    let excess = side.excess::<L, M>(place.value, t.value).at(&place);
+                    let others = [&sides[(m + 2) % 3], &sides[(m + 1) % 3]];
+                    let excess = sides[m].excess::<L, M>(others, place.value, t.value);
+                    let excess = excess.at(&place);
                     height = height + weights[k] * share * inverse * excess;
                 }
             }
@@ -236,7 +236,8 @@ impl Patch {
     }
 }
 
-/// What the height over a side from the corner i to j needs to know, k being the opposite corner.
+/// Products from which the height over a side from the corner i to j follows, with the opposite corner
+/// k.
 struct Side {
     /// p_j − p_i and n_j − n_i: their squares and product.
     length: f64,
@@ -250,21 +251,13 @@ struct Side {
     along_first: [f64; 2],
     /// n_i·(p_k − p_i) and n_i·n_k.
     across: [f64; 2],
-    /// `bend` and `skew` of the sides from i to k and from j to k.
-    others: [[f64; 2]; 2],
 }
 
 impl Side {
     fn of(patch: &Patch, [i, j, k]: [usize; 3]) -> Self {
-        let ([p, n], at) = ([&patch.corners, &patch.normals], |k: usize| {
-            (patch.corners[k], patch.normals[k])
-        });
+        let (p, n) = (&patch.corners, &patch.normals);
         let (e, d) = (p[j] - p[i], n[j] - n[i]);
         let both = |vector: Vector3| [e.dot(&vector), d.dot(&vector)];
-        let bends = |from: usize| {
-            let ((p, n), (q, m)) = (at(from), at(k));
-            [(m - n).dot(&(q - p)), (n + m).dot(&(p - q))]
-        };
         Self {
             length: e.norm_squared(),
             turn: d.norm_squared(),
@@ -274,13 +267,18 @@ impl Side {
             along_n: both(n[k] - n[i]),
             along_first: both(n[i]),
             across: [n[i].dot(&(p[k] - p[i])), n[i].dot(&n[k])],
-            others: [bends(i), bends(j)],
         }
     }
 
     /// The slope of the height towards the opposite corner that is missing for a gradient in the
-    /// plane of side and normal, as a function of the part s of the side and of t.
-    fn excess<const L: usize, const M: usize>(&self, s: f64, t: f64) -> Jet<2, M> {
+    /// plane of side and normal, as a function of the part s of the side and of t; `before` and
+    /// `after` are the sides from k to i and from j to k.
+    fn excess<const L: usize, const M: usize>(
+        &self,
+        [before, after]: [&Self; 2],
+        s: f64,
+        t: f64,
+    ) -> Jet<2, M> {
         let none = Jet::constant(0.0);
         let s = Jet::<1, L>::variable(0, s);
         let rest = -s + 1.0;
@@ -293,8 +291,8 @@ impl Side {
         let part = (length + 1.0).recip();
         let sum = product * (odd * self.skew + self.bend);
         let sum_by_s = odd * self.bend + (odd.square() - product * 2.0) * self.skew;
-        let [[bend_i, skew_i], [bend_j, skew_j]] = self.others;
-        let sum_by_r = rest * (rest * skew_i + bend_i) + s * (s * skew_j + bend_j)
+        let sum_by_r = rest * (rest * -before.skew + before.bend)
+            + s * (s * after.skew + after.bend)
             - product * (odd * (3.0 * self.skew) + 2.0 * self.bend);
         // N·n_k − ν², with N = n_i + s d.
         let [turn_n, first_n] = [self.along_n[1] + self.along_first[1], self.across[1]];
@@ -388,9 +386,8 @@ fn over_first_node(of_node: &Matrix3) -> [[f64; 12]; 3] {
 }
 
 /// Derivative of the force N (n + ‖n‖ t) of a patch on a node, N/m, for the friction law linearised
-/// at the slip given with `sliding` (m/s). The derivatives of normal and contact point are included
-/// only if the contact `turns`. Where the surface itself moves, the change of its velocity along
-/// the normals is neglected.
+/// at the slip given with `sliding` (m/s). Normal and contact point move as given by `bend`. Where
+/// the surface itself moves, the change of its velocity along the normals is neglected.
 pub(super) fn patch_jacobian(
     point: &PatchPoint,
     response: &NormalResponse,
