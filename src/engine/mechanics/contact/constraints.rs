@@ -233,8 +233,7 @@ impl ContactSystem {
                 Some(NearestPoints::Patch(point)) => {
                     let [over_node, ..] = point.all_weights();
                     let weights = [over_node, 0.0, 0.0, 0.0];
-                    let node = points.at(pair.nodes[0]);
-                    let bend = self.surface.bend_at(pair, &point, &node, &points);
+                    let bend = self.surface.bend_at(pair, &point, &points);
                     (
                         point.unit_normal_jacobian(&bend),
                         weights,

@@ -414,8 +414,7 @@ impl ContactSystem {
             NearestPoints::Patch(foot) if turns => {
                 let points = self.obstacles.points(positions);
                 let candidate = &self.candidates.pairs()[pair.candidate];
-                self.surface
-                    .bend_at(candidate, foot, &pair.nodes[0], &points)
+                self.surface.bend_at(candidate, foot, &points)
             }
             _ => PatchBend::none(),
         }

@@ -78,8 +78,8 @@ pub(super) struct Coordinates {
 pub(super) struct PatchPoint {
     /// Index of the face.
     pub face: usize,
-    /// Weights b of its corners.
-    pub weights: [f64; 3],
+    /// Coordinates over it.
+    pub at: Coordinates,
     /// Height g on the side of the point, m.
     pub distance: f64,
     /// ∇g on this side. Its length is 1 on spheres and cylinders, and near 1 elsewhere.
@@ -164,7 +164,7 @@ impl Patch {
         let (height, surface_height) = self.height::<0, 0, 0>(at);
         PatchPoint {
             face,
-            weights: at.weights,
+            at: *at,
             distance: height.value * side,
             normal: along(&at.gradients, &height.slopes) * side,
             surface_height,
@@ -344,7 +344,7 @@ fn inverse(
 impl PatchPoint {
     /// Weights of the node and the corners in the motion at the contact.
     pub(crate) fn all_weights(&self) -> [f64; 4] {
-        let [a, b, c] = self.weights;
+        let [a, b, c] = self.at.weights;
         [1.0, -a, -b, -c]
     }
 

@@ -93,20 +93,16 @@ impl ContactSurface {
         None
     }
 
-    /// How a foot on the side of a pair moves with its node at a position.
+    /// How a foot on the side of a pair moves with its node.
     pub(super) fn bend_at(
         &self,
         pair: &CandidatePair,
         foot: &PatchPoint,
-        position: &Vector3,
         points: &Points,
     ) -> PatchBend {
         let side = if pair.side == ABOVE { 1.0 } else { -1.0 };
-        let bend = self.patch(foot.face, points).and_then(|patch| {
-            let at = patch.coordinates(position).ok()?;
-            Some(patch.bend(&at, side))
-        });
-        bend.unwrap_or_else(PatchBend::none)
+        let patch = self.patch(foot.face, points);
+        patch.map_or_else(PatchBend::none, |patch| patch.bend(&foot.at, side))
     }
 
     /// Moves the vertices of a curved face (the last three points) along its normals to the height

@@ -70,8 +70,9 @@ fn spheres_and_cylinders_are_exact() {
                 }
                 turning *= side / radial.norm();
                 assert!((bend(&patch, &point, side).turning - turning).norm() < 1e-12);
-                let [a, b, c] = [0, 1, 2]
-                    .map(|k| (corners[k] + normals[k] * found.surface_height) * found.weights[k]);
+                let [a, b, c] = [0, 1, 2].map(|k| {
+                    (corners[k] + normals[k] * found.surface_height) * found.at.weights[k]
+                });
                 assert!((across(a + b + c).norm() - SIZE).abs() < 1e-14);
             }
         }
@@ -102,7 +103,7 @@ fn gradients_and_curvatures_are_derivatives() {
             for row in 0..3 {
                 let turned = rate(axis, &|foot| foot.normal[row]);
                 assert!((bent.turning[(row, axis)] - turned).abs() < 1e-7);
-                let weight = rate(axis, &|foot| foot.weights[row]);
+                let weight = rate(axis, &|foot| foot.at.weights[row]);
                 assert!((bent.weight_gradients[row][axis] - weight).abs() < 1e-8);
             }
         }
@@ -126,7 +127,7 @@ fn heights_and_gradients_agree_along_a_common_side() {
         let [a, b] = [one, other].map(|patch| foot(&patch, &point, 1.0));
         assert!((a.distance - b.distance).abs() < 1e-13);
         assert!((a.normal - b.normal).norm() < 1e-12);
-        assert!(a.weights[2].abs() < 1e-13 && b.weights[2].abs() < 1e-13);
+        assert!(a.at.weights[2].abs() < 1e-13 && b.at.weights[2].abs() < 1e-13);
     }
 }
 

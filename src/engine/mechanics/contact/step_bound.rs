@@ -169,8 +169,7 @@ impl ContactSystem {
             }
             // slack + a s − b s² = 0
             let a = foot.normal.dot(displacement);
-            let there = start + displacement * fraction;
-            let bend = self.surface.bend_at(pair, &foot, &there, points);
+            let bend = self.surface.bend_at(pair, &foot, points);
             let b = bend.turning.norm() * length * length;
             let reach = 2.0 * slack / ((a * a + 4.0 * b * slack).sqrt() - a).max(f64::MIN_POSITIVE);
             let mut advance = reach.min(touch / length).min(longest - fraction);
