@@ -137,6 +137,28 @@ fn every_shape_bears_a_rod_with_every_model() {
 }
 
 #[test]
+fn a_smooth_mesh_of_creases_bears_a_rod_as_a_flat_one_does() {
+    let corners = "[[-0.05,-0.05,0],[0.05,-0.05,0],[0.05,0.05,0],[-0.05,0.05,0],\
+        [-0.05,-0.05,0.094],[0.05,-0.05,0.094],[0.05,0.05,0.094],[-0.05,0.05,0.094]]";
+    let triangles = "[[0,2,1],[0,3,2],[4,5,6],[4,6,7],[0,1,5],[0,5,4],\
+        [1,2,6],[1,6,5],[2,3,7],[2,7,6],[3,0,4],[3,4,7]]";
+    let [flat, smooth] = [false, true].map(|smooth| {
+        let shape = format!(
+            "{{ kind = \"mesh\", smooth = {smooth}, vertices = {corners}, triangles = {triangles} }}"
+        );
+        let gravity = "[[loads]]\nkind = \"gravity\"\nacceleration = [0, 1, -9.81]\n";
+        let mut simulation = simulation(&format!("{}{gravity}", with(&shape))).unwrap();
+        advance_to(&mut simulation, 0.1);
+        simulation.positions().to_vec()
+    });
+    // Ends have fallen, and the middle is held.
+    assert!(flat[0].z < 0.08 && flat[10].z > 0.098);
+    for (one, other) in flat.iter().zip(&smooth) {
+        assert!((one - other).norm() < 1e-9, "{one} {other}");
+    }
+}
+
+#[test]
 fn an_obstacle_that_rises_lifts_the_rod() {
     for model in ["imc", "ipc", "complementarity"] {
         let text = format!(
