@@ -148,6 +148,11 @@ impl CandidatePair {
         matches!(self.side, ABOVE | BELOW)
     }
 
+    /// The side of the normals of a smooth part of a mesh on which the node is: 1, or −1 behind it.
+    pub(super) fn facing(&self) -> f64 {
+        if self.side == ABOVE { 1.0 } else { -1.0 }
+    }
+
     /// Largest approach of its two bodies if each of its nodes moves by this distance, m.
     pub(super) fn approach(&self, [a, b, c, d]: [f64; 4]) -> f64 {
         if self.is_with_face() || self.is_with_patch() {

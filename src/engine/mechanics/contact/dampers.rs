@@ -117,7 +117,7 @@ impl ContactSystem {
             let smoothing = self.parameters.smoothing(contact.threshold);
             let nearest = NearestPoints::of(&self.surface, &pair, &points, smoothing)?;
             let pair = nearest.settled(&self.surface, &pair);
-            let velocities = self.velocities(&pair, &nearest, &motion);
+            let velocities = self.velocities(&pair, &points.of(pair.nodes), &nearest, &motion);
             let (normal, mut weights) = (nearest.normal(), nearest.weights());
             let corners = velocities.iter().zip(weights);
             let velocity: Vector3 = corners.map(|(velocity, weight)| velocity * weight).sum();

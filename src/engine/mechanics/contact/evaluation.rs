@@ -212,7 +212,7 @@ impl ContactSystem {
             );
             let sliding = friction.map(|law| Sliding {
                 law,
-                velocities: self.velocities(&pair, &nearest, &motion),
+                velocities: self.velocities(&pair, &nodes, &nearest, &motion),
                 time_step: motion.time_step,
             });
             let turning = sliding.and_then(|_| {
@@ -279,18 +279,17 @@ impl ContactSystem {
     pub(super) fn velocities(
         &self,
         pair: &CandidatePair,
+        nodes: &[Vector3; 4],
         nearest: &NearestPoints,
         motion: &Motion,
     ) -> [Vector3; 4] {
-        let now = self.obstacles.points(motion.positions);
-        let before = self.obstacles.points_at_start(motion.previous);
-        let [now, before] = [now, before].map(|points| {
-            let mut nodes = points.of(pair.nodes);
-            if let NearestPoints::Patch(foot) = nearest {
-                self.surface.raise(&mut nodes, foot, &points);
-            }
-            nodes
-        });
+        let at_start = self.obstacles.points_at_start(motion.previous);
+        let (mut now, mut before) = (*nodes, at_start.of(pair.nodes));
+        if let NearestPoints::Patch(foot) = nearest {
+            let points = self.obstacles.points(motion.positions);
+            self.surface.raise(&mut now, foot, &points);
+            self.surface.raise(&mut before, foot, &at_start);
+        }
         std::array::from_fn(|k| (now[k] - before[k]) / motion.time_step)
     }
 

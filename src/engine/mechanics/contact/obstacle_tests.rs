@@ -440,7 +440,7 @@ fn a_smooth_ball_that_turns_carries_points_of_its_surface() {
                 previous: &positions,
                 time_step,
             };
-            let velocities = contact.velocities(&pair, &nearest, &motion);
+            let velocities = contact.velocities(&pair, &points.of(pair.nodes), &nearest, &motion);
             let corners = velocities.iter().zip(nearest.weights());
             let found: Vector3 = -corners.map(|(v, weight)| v * weight).sum::<Vector3>();
             let foot = positions[pair.nodes[0]] - nearest.normal() * nearest.distance();

@@ -5,7 +5,7 @@
 //! coordinates that decide this. Creases and borders are touched by edges, as those of other
 //! meshes.
 
-use super::contacts::{ABOVE, CandidatePair};
+use super::contacts::CandidatePair;
 use super::foot::Points;
 use super::patch::{Patch, PatchBend, PatchPoint};
 use super::surface::ContactSurface;
@@ -51,8 +51,7 @@ impl ContactSurface {
         position: &Vector3,
         points: &Points,
     ) -> Option<PatchPoint> {
-        let side = if pair.side == ABOVE { 1.0 } else { -1.0 };
-        self.foot_from(pair.start as usize, side, position, points)
+        self.foot_from(pair.start as usize, pair.facing(), position, points)
     }
 
     /// The foot of a point on the smooth part that contains a face; `None` for a flat face, and if
@@ -100,9 +99,8 @@ impl ContactSurface {
         foot: &PatchPoint,
         points: &Points,
     ) -> PatchBend {
-        let side = if pair.side == ABOVE { 1.0 } else { -1.0 };
         let patch = self.patch(foot.face, points);
-        patch.map_or_else(PatchBend::none, |patch| patch.bend(&foot.at, side))
+        patch.map_or_else(PatchBend::none, |patch| patch.bend(&foot.at, pair.facing()))
     }
 
     /// Moves the vertices of a curved face (the last three points) along its normals to the height

@@ -86,31 +86,29 @@ impl RigidBody {
         let Some(smooth) = &self.smooth else {
             return 0.0;
         };
-        let of_face = |(face, normals): (&[usize; 3], &[u32; 3])| {
-            let side = |k: usize| {
-                let [p, q] = [k, (k + 1) % 3].map(|k| self.vertices[face[k]]);
-                let [m, n] = [k, (k + 1) % 3].map(|k| smooth.normals[normals[k] as usize]);
-                (q - p).dot(&(n - m)) / (q - p).norm_squared()
-            };
-            (0..3).map(side).fold(0.0, f64::max)
-        };
-        let faces = self.faces.iter().zip(&smooth.corners);
-        faces.map(of_face).fold(0.0, f64::max)
+        let sides = (0..self.faces.len()).flat_map(|face| self.smooth_sides(smooth, face));
+        let curvatures = sides.map(|(side, [m, n])| side.dot(&(n - m)) / side.norm_squared());
+        curvatures.fold(0.0, f64::max)
     }
 
-    /// Bound on the distance of the smooth surface from a face, m: a third of the largest (n_j −
-    /// n_i)·(p_j − p_i) of two corners.
+    /// The three sides of a face of a smooth mesh, m, and the normals at their ends.
+    fn smooth_sides(&self, smooth: &SmoothMesh, face: usize) -> [(Vector3, [Vector3; 2]); 3] {
+        let (vertices, normals) = (self.faces[face], smooth.corners[face]);
+        [[0, 1], [1, 2], [2, 0]].map(|ends| {
+            let [p, q] = ends.map(|k| self.vertices[vertices[k]]);
+            (q - p, ends.map(|k| smooth.normals[normals[k] as usize]))
+        })
+    }
+
+    /// Estimate from above of the distance of the smooth surface from a face, m: a third of the
+    /// largest (n_j − n_i)·(p_j − p_i) of two corners.
     pub(crate) fn bulge_of(&self, face: usize) -> f64 {
         let Some(smooth) = &self.smooth else {
             return 0.0;
         };
-        let (corners, normals) = (self.faces[face], smooth.corners[face]);
-        let side = |k: usize| {
-            let [p, q] = [k, (k + 1) % 3].map(|k| self.vertices[corners[k]]);
-            let [m, n] = [k, (k + 1) % 3].map(|k| smooth.normals[normals[k] as usize]);
-            (q - p).dot(&(n - m)).abs() / 3.0
-        };
-        (0..3).map(side).fold(0.0, f64::max)
+        let bends = self.smooth_sides(smooth, face);
+        let bends = bends.map(|(side, [m, n])| side.dot(&(n - m)).abs() / 3.0);
+        bends.into_iter().fold(0.0, f64::max)
     }
 
     /// Normals with creases of this cosine and around the `broken` faces.
