@@ -188,7 +188,11 @@ impl ContactSystem {
         let moved: Vector3 = moves
             .map(|((now, before), weight)| (now - before) * weight)
             .sum();
-        let slip = tangential(&normal, &moved);
+        let swing = match &law.bodies {
+            ActiveBodies::Pair(pair) => self.swing_of_obstacle(pair),
+            ActiveBodies::Plane { .. } => Vector3::zeros(),
+        };
+        let slip = tangential(&normal, &(moved + normal.cross(&swing)));
         Some(At {
             weights,
             normal,

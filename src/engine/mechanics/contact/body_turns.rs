@@ -199,7 +199,7 @@ impl Spin {
         let unit = normal / length;
         let swing = self.swing();
         let velocity = sliding.relative_velocity(&place.weights) + unit.cross(&swing);
-        let law = sliding.law.traction_derivatives(&normal, &velocity, &at);
+        let law = sliding.traction_derivatives(&normal, velocity, &at);
         let (pressure, per_step) = (response.force, 1.0 / sliding.time_step);
         let friction = law.value * (pressure * length);
         let force = normal * pressure + friction;

@@ -75,6 +75,10 @@ impl ContactSystem {
                     normal,
                     [gap, threshold, friction],
                 ));
+                let turned = normal.cross(&self.swing_of_obstacle(pair));
+                if let Some(last) = self.constraints.last_mut() {
+                    last.turned = turned;
+                }
                 if let Some(turns) = &self.surface_turns {
                     let levers = turns.edges.of_pair(&self.surface, pair);
                     turn(&mut self.constraints, &levers, positions);
@@ -295,6 +299,7 @@ impl ContactSystem {
             } = constraint;
             let normal_force = force.dot(&constraint.normal);
             let traction = force / normal_force - constraint.normal;
+            self.turning_power += force.dot(&constraint.turned) / motion.time_step;
             let turns = self.turns_at(&constraint, positions, motion.previous);
             if self.has_bodies() {
                 let spun = match constraint.bodies {

@@ -92,6 +92,8 @@ pub struct ContactSystem {
     /// Active laws that replace the constraints while derivatives are computed.
     pub(super) active_laws: Vec<ActiveLaw>,
     pub(super) energy: f64,
+    /// Power of the friction because round obstacles turn about their centrelines, W.
+    pub(super) turning_power: f64,
     pub(super) contact_count: usize,
     /// Whether the position of each node of the rods is prescribed.
     pub(super) prescribed: Vec<bool>,
@@ -150,6 +152,7 @@ impl ContactSystem {
             constraints: Vec::new(),
             active_laws: Vec::new(),
             energy: 0.0,
+            turning_power: 0.0,
             contact_count: 0,
             prescribed: Vec::new(),
             without_force: Vec::new(),
@@ -406,6 +409,23 @@ impl ContactSystem {
     /// Contact energy of the last evaluation, J.
     pub fn energy(&self) -> f64 {
         self.energy
+    }
+
+    /// Power of the friction of the last evaluation because round obstacles turn about their
+    /// centrelines, W; that of their centrelines is the work of the forces on their vertices.
+    pub(crate) fn turning_power(&self) -> f64 {
+        self.turning_power
+    }
+
+    /// h θ of the obstacle of a pair, m rad: its rotation in the step times the distance of its
+    /// surface from its centreline or core; zero for pairs without one.
+    ///
+    /// The rim of a tube stands for its centreline, so that a tube that spins does not drag what
+    /// touches its rim.
+    pub(super) fn swing_of_obstacle(&self, pair: &CandidatePair) -> Vector3 {
+        let obstacle = self.surface.obstacle_of(pair.edges[1]);
+        let swing = |obstacle| self.obstacles.turn(obstacle) * self.surface.core(pair);
+        obstacle.map_or_else(Vector3::zeros, swing)
     }
 
     /// Active edge–edge contacts of the last evaluation, in the order of the candidates.

@@ -266,6 +266,8 @@ pub struct ContactConstraint {
     /// Edges that the contact turns if friction acts at the surfaces, with the slip of the
     /// surfaces per turn, m/rad.
     pub turns: [Option<(usize, Vector3)>; 2],
+    /// Slip in the step because a round obstacle turns about its centreline, m.
+    pub turned: Vector3,
     /// Whether the contact has carried a force since the step began.
     pub(super) touched: bool,
 }
@@ -305,6 +307,7 @@ impl ContactConstraint {
             threshold,
             force: Vector3::zeros(),
             turns: [None; 2],
+            turned: Vector3::zeros(),
             touched: false,
         }
     }

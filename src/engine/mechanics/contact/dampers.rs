@@ -120,7 +120,9 @@ impl ContactSystem {
             let velocities = self.velocities(&pair, &points.of(pair.nodes), &nearest, &motion);
             let (normal, mut weights) = (nearest.normal(), nearest.weights());
             let corners = velocities.iter().zip(weights);
-            let velocity: Vector3 = corners.map(|(velocity, weight)| velocity * weight).sum();
+            let of_corners: Vector3 = corners.map(|(velocity, weight)| velocity * weight).sum();
+            let swing = self.swing_of_obstacle(&pair) / time_step;
+            let velocity = of_corners + normal.normalize().cross(&swing);
             let damping = damping(law, &normal, &velocity, contact.normal_force);
             for (weight, node) in weights.iter_mut().zip(pair.nodes) {
                 if !self.is_of_rod(node) {

@@ -12,14 +12,17 @@
 //! ∂F = (w ∂N + N ∂w) ⊗ d + N w ⊗ ∂d,
 //! ∂d = ∂n + (∂t/∂n) ∂n + (∂t/∂v) (w/Δt + Σ_k (a_k·ẋ) ∂β_k).
 //!
+//! A round obstacle that turns about its centreline adds n̂ × h Ω to the slip, with the distance h of
+//! its surface from its centreline and its rate Ω (rad/s): points of the surface move with Ω × h n̂.
+//!
 //! Without friction the Jacobian is −k∇²E, symmetric to rounding error.
 
 use super::closest_points::ClosestPoints;
 use super::contacts::{EdgeJacobian, Linearised};
 use super::distance::{DistanceDerivatives, WEIGHT_RATES};
-use super::friction::FrictionLaw;
+use super::friction::{FrictionLaw, Traction};
 use super::normal_response::NormalResponse;
-use crate::mechanics::Vector3;
+use crate::mechanics::{Matrix3, Vector3};
 
 /// The sliding of four nodes over a time step.
 #[derive(Clone, Copy, Debug)]
@@ -28,11 +31,41 @@ pub(super) struct Sliding {
     pub law: FrictionLaw,
     /// Velocities of the four nodes, m/s.
     pub velocities: [Vector3; 4],
+    /// h Ω of an obstacle, m rad/s.
+    pub swing: Vector3,
     /// Size Δt of the step, s.
     pub time_step: f64,
 }
 
 impl Sliding {
+    /// Velocity that the rotation of an obstacle adds to that of the contact points, m/s.
+    pub(crate) fn velocity_of_swing(&self, normal: &Vector3) -> Vector3 {
+        if self.swing == Vector3::zeros() {
+            return self.swing;
+        }
+        normal.normalize().cross(&self.swing)
+    }
+
+    /// [`FrictionLaw::traction_derivatives`] with the rotation of an obstacle in addition to the
+    /// relative `velocity`, m/s.
+    pub(crate) fn traction_derivatives(
+        &self,
+        normal: &Vector3,
+        velocity: Vector3,
+        at: &Vector3,
+    ) -> Traction {
+        if self.swing == Vector3::zeros() {
+            return self.law.traction_derivatives(normal, &velocity, at);
+        }
+        let velocity = velocity + self.velocity_of_swing(normal);
+        let mut traction = self.law.traction_derivatives(normal, &velocity, at);
+        let length = normal.norm();
+        let unit = normal / length;
+        let unit_by_normal = (Matrix3::identity() - unit * unit.transpose()) / length;
+        traction.by_normal -= traction.by_velocity * self.swing.cross_matrix() * unit_by_normal;
+        traction
+    }
+
     /// Velocity of one contact point relative to the other, m/s.
     pub(crate) fn relative_velocity(&self, weights: &[f64; 4]) -> Vector3 {
         let [a, b, c, d] = &self.velocities;
@@ -135,9 +168,7 @@ fn direction_with_friction<const COORDINATES: usize>(
     at: &Vector3,
 ) -> (Vector3, [[f64; 12]; 3], [[f64; 12]; 3]) {
     let velocity = sliding.relative_velocity(&distance.weights);
-    let traction = sliding
-        .law
-        .traction_derivatives(&distance.normal, &velocity, at);
+    let traction = sliding.traction_derivatives(&distance.normal, velocity, at);
     let [a, b, c, d] = &sliding.velocities;
     let by_ratio = [
         traction.by_velocity * (b - a),
@@ -206,7 +237,7 @@ mod tests {
         previous: &[f64],
         closest: &ClosestPoints,
         radius: f64,
-        law: Option<FrictionLaw>,
+        friction: Option<(FrictionLaw, Vector3)>,
     ) -> SVector<D, 12> {
         let (weights, r) = separation(x, closest);
         let distance = norm(r);
@@ -216,8 +247,9 @@ mod tests {
         let normal_force = (exponential + 1.0).ln() * exponential / (exponential + 1.0)
             * (2.0 * STIFFNESS / (k1 * radius));
         let mut direction = n;
-        if let Some(law) = law {
-            let v = (0..4).fold([D::from(0.0); 3], |sum, m| {
+        if let Some((law, swing)) = friction {
+            let of_swing = cross(n, std::array::from_fn(|axis| D::from(swing[axis])));
+            let v = (0..4).fold(of_swing, |sum, m| {
                 let moved = subtract(
                     dual_node(x, m),
                     std::array::from_fn(|axis| D::from(previous[3 * m + axis])),
@@ -238,6 +270,7 @@ mod tests {
         closest: ClosestPoints,
         radius: f64,
         law: FrictionLaw,
+        swing: Vector3,
     }
 
     impl Case {
@@ -250,6 +283,7 @@ mod tests {
             Sliding {
                 law: self.law,
                 velocities: std::array::from_fn(|m| (self.nodes[m] - self.previous[m]) / TIME_STEP),
+                swing: self.swing,
                 time_step: TIME_STEP,
             }
         }
@@ -279,6 +313,8 @@ mod tests {
                     closest,
                     radius,
                     law,
+                    // Every third obstacle turns.
+                    swing: random.vector() * if index % 3 == 0 { speed } else { 0.0 },
                 });
             }
         }
@@ -296,8 +332,9 @@ mod tests {
 
     impl Case {
         fn slip(&self) -> Vector3 {
-            let velocity = self.sliding().relative_velocity(&self.closest.weights());
-            slip(&self.closest.normal(), &velocity)
+            let (sliding, normal) = (self.sliding(), self.closest.normal());
+            let of_nodes = sliding.relative_velocity(&self.closest.weights());
+            slip(&normal, &(of_nodes + sliding.velocity_of_swing(&normal)))
         }
     }
 
@@ -363,7 +400,7 @@ mod tests {
                         previous,
                         &case.closest,
                         case.radius,
-                        Some(case.law),
+                        Some((case.law, case.swing)),
                     )
                 },
                 &flat(&case.nodes),
@@ -408,10 +445,14 @@ mod tests {
             let (response, sliding) = (case.response(), case.sliding());
             let normal = force(&case, None);
             let total = force(&case, Some(&sliding));
-            let power: f64 = (0..12)
-                .map(|row| (total[row] - normal[row]) * sliding.velocities[row / 3][row % 3])
+            let friction = |row: usize| total[row] - normal[row];
+            let of_nodes: f64 = (0..12)
+                .map(|row| friction(row) * sliding.velocities[row / 3][row % 3])
                 .sum();
-            let scale = response.force * sliding.velocities[0].norm();
+            let of_swing = sliding.velocity_of_swing(&case.closest.normal());
+            let on_first = Vector3::from_fn(|axis, _| friction(axis) + friction(3 + axis));
+            let power = of_nodes + on_first.dot(&of_swing);
+            let scale = response.force * (sliding.velocities[0].norm() + case.swing.norm());
             assert!(power <= 1e-14 * scale, "{power:e}");
         }
     }

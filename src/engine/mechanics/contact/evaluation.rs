@@ -153,6 +153,7 @@ impl ContactSystem {
         self.spun.clear();
         self.plane_spun.clear();
         self.energy = 0.0;
+        self.turning_power = 0.0;
         self.contact_count = 0;
     }
 
@@ -213,6 +214,7 @@ impl ContactSystem {
             let sliding = friction.map(|law| Sliding {
                 law,
                 velocities: self.velocities(&pair, &nodes, &nearest, &motion),
+                swing: self.swing_of_obstacle(&pair) / motion.time_step,
                 time_step: motion.time_step,
             });
             let turning = sliding.and_then(|_| {
@@ -221,7 +223,8 @@ impl ContactSystem {
             });
             let spin = sliding.and_then(|_| self.spin_of_pair(&pair, &motion));
             let slip = sliding.map_or_else(Vector3::zeros, |sliding| {
-                let of_centrelines = sliding.relative_velocity(&weights);
+                let of_obstacle = sliding.velocity_of_swing(&normal);
+                let of_centrelines = sliding.relative_velocity(&weights) + of_obstacle;
                 let of_surfaces = with_turning(of_centrelines, turning.as_ref(), &normal);
                 let spun = spin.map_or_else(Vector3::zeros, |spin| spin.velocity(&normal));
                 slip(&normal, &(of_surfaces + spun))
@@ -229,6 +232,10 @@ impl ContactSystem {
             let traction = friction.map_or_else(Vector3::zeros, |law| law.traction_of_slip(&slip));
             let sign = pair.sign();
             let pressed = sign * response.force;
+            if let Some(sliding) = &sliding {
+                let friction = traction * (pressed * normal.norm());
+                self.turning_power += friction.dot(&sliding.velocity_of_swing(&normal));
+            }
             let force = force_on_nodes(spin.as_ref(), &weights, &normal, pressed, &traction);
             self.contacts.push(ActiveContact {
                 candidate,
@@ -376,7 +383,8 @@ impl ContactSystem {
             NearestPoints::Face(_) => {
                 let sliding = sliding.map(|sliding| NodeSliding {
                     law: sliding.law,
-                    velocity: sliding.relative_velocity(&weights),
+                    velocity: sliding.relative_velocity(&weights)
+                        + sliding.velocity_of_swing(&normal),
                     time_step: sliding.time_step,
                 });
                 let sliding = sliding.as_ref().map(|sliding| (sliding, friction.slip));

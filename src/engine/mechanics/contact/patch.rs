@@ -399,7 +399,7 @@ pub(super) fn patch_jacobian(
     let mut traction_gradient = [[0.0; 12]; 3];
     if let Some((sliding, at)) = sliding {
         let velocity = sliding.relative_velocity(&point.all_weights());
-        let traction = sliding.law.traction_derivatives(normal, &velocity, &at);
+        let traction = sliding.traction_derivatives(normal, velocity, &at);
         let mut by_position = Matrix3::identity() / sliding.time_step;
         let corners = sliding.velocities[1..].iter().zip(&bend.weight_gradients);
         for (velocity, gradient) in corners {

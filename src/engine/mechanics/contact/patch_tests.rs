@@ -194,6 +194,7 @@ fn forces_with_friction_have_their_jacobian() {
             let sliding = Sliding {
                 law,
                 velocities: [(x - before) / 0.1, a, b, c],
+                swing: Vector3::zeros(),
                 time_step: 0.1,
             };
             let velocity = sliding.relative_velocity(&foot.all_weights());

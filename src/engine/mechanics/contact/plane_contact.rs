@@ -30,6 +30,7 @@ impl NodeSliding {
         Sliding {
             law: self.law,
             velocities: [self.velocity, rest, rest, rest],
+            swing: rest,
             time_step: self.time_step,
         }
     }

@@ -341,7 +341,7 @@ pub(super) fn rim_jacobian(
     let mut traction_gradient = [[0.0; 12]; 3];
     if let Some((sliding, at)) = sliding {
         let velocity = sliding.relative_velocity(&weights);
-        let traction = sliding.law.traction_derivatives(&normal, &velocity, &at);
+        let traction = sliding.traction_derivatives(&normal, velocity, &at);
         direction += traction.value;
         let by_ratio = traction.by_velocity * sliding.relative_velocity(&rates);
         let by_position = traction.by_velocity / sliding.time_step;

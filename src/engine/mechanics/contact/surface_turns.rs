@@ -38,8 +38,6 @@ pub(crate) struct TurnedContact {
     /// Moments on the angles of edges (N m) and couples of forces on nodes (N), in addition to the
     /// forces of the contact.
     pub moments: Row,
-    /// Power of the friction due to the rotation of an obstacle about its centreline, W.
-    pub steady_power: f64,
     /// Derivative of the force with respect to all unknowns of the contact; `None` if it was not
     /// requested.
     pub jacobian: Option<Square>,
@@ -83,12 +81,11 @@ impl SurfaceTurns {
         self.linearised.clone_from(&self.now);
     }
 
-    /// Rotation of a contact with these levers; the obstacle contributes `steady`, m rad/s.
+    /// Rotation of a contact with these levers.
     pub(crate) fn turning(
         &self,
         levers: Levers,
         [positions, previous]: [&[Vector3]; 2],
-        steady: Vector3,
         time_step: f64,
     ) -> Turning {
         let turns = levers.edges.map(|lever| match lever {
@@ -104,7 +101,6 @@ impl SurfaceTurns {
         Turning {
             levers,
             turns,
-            steady,
             time_step,
         }
     }

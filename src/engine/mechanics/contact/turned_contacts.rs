@@ -62,18 +62,12 @@ impl ContactSystem {
         time_step: f64,
     ) -> Option<Turning> {
         let turns = self.surface_turns.as_ref()?;
-        let [first, second] = pair.edges;
         let mut levers = turns.edges.of_pair(&self.surface, pair);
         if pair.is_of_piece() {
-            let radius = self.surface.edges()[first].radius;
+            let radius = self.surface.edges()[pair.edges[0]].radius;
             levers.share_at(pair.side, nearest.along_piece(), radius);
         }
-        let steady = self.surface.obstacle_of(second).map(|obstacle| {
-            // At the rim of a tube the rim's centre stands for the contact point.
-            self.obstacles.turn(obstacle) * (self.surface.core(pair) / time_step)
-        });
-        let steady = steady.unwrap_or_else(Vector3::zeros);
-        Some(turns.turning(levers, positions, steady, time_step))
+        Some(turns.turning(levers, positions, time_step))
     }
 
     /// Rotation of a node over a plane, with a sphere of a given radius, m.
@@ -86,7 +80,7 @@ impl ContactSystem {
     ) -> Option<Turning> {
         let turns = self.surface_turns.as_ref()?;
         let levers = turns.edges.of_node(node, radius);
-        Some(turns.turning(levers, positions, Vector3::zeros(), time_step))
+        Some(turns.turning(levers, positions, time_step))
     }
 
     /// Slip of the surfaces under a unit friction due to the rotation of edges, m/N, and
@@ -114,7 +108,6 @@ impl ContactSystem {
             bodies,
             levers: turning.levers,
             moments: turning.moments(normal, friction),
-            steady_power: turning.steady_power(normal, friction),
             jacobian: None,
             correction: Row::zeros(),
         });

@@ -66,8 +66,6 @@ pub(super) struct Turning {
     pub levers: Levers,
     /// Turns of the edges of the levers.
     pub turns: [Turn; 2],
-    /// h Ω of an obstacle, m rad/s.
-    pub steady: Vector3,
     /// Δt, s.
     pub time_step: f64,
 }
@@ -122,18 +120,13 @@ impl Turning {
 
     /// G, m rad/s.
     fn swing(&self) -> Vector3 {
-        let sum = self.swings().map(|swing| swing.rate * swing.arm);
-        sum.sum::<Vector3>() + self.steady
+        let swings = self.swings().map(|swing| swing.rate * swing.arm);
+        swings.sum()
     }
 
     /// Velocity that rotation adds to the relative velocity of the centrelines, m/s.
     pub(crate) fn velocity(&self, normal: &Vector3) -> Vector3 {
         normal.normalize().cross(&self.swing())
-    }
-
-    /// Power of a friction f (N) due to the rotation of the obstacle, W.
-    pub(crate) fn steady_power(&self, normal: &Vector3, friction: &Vector3) -> f64 {
-        friction.dot(&normal.normalize().cross(&self.steady))
     }
 
     /// Moments of a friction f (N) on the angles of the edges, and the equivalent couples on their
@@ -211,7 +204,7 @@ impl Turning {
                 }
             }
         }
-        let traction = (sliding.law).traction_derivatives(&normal, &velocity, &at);
+        let traction = sliding.traction_derivatives(&normal, velocity, &at);
         let traction_rates = traction.by_velocity * velocity_rates + traction.by_normal * by_normal;
 
         let normal_force = response.force;

@@ -18,7 +18,7 @@ struct Case {
     previous: [Vector3; 4],
     free: [bool; 2],
     law: FrictionLaw,
-    steady: Vector3,
+    swing: Vector3,
     levers: Levers,
 }
 
@@ -49,7 +49,6 @@ impl Case {
         Turning {
             levers: self.levers,
             turns,
-            steady: self.steady,
             time_step: TIME_STEP,
         }
     }
@@ -66,11 +65,13 @@ impl Case {
         let sliding = Sliding {
             law: self.law,
             velocities: std::array::from_fn(|m| (nodes[m] - self.previous[m]) / TIME_STEP),
+            swing: self.swing,
             time_step: TIME_STEP,
         };
         let turning = self.turning(unknowns);
-        let velocity =
-            sliding.relative_velocity(&motion.weights) + turning.velocity(&motion.normal);
+        let velocity = sliding.relative_velocity(&motion.weights)
+            + sliding.velocity_of_swing(&motion.normal)
+            + turning.velocity(&motion.normal);
         let slip = slip(&motion.normal, &velocity);
         (motion, response, sliding, turning, slip)
     }
@@ -113,7 +114,7 @@ fn cases() -> Vec<(Case, Row)> {
                     slip_tolerance,
                     grain: None,
                 },
-                steady: random.vector() * speed,
+                swing: random.vector() * speed,
                 levers: of_two_rods(radii),
             };
             cases.push((case, unknowns));
@@ -198,7 +199,7 @@ fn friction_takes_the_power_of_the_slip() {
             - turning.force(&motion.weights, &motion.normal, response.force, &none);
         // The first-order rate of change of the unknowns: tangents that turn by a step are those
         // at its end.
-        let mut power = turning.steady_power(&motion.normal, &friction);
+        let mut power = friction.dot(&sliding.velocity_of_swing(&motion.normal));
         for place in 0..4 {
             let own: Vector3 = all.fixed_rows::<3>(3 * place).into();
             power += own.dot(&sliding.velocities[place]);
@@ -220,7 +221,7 @@ fn friction_takes_the_power_of_the_slip() {
 fn a_motion_as_one_rigid_body_slides_no_more_than_the_gap() {
     let mut random = Random::new(23);
     for (mut case, unknowns) in cases() {
-        case.steady = Vector3::zeros();
+        case.swing = Vector3::zeros();
         let rate = random.vector();
         let turned = |node: Vector3| node - rate.cross(&node) * TIME_STEP;
         case.previous =
@@ -268,7 +269,6 @@ fn a_node_over_a_plane_rolls_without_slip() {
     let turning = Turning {
         levers,
         turns: [turn; 2],
-        steady: Vector3::zeros(),
         time_step: TIME_STEP,
     };
     // A spin about x > 0 moves the lowest point along +y: the rod rolls towards −y.

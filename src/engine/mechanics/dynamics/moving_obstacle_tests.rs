@@ -5,7 +5,8 @@ use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::rigid_body::RigidBody;
 use crate::mechanics::scene::{Motion, Obstacle, Scene};
 use crate::mechanics::test_support::{
-    SOFT_MODELS, advance_to, assert_close_in, contact, fixed, gravity, obstacle, straight_rod,
+    MODELS, SOFT_MODELS, advance_to, assert_close_in, contact, fixed, gravity, obstacle,
+    straight_rod,
 };
 use crate::mechanics::{UnitQuaternion, Vector3};
 
@@ -85,5 +86,52 @@ fn a_table_that_turns_turns_a_rod_at_its_rate() {
         let velocities = simulation.velocities();
         let rate = (velocities[8] - velocities[0]).norm() / LENGTH;
         assert_close_in(model, rate, RATE, 0.01);
+    }
+}
+
+/// A rod along x on two rollers along y, which turn about their own axes at a rate, rad/s.
+fn on_rollers(model: ContactModel, radius: f64, rate: f64) -> Scene {
+    let mut scene = on_table(model, Motion::default());
+    scene.obstacles = [-0.06, 0.06]
+        .map(|x| {
+            let centre = Vector3::new(x, 0.0, -radius);
+            let motion = Motion {
+                axis: Some(Vector3::y()),
+                angular_velocity: rate,
+                pivot: Some(centre),
+                ..Motion::default()
+            };
+            let body = RigidBody::cylinder(centre, Vector3::y(), radius, 1.0);
+            Obstacle {
+                motion,
+                ..obstacle("roller", body)
+            }
+        })
+        .into();
+    scene
+}
+
+/// The surfaces of round obstacles move with them, although their centrelines are at rest.
+#[test]
+fn rollers_take_a_rod_along() {
+    const RADIUS: f64 = 0.03;
+    const SPEED: f64 = 0.1;
+    const STEP: f64 = 5e-4;
+    for model in MODELS {
+        let scene = on_rollers(model, RADIUS, SPEED / RADIUS);
+        let mass = scene.rods[0].mass_per_length * LENGTH;
+        let mut simulation = Simulation::new(&scene, &fixed(STEP)).unwrap();
+        let mut expected = 0.0;
+        while simulation.time() < 0.02 {
+            simulation.advance(0.02).unwrap();
+            let contacts = simulation.contacts();
+            let pressure = contacts.iter().map(|pair| pair.normal_force);
+            expected += FRICTION * pressure.sum::<f64>() * STEP / mass;
+        }
+        let mean = simulation.velocities().iter().sum::<Vector3>().x / 9.0;
+        assert!(mean < 0.9 * SPEED, "{model:?}: {mean}");
+        assert_close_in(model, mean, expected, 0.02);
+        advance_to(&mut simulation, 0.15);
+        assert_close_in(model, simulation.velocities()[4].x, SPEED, 0.01);
     }
 }

@@ -230,7 +230,8 @@ impl System {
         let turns_of: Vec<Option<ConstraintTurns>> = constraints.iter().map(turns_at).collect();
         let mut contacts: Vec<RigidContact> = (constraints.iter().zip(&turns_of))
             .map(|(constraint, turns)| {
-                let mut slid = constraint.relative_motion(|node| self.slid(contact, node, stage));
+                let mut slid = constraint.turned
+                    + constraint.relative_motion(|node| self.slid(contact, node, stage));
                 if let Some(turns) = turns {
                     slid += turns.slid();
                 }

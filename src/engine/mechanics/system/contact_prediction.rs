@@ -42,7 +42,7 @@ const FARTHEST: f64 = 2.0;
 const MARGIN: f64 = 0.5;
 /// Number of sweeps over the contacts, and the change of a force, relative to the largest force,
 /// at which they end.
-const SWEEPS: usize = 100;
+const SWEEPS: usize = 50;
 const SWEPT: f64 = 1e-3;
 /// Number of sweeps after which the rest gaps of contacts are updated for their forces.
 const SWEEPS_PER_REST: usize = 5;
@@ -168,7 +168,8 @@ impl System {
                 let slid = constraint.relative_motion(|node| self.slid(contact, node, stage));
                 Touch::new(
                     constraint,
-                    slid + constraint.turned_motion(|edge| contact.turn_of(edge)),
+                    slid + constraint.turned
+                        + constraint.turned_motion(|edge| contact.turn_of(edge)),
                 )
             })
             .collect();

@@ -3,6 +3,7 @@
 
 use super::Assembly;
 use crate::linalg::BandedFactor;
+use crate::linalg::instruction_set::{InstructionSet, kernel};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::ContactConstraint;
 use crate::mechanics::rod::STRIDE;
@@ -10,10 +11,12 @@ use crate::mechanics::rod::STRIDE;
 /// Response of one rod to a force at a contact.
 #[derive(Clone, Copy)]
 pub(super) struct Part {
-    /// First unknown of the rod.
+    /// First unknown of the rod, and number of its unknowns.
     first: usize,
-    /// Rows of the contact on this rod among the rows of all contacts.
-    rows: [usize; 2],
+    count: usize,
+    /// Start of the responses of these unknowns among those of all contacts: to a unit force along
+    /// the first axis, then along the second and the third.
+    begin: usize,
 }
 
 /// Response of a contact to its own force.
@@ -28,6 +31,7 @@ pub(super) struct Response {
 
 /// Responses of rods to forces on single nodes, computed on first use.
 pub(super) struct Responses<'a> {
+    set: InstructionSet,
     factor: &'a BandedFactor,
     assembly: &'a Assembly,
     /// Start of the rows of each node and of the angle of each edge; only the first entries of
@@ -36,8 +40,8 @@ pub(super) struct Responses<'a> {
     of_angle: Vec<Option<usize>>,
     /// Motion of an unknown under unit forces on a node along the three axes, m/N.
     rows: Vec<[f64; 4]>,
-    /// Motion of an unknown under unit forces at a contact, m/N.
-    of_contacts: Vec<[f64; 4]>,
+    /// Motion of the unknowns of a rod under unit forces at a contact, m/N.
+    of_contacts: Vec<f64>,
 }
 
 impl Response {
@@ -73,6 +77,7 @@ impl Response {
 impl<'a> Responses<'a> {
     pub(crate) fn new(factor: &'a BandedFactor, assembly: &'a Assembly) -> Self {
         Self {
+            set: InstructionSet::best(),
             factor,
             assembly,
             of_node: vec![None; assembly.held.len() / STRIDE],
@@ -153,23 +158,25 @@ impl<'a> Responses<'a> {
             let (first, count) = self.rod_of(nodes[m]);
             let [p, q] = [m, n].map(|m| self.of_node(nodes[m]));
             let begin = self.of_contacts.len();
-            self.of_contacts.extend((0..count).map(|row| -> [f64; 4] {
-                let (p, q) = (&self.rows[p + row], &self.rows[q + row]);
-                std::array::from_fn(|axis| weights[m] * p[axis] + second * q[axis])
-            }));
+            for axis in 0..3 {
+                let of_nodes = self.rows[p..p + count].iter().zip(&self.rows[q..]);
+                let along = of_nodes.map(|(p, q)| weights[m] * p[axis] + second * q[axis]);
+                self.of_contacts.extend(along);
+            }
             *part = Some(Part {
                 first,
-                rows: [begin, begin + count],
+                count,
+                begin,
             });
         }
         // A contact of one rod turns the edges on both sides of the contact point.
         for (k, turn) in constraint.turns.iter().enumerate() {
             if let (Some((edge, slide)), Some(part)) = (turn, parts[k].or(parts[0])) {
                 let begin = self.of_angle(*edge);
-                let rows = &mut self.of_contacts[part.rows[0]..part.rows[1]];
-                for (row, by_moment) in rows.iter_mut().zip(&self.rows[begin..]) {
-                    for axis in 0..3 {
-                        row[axis] += slide[axis] * by_moment[0];
+                let of_part = &mut self.of_contacts[part.begin..part.begin + 3 * part.count];
+                for (own, slide) in of_part.chunks_exact_mut(part.count).zip(slide.iter()) {
+                    for (own, by_moment) in own.iter_mut().zip(&self.rows[begin..]) {
+                        *own += slide * by_moment[0];
                     }
                 }
             }
@@ -206,9 +213,10 @@ impl<'a> Responses<'a> {
     /// Change of an unknown under a force at a contact.
     fn moved(&self, unknown: usize, parts: &[Option<Part>; 2], force: &Vector3) -> f64 {
         let of_part = |part: &Part| {
-            let rows = &self.of_contacts[part.rows[0]..part.rows[1]];
-            let [x, y, z, _] = rows.get(unknown.checked_sub(part.first)?)?;
-            Some(x * force.x + y * force.y + z * force.z)
+            let local = unknown.checked_sub(part.first)?;
+            let along = |axis: usize| self.of_contacts[part.begin + axis * part.count + local];
+            (local < part.count)
+                .then(|| along(0) * force.x + along(1) * force.y + along(2) * force.z)
         };
         parts
             .iter()
@@ -224,10 +232,23 @@ impl<'a> Responses<'a> {
         }
         let parts = response.iter().flat_map(|response| response.parts);
         for part in parts.flatten() {
-            let rows = &self.of_contacts[part.rows[0]..part.rows[1]];
-            for (entry, [x, y, z, _]) in motion[part.first..].iter_mut().zip(rows) {
-                *entry += x * force.x + y * force.y + z * force.z;
-            }
+            let of_rod = &mut motion[part.first..part.first + part.count];
+            let along = &self.of_contacts[part.begin..part.begin + 3 * part.count];
+            add_motion(self.set, of_rod, along, &force.data.0[0]);
+        }
+    }
+}
+
+kernel! {
+    /// Adds the motion of the unknowns of a rod under a force, from those under unit forces along
+    /// the first, second and third axis.
+    fn add_motion(motion: &mut [f64], along: &[f64], force: &[f64; 3]) {
+        let count = motion.len();
+        let (x, others) = along.split_at(count);
+        let (y, z) = others.split_at(count);
+        let [by_x, by_y, by_z] = *force;
+        for (own, ((x, y), z)) in motion.iter_mut().zip(x.iter().zip(y).zip(z)) {
+            *own += x * by_x + y * by_y + z * by_z;
         }
     }
 }

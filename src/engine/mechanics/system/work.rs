@@ -81,8 +81,7 @@ impl System {
             work += moment * (unknowns[unknown] - stage.start[unknown]);
         }
         work += contact.all_spun().map(SpunContact::work).sum::<f64>();
-        let of_obstacles = contact.turned().iter().map(|one| one.steady_power);
-        work += stage.step * of_obstacles.sum::<f64>();
+        work += stage.step * contact.turning_power();
         (work, forces)
     }
 

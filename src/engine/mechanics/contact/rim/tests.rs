@@ -124,6 +124,7 @@ fn friction_and_its_jacobian() {
                 3 => Vector3::zeros(),
                 _ => (nodes[k] - previous[k]) / TIME_STEP,
             }),
+            swing: Vector3::zeros(),
             time_step: TIME_STEP,
         };
         let slip_at = |point: &RimPoint, sliding: &Sliding| {
