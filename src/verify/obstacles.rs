@@ -23,7 +23,8 @@ const WRAPPED_EDGES: usize = 80;
 /// Number of edges in each leg.
 const LEG_EDGES: usize = 60;
 
-/// Checks ropes over a cylinder, over a sphere and over meshes of the cylinder, a beam lifted by
+/// Checks ropes over a cylinder at rest and a turning one, over a sphere and over meshes of the
+/// cylinder, a beam lifted by
 /// the edge of a box and by balls, and rods in tubes.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let cylinder = || {
@@ -54,6 +55,9 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     for (over, model, shape) in ropes {
         checks.push(capstan(over, model, shape)?);
     }
+    for model in ["imc", "ipc", "complementarity"] {
+        checks.push(turning_post(model, cylinder())?);
+    }
     checks.push(swing(24)?);
     checks.extend(lifted_beam()?);
     checks.extend(tube_buckling::checks()?);
@@ -66,6 +70,20 @@ fn capstan(over: &str, model: &str, shape: Table) -> Result<Check, GroupError> {
     let (mut simulation, nodes) = rope_over(model, shape)?;
     let tensions = leg_tensions(&mut simulation, &nodes, STRETCHING, LEG_EDGES)?;
     let name = format!("rope over {over}, μ = 0.3, half a turn, {model}: T₂/T₁");
+    Ok(capstan_check(name, tensions, BENDING, 5e-3))
+}
+
+/// The rope is held while the post turns under it: it slips as if it were pulled over a post at
+/// rest.
+fn turning_post(model: &str, shape: Table) -> Result<Check, GroupError> {
+    let (mut scene, nodes) = rope_scene(model, shape)?;
+    scene["clamps"][0]["move"] = Value::try_from([(0.0, [0.0; 3]), (1.0, [0.0; 3])])?;
+    let post = &mut scene["obstacles"][0];
+    if let Some(post) = post.as_table_mut() {
+        post.extend(toml! { axis = [0, 0, 1] pivot = [0, 0, 0] angular_velocity = 1.0 });
+    }
+    let tensions = leg_tensions(&mut built(scene)?, &nodes, STRETCHING, LEG_EDGES)?;
+    let name = format!("rope held over a turning cylinder, μ = 0.3, half a turn, {model}: T₂/T₁");
     Ok(capstan_check(name, tensions, BENDING, 5e-3))
 }
 
@@ -85,13 +103,19 @@ fn swing(faces: usize) -> Result<Check, GroupError> {
 
 /// A rope over an obstacle, and its nodes as placed.
 fn rope_over(model: &str, shape: Table) -> Result<(Simulation, Vec<Vector3>), GroupError> {
+    let (scene, nodes) = rope_scene(model, shape)?;
+    Ok((built(scene)?, nodes))
+}
+
+/// The scenario of a rope over an obstacle, and its nodes as placed.
+fn rope_scene(model: &str, shape: Table) -> Result<(Table, Vec<Vector3>), GroupError> {
     let nodes = rope_over_post(WRAPPED_EDGES, LEG_EDGES, 3e-3);
     let points: Vec<[f64; 3]> = nodes.iter().map(|x| (*x).into()).collect();
     let mut scene: Table = include_str!("scenes/rope.toml").parse()?;
     scene["rods"][0]["shape"]["points"] = Value::try_from(points)?;
     scene["obstacles"][0]["shape"] = shape.into();
     scene["contact"]["model"] = model.into();
-    Ok((built(scene)?, nodes))
+    Ok((scene, nodes))
 }
 
 /// The cylinder as a mesh with the given number of faces around it and with its corners on the

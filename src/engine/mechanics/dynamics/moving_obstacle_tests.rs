@@ -43,29 +43,38 @@ fn on_table(model: ContactModel, motion: Motion) -> Scene {
     }
 }
 
+/// Lets a rod slide for 0.02 s on a surface with this velocity (m/s), and compares its momentum
+/// with the impulse of the friction.
+#[track_caller]
+fn slid(scene: &Scene, model: ContactModel, surface: Vector3) -> Simulation {
+    const STEP: f64 = 5e-4;
+    let mass = scene.rods[0].mass_per_length * LENGTH;
+    let mut simulation = Simulation::new(scene, &fixed(STEP)).unwrap();
+    let mut expected = 0.0;
+    while simulation.time() < 0.02 {
+        simulation.advance(0.02).unwrap();
+        let contacts = simulation.contacts();
+        let pressure = contacts.iter().map(|pair| pair.normal_force);
+        expected += FRICTION * pressure.sum::<f64>() * STEP / mass;
+    }
+    let mean = simulation.velocities().iter().sum::<Vector3>() / 9.0;
+    let along = mean.dot(&surface.normalize());
+    assert!(along < 0.9 * surface.norm(), "{model:?}: {along}");
+    assert_close_in(model, along, expected, 0.02);
+    simulation
+}
+
 /// While the rod slides, friction of μ times the pressure moves it, until it has the speed of the table.
 #[test]
 fn a_table_that_moves_takes_a_rod_along() {
     const SPEED: f64 = 0.1;
-    const STEP: f64 = 5e-4;
     for model in SOFT_MODELS {
         let motion = Motion {
             translation: vec![(0.0, Vector3::zeros()), (1.0, Vector3::y() * SPEED)],
             ..Motion::default()
         };
         let scene = on_table(model, motion);
-        let mass = scene.rods[0].mass_per_length * LENGTH;
-        let mut simulation = Simulation::new(&scene, &fixed(STEP)).unwrap();
-        let mut expected = 0.0;
-        while simulation.time() < 0.02 {
-            simulation.advance(0.02).unwrap();
-            let contacts = simulation.contacts();
-            let pressure = contacts.iter().map(|pair| pair.normal_force);
-            expected += FRICTION * pressure.sum::<f64>() * STEP / mass;
-        }
-        let mean = simulation.velocities().iter().sum::<Vector3>().y / 9.0;
-        assert!(mean < 0.9 * SPEED, "{model:?}: {mean}");
-        assert_close_in(model, mean, expected, 0.02);
+        let mut simulation = slid(&scene, model, Vector3::y() * SPEED);
         advance_to(&mut simulation, 0.15);
         assert_close_in(model, simulation.velocities()[4].y, SPEED, 0.01);
     }
@@ -116,22 +125,32 @@ fn on_rollers(model: ContactModel, radius: f64, rate: f64) -> Scene {
 fn rollers_take_a_rod_along() {
     const RADIUS: f64 = 0.03;
     const SPEED: f64 = 0.1;
-    const STEP: f64 = 5e-4;
     for model in MODELS {
         let scene = on_rollers(model, RADIUS, SPEED / RADIUS);
-        let mass = scene.rods[0].mass_per_length * LENGTH;
-        let mut simulation = Simulation::new(&scene, &fixed(STEP)).unwrap();
-        let mut expected = 0.0;
-        while simulation.time() < 0.02 {
-            simulation.advance(0.02).unwrap();
-            let contacts = simulation.contacts();
-            let pressure = contacts.iter().map(|pair| pair.normal_force);
-            expected += FRICTION * pressure.sum::<f64>() * STEP / mass;
-        }
-        let mean = simulation.velocities().iter().sum::<Vector3>().x / 9.0;
-        assert!(mean < 0.9 * SPEED, "{model:?}: {mean}");
-        assert_close_in(model, mean, expected, 0.02);
+        let mut simulation = slid(&scene, model, Vector3::x() * SPEED);
         advance_to(&mut simulation, 0.15);
         assert_close_in(model, simulation.velocities()[4].x, SPEED, 0.01);
+    }
+}
+
+#[test]
+fn a_tube_that_spins_takes_a_rod_in_it_along() {
+    const RADIUS: f64 = 0.3;
+    const SPEED: f64 = 0.1;
+    for model in MODELS {
+        let mut scene = on_table(model, Motion::default());
+        let axis = Vector3::z() * RADIUS;
+        let body = RigidBody::tube([axis - Vector3::x(), axis + Vector3::x()], RADIUS);
+        let motion = Motion {
+            axis: Some(Vector3::x()),
+            angular_velocity: SPEED / RADIUS,
+            pivot: Some(axis),
+            ..Motion::default()
+        };
+        scene.obstacles = vec![Obstacle {
+            motion,
+            ..obstacle("tube", body)
+        }];
+        slid(&scene, model, Vector3::y() * SPEED);
     }
 }

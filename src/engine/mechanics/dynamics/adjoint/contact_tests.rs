@@ -32,6 +32,24 @@ fn pushed(model: ContactModel) -> Scene {
     scene
 }
 
+/// A rod that a roller pushes up and drags along with its surface.
+fn rolled(model: ContactModel) -> Scene {
+    let mut scene = pushed(model);
+    let centre = Vector3::new(0.18, 0.0, -0.02515);
+    let body = RigidBody::cylinder(centre, Vector3::y(), 0.02, 1.0);
+    scene.obstacles = vec![Obstacle {
+        motion: Motion {
+            translation: vec![(0.0, Vector3::zeros()), (1.0, Vector3::z() * 0.1)],
+            axis: Some(Vector3::new(0.0, 1.0, 0.3)),
+            angular_velocity: 30.0,
+            pivot: Some(centre),
+            ..Motion::default()
+        },
+        ..obstacle("roller", body)
+    }];
+    scene
+}
+
 /// A rod that falls on the ground.
 fn falling(model: ContactModel) -> Scene {
     let mut scene = cantilever();
@@ -129,6 +147,11 @@ fn rods_that_rub_against_each_other() {
 #[test]
 fn an_obstacle_that_moves() {
     check_contact("pushed", &SOFT_MODELS[..1], pushed, 30, 1e-7, &[0.02]);
+}
+
+#[test]
+fn an_obstacle_that_turns_about_its_axis() {
+    check_contact("rolled", &SOFT_MODELS[..1], rolled, 30, 1e-7, &[0.02]);
 }
 
 #[test]
