@@ -68,7 +68,12 @@ impl Simulation {
             }
             let pressed = force.dot(&normal);
             let radius = surface.edges()[pair.edges[0]].radius;
-            let [(one_name, from), (other, to)] = pair.edges.map(of_body);
+            let [of_first, (other, to)] = pair.edges.map(of_body);
+            // A node that touches may be the last one, at which no edge begins.
+            let (one_name, from) = match one.first_body {
+                1 => of_node(one.nodes[0]),
+                _ => of_first,
+            };
             Some(Touch {
                 names: [one_name, other],
                 nodes: [from, to],
@@ -101,12 +106,32 @@ impl Simulation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::UnitQuaternion;
     use crate::mechanics::contact::{ContactModel, ContactParameters};
     use crate::mechanics::rigid_body::RigidBody;
     use crate::mechanics::scene::{RodDescription, Scene};
     use crate::mechanics::test_support::{
         assert_close, contact, drag, fixed, ground, line, obstacle, run_with, section, weight,
     };
+
+    #[test]
+    fn nodes_on_a_face_have_their_own_numbers() {
+        let section = section(1e3, [1e-3; 2], 1e-3);
+        let nodes = line(Vector3::zeros(), Vector3::x() * 0.1, 4);
+        let sides = Vector3::new(1.0, 1.0, 0.1);
+        let middle = -Vector3::z() * (0.05 + 1e-3);
+        let table = RigidBody::cuboid(middle, sides, &UnitQuaternion::identity(), 0.0);
+        let scene = Scene {
+            rods: vec![RodDescription::uniform("rod", nodes, section, 1e-3, 0.05)],
+            obstacles: vec![obstacle("table", table)],
+            loads: vec![weight(-9.81 * Vector3::z())],
+            contact: Some(contact(ContactModel::ImplicitContact, 1e-5)),
+            ..Scene::default()
+        };
+        let touches = run_with(&scene, &fixed(1e-3), 5e-3).touches();
+        let nodes: Vec<_> = touches.iter().map(|one| one.nodes[0]).collect();
+        assert_eq!(nodes, [0, 1, 2, 3, 4].map(Some));
+    }
 
     #[test]
     fn places_and_forces_of_contacts_carry_a_rod() {

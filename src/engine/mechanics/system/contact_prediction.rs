@@ -42,7 +42,7 @@ const FARTHEST: f64 = 2.0;
 const MARGIN: f64 = 0.5;
 /// Number of sweeps over the contacts, and the change of a force, relative to the largest force,
 /// at which they end.
-const SWEEPS: usize = 50;
+const SWEEPS: usize = 100;
 const SWEPT: f64 = 1e-3;
 /// Number of sweeps after which the rest gaps of contacts are updated for their forces.
 const SWEEPS_PER_REST: usize = 5;
