@@ -299,7 +299,7 @@ impl ContactSystem {
             } = constraint;
             let normal_force = force.dot(&constraint.normal);
             let traction = force / normal_force - constraint.normal;
-            self.turning_power += force.dot(&constraint.turned) / motion.time_step;
+            self.turning_work += force.dot(&constraint.turned);
             let turns = self.turns_at(&constraint, positions, motion.previous);
             if self.has_bodies() {
                 let spun = match constraint.bodies {

@@ -92,8 +92,10 @@ pub struct ContactSystem {
     /// Active laws that replace the constraints while derivatives are computed.
     pub(super) active_laws: Vec<ActiveLaw>,
     pub(super) energy: f64,
-    /// Power of the friction because round obstacles turn about their centrelines, W.
-    pub(super) turning_power: f64,
+    /// Work of the friction in a step because round obstacles turn about their centrelines, J.
+    pub(super) turning_work: f64,
+    /// Size of the stage, over the time in which obstacles move from its start to its end.
+    pub(super) obstacle_pace: f64,
     pub(super) contact_count: usize,
     /// Whether the position of each node of the rods is prescribed.
     pub(super) prescribed: Vec<bool>,
@@ -152,7 +154,8 @@ impl ContactSystem {
             constraints: Vec::new(),
             active_laws: Vec::new(),
             energy: 0.0,
-            turning_power: 0.0,
+            turning_work: 0.0,
+            obstacle_pace: 1.0,
             contact_count: 0,
             prescribed: Vec::new(),
             without_force: Vec::new(),
@@ -411,10 +414,17 @@ impl ContactSystem {
         self.energy
     }
 
-    /// Power of the friction of the last evaluation because round obstacles turn about their
-    /// centrelines, W; that of their centrelines is the work of the forces on their vertices.
-    pub(crate) fn turning_power(&self) -> f64 {
-        self.turning_power
+    /// Work of the friction of the last evaluation in a step because round obstacles turn about
+    /// their centrelines, J; to it the forces on their vertices add their work.
+    pub(crate) fn turning_work(&self) -> f64 {
+        self.turning_work
+    }
+
+    /// Sets the size of the stage over the time in which obstacles move from its start to its end.
+    /// Stages of backward differences are shorter than steps, and nodes move in them from a virtual
+    /// start, but obstacles from where they were: their velocity is that of the whole step.
+    pub(crate) fn set_obstacle_pace(&mut self, pace: f64) {
+        self.obstacle_pace = pace;
     }
 
     /// h θ of the obstacle of a pair, m rad: its rotation in the step times the distance of its

@@ -121,7 +121,7 @@ impl ContactSystem {
             let (normal, mut weights) = (nearest.normal(), nearest.weights());
             let corners = velocities.iter().zip(weights);
             let of_corners: Vector3 = corners.map(|(velocity, weight)| velocity * weight).sum();
-            let swing = self.swing_of_obstacle(&pair) / time_step;
+            let swing = self.swing_of_obstacle(&pair) * (self.obstacle_pace / time_step);
             let velocity = of_corners + normal.normalize().cross(&swing);
             let damping = damping(law, &normal, &velocity, contact.normal_force);
             for (weight, node) in weights.iter_mut().zip(pair.nodes) {

@@ -153,7 +153,7 @@ impl ContactSystem {
         self.spun.clear();
         self.plane_spun.clear();
         self.energy = 0.0;
-        self.turning_power = 0.0;
+        self.turning_work = 0.0;
         self.contact_count = 0;
     }
 
@@ -214,7 +214,7 @@ impl ContactSystem {
             let sliding = friction.map(|law| Sliding {
                 law,
                 velocities: self.velocities(&pair, &nodes, &nearest, &motion),
-                swing: self.swing_of_obstacle(&pair) / motion.time_step,
+                swing: self.swing_of_obstacle(&pair) * (self.obstacle_pace / motion.time_step),
                 time_step: motion.time_step,
             });
             let turning = sliding.and_then(|_| {
@@ -232,9 +232,10 @@ impl ContactSystem {
             let traction = friction.map_or_else(Vector3::zeros, |law| law.traction_of_slip(&slip));
             let sign = pair.sign();
             let pressed = sign * response.force;
-            if let Some(sliding) = &sliding {
+            if sliding.is_some() {
                 let friction = traction * (pressed * normal.norm());
-                self.turning_power += friction.dot(&sliding.velocity_of_swing(&normal));
+                let moved = normal.normalize().cross(&self.swing_of_obstacle(&pair));
+                self.turning_work += friction.dot(&moved);
             }
             let force = force_on_nodes(spin.as_ref(), &weights, &normal, pressed, &traction);
             self.contacts.push(ActiveContact {
@@ -297,7 +298,14 @@ impl ContactSystem {
             self.surface.raise(&mut now, foot, &points);
             self.surface.raise(&mut before, foot, &at_start);
         }
-        std::array::from_fn(|k| (now[k] - before[k]) / motion.time_step)
+        std::array::from_fn(|k| {
+            let moved = now[k] - before[k];
+            if self.is_of_rod(pair.nodes[k]) {
+                moved / motion.time_step
+            } else {
+                moved * self.obstacle_pace / motion.time_step
+            }
+        })
     }
 
     /// Adds the Jacobian of a pair, and the difference between its force and that of the

@@ -133,6 +133,34 @@ fn rollers_take_a_rod_along() {
     }
 }
 
+/// Stages of backward differences are shorter than steps.
+#[test]
+fn backward_differences_take_rods_along_at_the_speed_of_surfaces() {
+    const SPEED: f64 = 0.1;
+    let motion = Motion {
+        translation: vec![(0.0, Vector3::zeros()), (1.0, Vector3::x() * SPEED)],
+        ..Motion::default()
+    };
+    for model in SOFT_MODELS {
+        for mut scene in [
+            on_table(model, motion.clone()),
+            on_rollers(model, 0.03, SPEED / 0.03),
+        ] {
+            // Out of the reach of the contact, so that none presses at the start.
+            let nodes = scene.rods[0].centreline.iter_mut();
+            nodes.for_each(|node| node.z += TOLERANCE);
+            let parameters = IntegrationParameters {
+                scheme: Scheme::BackwardDifferences,
+                ..fixed(5e-5)
+            };
+            let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+            advance_to(&mut simulation, 0.15);
+            let mean = simulation.velocities().iter().sum::<Vector3>().x / 9.0;
+            assert_close_in(model, mean, SPEED, 0.01);
+        }
+    }
+}
+
 #[test]
 fn a_tube_that_spins_takes_a_rod_in_it_along() {
     const RADIUS: f64 = 0.3;

@@ -117,6 +117,11 @@ impl Workspace {
         let is_middle = scheme.extrapolates();
         system.begin_step(is_middle.then_some(&state.unknowns));
         system.drive(time, &mut self.trial.unknowns);
+        system.set_obstacle_pace(if is_middle {
+            1.0
+        } else {
+            self.stage.step / step
+        });
         system.damp(
             self.stage.step,
             step,

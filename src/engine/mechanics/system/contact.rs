@@ -396,6 +396,13 @@ impl System {
         }));
     }
 
+    /// Sets the size of the stage over the time in which obstacles move in it.
+    pub(crate) fn set_obstacle_pace(&mut self, pace: f64) {
+        if let Some(contact) = &mut self.terms.contact.model {
+            contact.set_obstacle_pace(pace);
+        }
+    }
+
     /// Records whether the last correction was small compared with the radii.
     pub(crate) fn set_moved_slightly(&mut self, slightly: bool) {
         if let Some(contact) = &mut self.terms.contact.model {

@@ -81,7 +81,7 @@ impl System {
             work += moment * (unknowns[unknown] - stage.start[unknown]);
         }
         work += contact.all_spun().map(SpunContact::work).sum::<f64>();
-        work += stage.step * contact.turning_power();
+        work += contact.turning_work();
         (work, forces)
     }
 
