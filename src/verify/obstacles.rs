@@ -24,8 +24,7 @@ const WRAPPED_EDGES: usize = 80;
 const LEG_EDGES: usize = 60;
 
 /// Checks ropes over a cylinder at rest and a turning one, over a sphere and over meshes of the
-/// cylinder, a beam lifted by
-/// the edge of a box and by balls, and rods in tubes.
+/// cylinder, a beam lifted by the edge of a box and by balls, and rods in tubes.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let cylinder = || {
         toml! {

@@ -2,7 +2,6 @@
 //! Matrix Computations, 4th ed., sec. 4.3.5; no pivoting, so that the band does not fill).
 
 use super::error::{Inertia, SingularMatrix};
-use super::instruction_set::{InstructionSet, kernel};
 
 /// Largest distance between coupled unknowns: a vertex couples x, θ, x, θ, x of three nodes, 11 unknowns.
 pub const HALF_BANDWIDTH: usize = 10;
@@ -175,13 +174,6 @@ impl BandedFactor {
     /// may be zero.
     pub(crate) fn solve_part(&self, first: usize, rows: &mut [[f64; 4]]) {
         let columns = &self.columns[first..first + rows.len()];
-        solve_columns(InstructionSet::best_of_width(4), columns, rows);
-    }
-}
-
-kernel! {
-    /// Solves L D Lᵀ X = B in place for four right-hand sides.
-    fn solve_columns(columns: &[Column], rows: &mut [[f64; 4]]) {
         for i in 0..rows.len() {
             let known = rows[i];
             for (factor, row) in columns[i][1..].iter().zip(&mut rows[i + 1..]) {

@@ -68,17 +68,17 @@ impl ContactSystem {
             {
                 let friction = self.surface.friction_between(pair.edges);
                 let friction = friction.unwrap_or(self.parameters.friction);
-                self.constraints.push(ContactConstraint::new(
+                let constraint = ContactConstraint::new(
                     Bodies::Edges(candidate),
                     nearest.settled(&self.surface, pair).nodes,
                     nearest.weights(),
                     normal,
                     [gap, threshold, friction],
-                ));
-                let turned = normal.cross(&self.swing_of_obstacle(pair));
-                if let Some(last) = self.constraints.last_mut() {
-                    last.turned = turned;
-                }
+                );
+                self.constraints.push(ContactConstraint {
+                    turned: normal.cross(&self.swing_of_obstacle(pair)),
+                    ..constraint
+                });
                 if let Some(turns) = &self.surface_turns {
                     let levers = turns.edges.of_pair(&self.surface, pair);
                     turn(&mut self.constraints, &levers, positions);

@@ -415,7 +415,7 @@ impl ContactSystem {
     }
 
     /// Work of the friction of the last evaluation in a step because round obstacles turn about
-    /// their centrelines, J; to it the forces on their vertices add their work.
+    /// their centrelines, J, in addition to the work of the forces on their vertices.
     pub(crate) fn turning_work(&self) -> f64 {
         self.turning_work
     }

@@ -117,12 +117,10 @@ impl ContactSystem {
             let smoothing = self.parameters.smoothing(contact.threshold);
             let nearest = NearestPoints::of(&self.surface, &pair, &points, smoothing)?;
             let pair = nearest.settled(&self.surface, &pair);
-            let velocities = self.velocities(&pair, &points.of(pair.nodes), &nearest, &motion);
+            let nodes = points.of(pair.nodes);
+            let sliding = self.sliding(law, &pair, &nodes, &nearest, &motion);
             let (normal, mut weights) = (nearest.normal(), nearest.weights());
-            let corners = velocities.iter().zip(weights);
-            let of_corners: Vector3 = corners.map(|(velocity, weight)| velocity * weight).sum();
-            let swing = self.swing_of_obstacle(&pair) * (self.obstacle_pace / time_step);
-            let velocity = of_corners + normal.normalize().cross(&swing);
+            let velocity = sliding.contact_velocity(&weights, &normal);
             let damping = damping(law, &normal, &velocity, contact.normal_force);
             for (weight, node) in weights.iter_mut().zip(pair.nodes) {
                 if !self.is_of_rod(node) {

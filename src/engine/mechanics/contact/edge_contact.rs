@@ -38,6 +38,11 @@ pub(super) struct Sliding {
 }
 
 impl Sliding {
+    /// Velocity of one contact point relative to the other, with the rotation of an obstacle, m/s.
+    pub(crate) fn contact_velocity(&self, weights: &[f64; 4], normal: &Vector3) -> Vector3 {
+        self.relative_velocity(weights) + self.velocity_of_swing(normal)
+    }
+
     /// Velocity that the rotation of an obstacle adds to that of the contact points, m/s.
     pub(crate) fn velocity_of_swing(&self, normal: &Vector3) -> Vector3 {
         if self.swing == Vector3::zeros() {
@@ -66,7 +71,7 @@ impl Sliding {
         traction
     }
 
-    /// Velocity of one contact point relative to the other, m/s.
+    /// Velocity of one contact point relative to the other without it, m/s.
     pub(crate) fn relative_velocity(&self, weights: &[f64; 4]) -> Vector3 {
         let [a, b, c, d] = &self.velocities;
         a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]
@@ -332,9 +337,8 @@ mod tests {
 
     impl Case {
         fn slip(&self) -> Vector3 {
-            let (sliding, normal) = (self.sliding(), self.closest.normal());
-            let of_nodes = sliding.relative_velocity(&self.closest.weights());
-            slip(&normal, &(of_nodes + sliding.velocity_of_swing(&normal)))
+            let (weights, normal) = (self.closest.weights(), self.closest.normal());
+            slip(&normal, &self.sliding().contact_velocity(&weights, &normal))
         }
     }
 

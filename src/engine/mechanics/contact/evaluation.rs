@@ -211,20 +211,14 @@ impl ContactSystem {
                 coefficient.unwrap_or(parameters.friction),
                 parameters.slip_tolerance,
             );
-            let sliding = friction.map(|law| Sliding {
-                law,
-                velocities: self.velocities(&pair, &nodes, &nearest, &motion),
-                swing: self.swing_of_obstacle(&pair) * (self.obstacle_pace / motion.time_step),
-                time_step: motion.time_step,
-            });
+            let sliding = friction.map(|law| self.sliding(law, &pair, &nodes, &nearest, &motion));
             let turning = sliding.and_then(|_| {
                 let positions = [motion.positions, motion.previous];
                 self.turning_of_pair(&pair, &nearest, positions, motion.time_step)
             });
             let spin = sliding.and_then(|_| self.spin_of_pair(&pair, &motion));
             let slip = sliding.map_or_else(Vector3::zeros, |sliding| {
-                let of_obstacle = sliding.velocity_of_swing(&normal);
-                let of_centrelines = sliding.relative_velocity(&weights) + of_obstacle;
+                let of_centrelines = sliding.contact_velocity(&weights, &normal);
                 let of_surfaces = with_turning(of_centrelines, turning.as_ref(), &normal);
                 let spun = spin.map_or_else(Vector3::zeros, |spin| spin.velocity(&normal));
                 slip(&normal, &(of_surfaces + spun))
@@ -232,10 +226,10 @@ impl ContactSystem {
             let traction = friction.map_or_else(Vector3::zeros, |law| law.traction_of_slip(&slip));
             let sign = pair.sign();
             let pressed = sign * response.force;
-            if sliding.is_some() {
-                let friction = traction * (pressed * normal.norm());
-                let moved = normal.normalize().cross(&self.swing_of_obstacle(&pair));
-                self.turning_work += friction.dot(&moved);
+            let rubbed = traction * (pressed * normal.norm());
+            if let Some(sliding) = &sliding {
+                let power = rubbed.dot(&sliding.velocity_of_swing(&normal));
+                self.turning_work += power * motion.time_step / self.obstacle_pace;
             }
             let force = force_on_nodes(spin.as_ref(), &weights, &normal, pressed, &traction);
             self.contacts.push(ActiveContact {
@@ -245,19 +239,17 @@ impl ContactSystem {
                 distance: true_distance(&pair, &nodes, &nearest) - core,
                 threshold,
                 normal,
-                normal_force: sign * response.force,
+                normal_force: pressed,
                 force,
                 first_body: pair.first_body(),
             });
             self.tractions.push(traction);
             if self.has_bodies() {
-                let friction = traction * (sign * response.force * normal.norm());
-                (self.spun).push(spin.map(|spin| spin.contact(&normal, &friction)));
+                (self.spun).push(spin.map(|spin| spin.contact(&normal, &rubbed)));
             }
             if let Some(turning) = &turning {
-                let friction = traction * (sign * response.force * normal.norm());
                 let bodies = TurnedBodies::Pair(candidate);
-                self.push_turned(bodies, turning, &normal, &friction);
+                self.push_turned(bodies, turning, &normal, &rubbed);
             }
             if with_jacobians {
                 let touching = TouchingPair {
@@ -279,6 +271,23 @@ impl ContactSystem {
             }
             self.energy += sign * response.energy;
             self.contact_count += usize::from(gap < tolerance && sign > 0.0);
+        }
+    }
+
+    /// The sliding of a settled pair in the step.
+    pub(super) fn sliding(
+        &self,
+        law: FrictionLaw,
+        pair: &CandidatePair,
+        nodes: &[Vector3; 4],
+        nearest: &NearestPoints,
+        motion: &Motion,
+    ) -> Sliding {
+        Sliding {
+            law,
+            velocities: self.velocities(pair, nodes, nearest, motion),
+            swing: self.swing_of_obstacle(pair) * (self.obstacle_pace / motion.time_step),
+            time_step: motion.time_step,
         }
     }
 
@@ -391,8 +400,7 @@ impl ContactSystem {
             NearestPoints::Face(_) => {
                 let sliding = sliding.map(|sliding| NodeSliding {
                     law: sliding.law,
-                    velocity: sliding.relative_velocity(&weights)
-                        + sliding.velocity_of_swing(&normal),
+                    velocity: sliding.contact_velocity(&weights, &normal),
                     time_step: sliding.time_step,
                 });
                 let sliding = sliding.as_ref().map(|sliding| (sliding, friction.slip));

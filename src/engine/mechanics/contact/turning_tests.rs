@@ -69,8 +69,7 @@ impl Case {
             time_step: TIME_STEP,
         };
         let turning = self.turning(unknowns);
-        let velocity = sliding.relative_velocity(&motion.weights)
-            + sliding.velocity_of_swing(&motion.normal)
+        let velocity = sliding.contact_velocity(&motion.weights, &motion.normal)
             + turning.velocity(&motion.normal);
         let slip = slip(&motion.normal, &velocity);
         (motion, response, sliding, turning, slip)

@@ -234,7 +234,7 @@ impl<'a> Responses<'a> {
         for part in parts.flatten() {
             let of_rod = &mut motion[part.first..part.first + part.count];
             let along = &self.of_contacts[part.begin..part.begin + 3 * part.count];
-            add_motion(self.set, of_rod, along, &force.data.0[0]);
+            add_motion(self.set, of_rod, along, force.as_ref());
         }
     }
 }
