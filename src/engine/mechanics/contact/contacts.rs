@@ -21,6 +21,9 @@ pub(super) struct Linearised<J> {
     pub traction_gradient: [[f64; 12]; 3],
 }
 
+/// Derivatives of the gap of a contact and of its friction per normal force, as in [`Linearised`].
+pub(super) type Gradients = ([f64; 12], [[f64; 12]; 3]);
+
 /// How a contact moves with the coordinates of its four nodes, to first order.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContactMotion {

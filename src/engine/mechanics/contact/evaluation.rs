@@ -6,7 +6,8 @@ use super::candidates::approach;
 use super::closest_points::edge_distance;
 use super::contact_system::ContactSystem;
 use super::contacts::{
-    ActiveContact, CandidatePair, ContactPair, EDGE, EdgeJacobian, Linearised, Proximity,
+    ActiveContact, CandidatePair, ContactPair, EDGE, EdgeJacobian, Gradients, Linearised,
+    PlaneJacobian, Proximity,
 };
 use super::edge_contact::{Sliding, edge_jacobian};
 use super::friction::{FrictionLaw, slip};
@@ -300,6 +301,13 @@ impl ContactSystem {
         nearest: &NearestPoints,
         motion: &Motion,
     ) -> [Vector3; 4] {
+        let obstacle = self.surface.obstacle_of(pair.edges[1]);
+        if obstacle.is_some_and(|obstacle| !self.obstacles.moves(obstacle)) {
+            return std::array::from_fn(|k| match motion.previous.get(pair.nodes[k]) {
+                Some(before) => (nodes[k] - before) / motion.time_step,
+                None => Vector3::zeros(),
+            });
+        }
         let at_start = self.obstacles.points_at_start(motion.previous);
         let (mut now, mut before) = (*nodes, at_start.of(pair.nodes));
         if let NearestPoints::Patch(foot) = nearest {
@@ -385,17 +393,18 @@ impl ContactSystem {
             self.push_correction(pair, (&pressure, &friction));
             return;
         }
-        let mut linearised = match &pair.nearest {
-            NearestPoints::Edges(closest) => edge_jacobian(
+        let (gap_gradient, traction_gradient) = match &pair.nearest {
+            NearestPoints::Edges(closest) => self.push_jacobian(edge_jacobian(
                 &pair.nodes,
                 closest,
                 &pressure.tangent,
                 sliding.map(|sliding| (sliding, friction.slip)),
                 turns,
                 is_at_obstacle,
-            ),
+            )),
             NearestPoints::Face(foot) if !is_at_obstacle => {
-                motion_jacobian(&foot.motion_with(&pair.nodes, turns), &pressure.tangent)
+                let motion = foot.motion_with(&pair.nodes, turns);
+                self.push_jacobian(motion_jacobian(&motion, &pressure.tangent))
             }
             NearestPoints::Face(_) => {
                 let sliding = sliding.map(|sliding| NodeSliding {
@@ -404,31 +413,47 @@ impl ContactSystem {
                     time_step: sliding.time_step,
                 });
                 let sliding = sliding.as_ref().map(|sliding| (sliding, friction.slip));
-                of_first_node(plane_jacobian(&normal, &pressure.tangent, sliding))
+                self.push_of_first_node(plane_jacobian(&normal, &pressure.tangent, sliding))
             }
             NearestPoints::Patch(point) => {
                 let sliding = sliding.map(|sliding| (sliding, friction.slip));
-                of_first_node(patch_jacobian(point, &pressure.tangent, sliding, &bend))
+                self.push_of_first_node(patch_jacobian(point, &pressure.tangent, sliding, &bend))
             }
             NearestPoints::Rim(point) => {
                 let sliding = sliding.map(|sliding| (sliding, friction.slip));
-                rim_jacobian(point, &pressure.tangent, sliding, turns)
+                self.push_jacobian(rim_jacobian(point, &pressure.tangent, sliding, turns))
             }
         };
         if pair.sign < 0.0 {
-            let entries = linearised.jacobian.as_flattened_mut();
-            entries.iter_mut().for_each(|entry| *entry = -*entry);
+            let entries = self.jacobians.last_mut().into_iter().flatten().flatten();
+            entries.for_each(|entry| *entry = -*entry);
         }
-        self.jacobians.push(linearised.jacobian);
         if carries {
             let rods = if is_at_obstacle { 1 } else { 2 };
             self.compare_with_last(slot, rods, &pressure, &friction);
-            self.multipliers
-                .keep(slot, &pressure, &linearised.gap_gradient);
+            self.multipliers.keep(slot, &pressure, &gap_gradient);
             self.carried_tractions
-                .keep(slot, &friction, &linearised.traction_gradient);
+                .keep(slot, &friction, &traction_gradient);
         }
         self.push_correction(pair, (&pressure, &friction));
+    }
+
+    /// Stores the Jacobian of a pair, and returns the derivatives of its gap and of its friction
+    /// per normal force.
+    fn push_jacobian(&mut self, of_pair: Linearised<EdgeJacobian>) -> Gradients {
+        self.jacobians.push(of_pair.jacobian);
+        (of_pair.gap_gradient, of_pair.traction_gradient)
+    }
+
+    /// Like [`Self::push_jacobian`] for a contact of one node, padded to four nodes; the other three
+    /// are prescribed.
+    fn push_of_first_node(&mut self, of_node: Linearised<PlaneJacobian>) -> Gradients {
+        let index = self.jacobians.len();
+        self.jacobians.resize(index + 1, [[0.0; 12]; 12]);
+        for (row, entries) in self.jacobians[index].iter_mut().zip(&of_node.jacobian) {
+            row[..3].copy_from_slice(entries);
+        }
+        (of_node.gap_gradient, of_node.traction_gradient)
     }
 
     /// How the foot of a node on a curved face moves, if the contact `turns`.
@@ -534,18 +559,5 @@ fn true_distance(pair: &CandidatePair, nodes: &[Vector3; 4], nearest: &NearestPo
     match pair.side {
         EDGE => edge_distance(nodes),
         _ => nearest.distance(),
-    }
-}
-
-/// The Jacobian of a contact of one node, padded to four nodes; the other three are prescribed.
-fn of_first_node(of_node: Linearised<[[f64; 3]; 3]>) -> Linearised<EdgeJacobian> {
-    let mut jacobian = [[0.0; 12]; 12];
-    for (row, entries) in of_node.jacobian.iter().enumerate() {
-        jacobian[row][..3].copy_from_slice(entries);
-    }
-    Linearised {
-        jacobian,
-        gap_gradient: of_node.gap_gradient,
-        traction_gradient: of_node.traction_gradient,
     }
 }

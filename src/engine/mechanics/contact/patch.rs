@@ -125,6 +125,8 @@ impl Patch {
     pub(crate) fn coordinates(&self, point: &Vector3) -> Result<Coordinates, [f64; 3]> {
         let ([p0, p1, p2], [n0, n1, n2]) = (&self.corners, &self.normals);
         let (sides, turns) = ([p1 - p0, p2 - p0], [n1 - n0, n2 - n0]);
+        // The coordinates are then linear, and the first iteration is exact.
+        let is_flat = turns == [Vector3::zeros(); 2];
         let mut weights = [1.0 / 3.0; 2];
         let mut height = 0.0;
         let mut flat = None;
@@ -141,6 +143,13 @@ impl Patch {
             flat.get_or_insert(all);
             if all.iter().any(|weight| *weight < FAR_BESIDE) {
                 break;
+            }
+            if is_flat {
+                return Ok(Coordinates {
+                    weights: all,
+                    height,
+                    gradients,
+                });
             }
             let size = height.abs() + sides[0].norm();
             if b.abs().max(c.abs()) < CONVERGED && t.abs() < CONVERGED * size {

@@ -29,8 +29,8 @@ impl ContactSurface {
     fn patch(&self, face: usize, points: &Points) -> Option<Patch> {
         let smooth = self.smooth_faces.face(face)?;
         Some(Patch {
-            corners: points.of(self.faces()[face].vertices),
-            normals: smooth.normals.map(|normal| points.normals[normal as usize]),
+            corners: (smooth.vertices).map(|vertex| points.vertices[vertex as usize]),
+            normals: (smooth.normals).map(|normal| points.normals[normal as usize]),
         })
     }
 

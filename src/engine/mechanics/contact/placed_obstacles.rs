@@ -132,6 +132,12 @@ impl PlacedObstacles {
         self.moved = true;
     }
 
+    /// Whether an obstacle moves in the step.
+    pub(crate) fn moves(&self, index: usize) -> bool {
+        let placed = &self.placed[index];
+        placed.pose != placed.pose_at_start
+    }
+
     /// Rotation vector of an obstacle in the step, rad.
     pub(crate) fn turn(&self, index: usize) -> Vector3 {
         let placed = &self.placed[index];
@@ -150,8 +156,7 @@ impl PlacedObstacles {
 
     /// Stores the present poses as the start of the next step.
     pub(crate) fn commit(&mut self) {
-        let changed = |placed: &Placed| placed.pose != placed.pose_at_start;
-        if !self.placed.iter().any(changed) {
+        if !(0..self.placed.len()).any(|index| self.moves(index)) {
             return;
         }
         self.vertices_at_start.clone_from(&self.vertices);
@@ -181,8 +186,7 @@ impl PlacedObstacles {
 
     /// Largest displacement of a vertex in the step, m.
     pub(crate) fn largest_move(&self) -> f64 {
-        let changed = |placed: &Placed| placed.pose != placed.pose_at_start;
-        if !self.placed.iter().any(changed) {
+        if !(0..self.placed.len()).any(|index| self.moves(index)) {
             return 0.0;
         }
         let vertices = self.vertices.iter().zip(&self.vertices_at_start);
