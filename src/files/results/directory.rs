@@ -140,7 +140,7 @@ pub(super) fn recognise(
         }
         // A file of this name is not a rodlab manifest: the files next to it must not be removed.
         Err(ResultsError::Damaged { .. }) if force => Err(foreign(MANIFEST.to_owned())),
-        Ok(_) if force => Ok(None),
+        Ok(_) | Err(ResultsError::Altered { .. }) if force => Ok(None),
         Ok(Some(manifest)) if !asked.is_that_of(&manifest) => {
             let [held, wanted] = [&manifest.scenario, asked.scenario].map(kind_in_words);
             if let (Some(held), Some(wanted)) = (held, wanted)

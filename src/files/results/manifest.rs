@@ -4,9 +4,10 @@ use super::atomic::place_whole;
 use super::case_record::{CaseRecord, CaseStatus};
 use super::difference::without_remarks;
 use super::files::{MANIFEST, SCENARIO};
-use super::mark::{FileMarks, check_whole_files, marks_of_whole_files};
+use super::mark::{FileMark, FileMarks, check_files, check_whole_files, marks_of_whole_files};
 use super::{ResultsError, SummaryRow, write_summary, write_timings, write_whole};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
@@ -14,6 +15,9 @@ use std::path::Path;
 
 /// Name of the only case of a single run.
 pub const MAIN_CASE: &str = "main";
+
+/// Length of a scenario up to which the manifest contains it, bytes.
+const LONGEST_SCENARIO: usize = 1 << 16;
 
 /// The manifest of a results directory.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,7 +35,9 @@ pub struct Manifest {
     pub experiment: String,
     /// Title of the scenario.
     pub title: String,
-    /// The resolved scenario as TOML.
+    /// The resolved scenario as TOML. If it is longer than 64 KiB, as with a mesh of many
+    /// triangles, the file has only its mark in `files`: it is in `scenario.toml`.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub scenario: String,
     /// Hash of the scenario, see [`scenario_hash`].
     pub scenario_hash: String,
@@ -94,7 +100,8 @@ impl Manifest {
     /// power at the start of the run.
     ///
     /// # Errors
-    /// [`ResultsError::Damaged`] if it is not a manifest, [`ResultsError::Io`] if it cannot be
+    /// [`ResultsError::Damaged`] if it is not a manifest, [`ResultsError::Altered`] if a scenario
+    /// that it does not contain was changed or removed, [`ResultsError::Io`] if a file cannot be
     /// read.
     pub fn read(directory: &Path) -> Result<Option<Self>, ResultsError> {
         let path = directory.join(MANIFEST);
@@ -108,12 +115,29 @@ impl Manifest {
             }
             Err(error) => return Err(ResultsError::io("read", path)(error)),
         };
-        serde_json::from_slice(&bytes)
-            .map(Some)
-            .map_err(|error| ResultsError::Damaged {
+        let mut manifest: Self =
+            serde_json::from_slice(&bytes).map_err(|error| ResultsError::Damaged {
                 path,
                 reason: error.to_string(),
-            })
+            })?;
+        if manifest.scenario.is_empty() {
+            manifest.read_scenario(directory)?;
+        }
+        Ok(Some(manifest))
+    }
+
+    /// Reads the scenario of a directory whose manifest contains only its mark.
+    fn read_scenario(&mut self, directory: &Path) -> Result<(), ResultsError> {
+        let Some(mark) = self.files.get(SCENARIO) else {
+            return Err(ResultsError::Damaged {
+                path: directory.join(MANIFEST),
+                reason: "it has no `scenario`".into(),
+            });
+        };
+        check_files(directory, &[(SCENARIO.into(), mark.clone())].into())?;
+        let path = directory.join(SCENARIO);
+        self.scenario = fs::read_to_string(&path).map_err(ResultsError::io("read", path))?;
+        Ok(())
     }
 
     /// Writes the manifest of a directory.
@@ -168,7 +192,14 @@ impl Manifest {
     }
 
     fn to_bytes(&self) -> Vec<u8> {
-        let mut text = serde_json::to_vec_pretty(self).expect("a manifest has string keys only");
+        let mut stored = Cow::Borrowed(self);
+        if self.scenario.len() > LONGEST_SCENARIO {
+            let stored = stored.to_mut();
+            (stored.files).insert(SCENARIO.into(), FileMark::of(self.scenario.as_bytes()));
+            stored.scenario.clear();
+        }
+        let mut text =
+            serde_json::to_vec_pretty(&*stored).expect("a manifest has string keys only");
         text.push(b'\n');
         text
     }
@@ -250,6 +281,31 @@ pub(super) mod tests {
             )]),
             files: FileMarks::new(),
         }
+    }
+
+    #[test]
+    fn a_long_scenario_is_stored_once_and_a_changed_one_is_an_error() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path();
+        let mut manifest = example("ab", CaseStatus::Running);
+        manifest.scenario += &"# long\n".repeat(LONGEST_SCENARIO / 7);
+        manifest.place(path).unwrap();
+        assert!(fs::metadata(path.join(MANIFEST)).unwrap().len() < 4000);
+        let read = Manifest::read(path).unwrap().unwrap();
+        assert_eq!(read.scenario, manifest.scenario);
+        let mark = FileMark::of(manifest.scenario.as_bytes());
+        manifest.files.insert(SCENARIO.into(), mark);
+        assert_eq!(read, manifest);
+        let changed = manifest.scenario.replacen("scene", "scenf", 1);
+        fs::write(path.join(SCENARIO), changed).unwrap();
+        let error = Manifest::read(path).unwrap_err().to_string();
+        assert!(
+            error.contains(SCENARIO) && error.contains("--force"),
+            "{error}"
+        );
+        fs::remove_file(path.join(SCENARIO)).unwrap();
+        let error = Manifest::read(path).unwrap_err().to_string();
+        assert!(error.contains(SCENARIO), "{error}");
     }
 
     #[test]

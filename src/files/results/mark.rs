@@ -20,6 +20,15 @@ pub struct FileMark {
     pub blake3: String,
 }
 
+impl FileMark {
+    /// The mark of a file with these contents.
+    pub(super) fn of(contents: &[u8]) -> Self {
+        let mut marker = Marker::default();
+        marker.update(contents);
+        marker.mark()
+    }
+}
+
 /// The marks of files, by their names in the results directory.
 pub type FileMarks = BTreeMap<String, FileMark>;
 

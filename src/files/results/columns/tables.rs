@@ -160,7 +160,7 @@ pub(super) const MANIFEST: &[Column] = columns! {
     "name": "Short name of the scenario.",
     "experiment": "Experiment of the scenario.",
     "title": "Title of the scenario.",
-    "scenario": "The resolved scenario as TOML, as in scenario.toml.",
+    "scenario": "The resolved scenario as TOML, as in scenario.toml; absent where it is longer than 64 KiB.",
     "scenario_hash": "BLAKE3 hash of the scenario without its title, by which the directory is recognised.",
     "rods": "Name, number of nodes, radius (m) of each rod, and whether it is closed.",
     "host": "Name of the machine.",
