@@ -11,6 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 const FALL: Expectation = Expectation::new("s = ½ g sin α t²", "Galileo");
 const KEPT: Expectation = Expectation::new("E(t) = E(0)", "conservation");
+const THROUGH: Expectation = Expectation::new("a = g (sin α − μ cos α)", "Coulomb");
 const RING: Expectation = Expectation::new(
     "(L−2c) sin α + 2d cos α = D, c = 4λ sin²(θ/4), d = 2λ sin(θ/2), θ = π/2 − α, λ² = EI/T, 2T cos α = W",
     "statics, elastica",
@@ -20,10 +21,11 @@ const RUBBED: Expectation = Expectation::new("s = ½ g (sin α − μ cos α) t�
 const HOOP: Expectation =
     Expectation::new("dv²/dφ = 2gR (cos φ − μ sin φ) − 2μ v²", "Newton, Coulomb");
 
-/// Checks a shuttle on an incline, beads with friction, and a ring on a slack rope.
+/// Checks a shuttle on an incline, beads with friction, a rod in fixed eyelets, and a ring on a
+/// slack rope.
 pub fn checks() -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::from(incline()?);
-    checks.extend([rubbed_incline()?, hoop()?]);
+    checks.extend([rubbed_incline()?, hoop()?, eyelets()?]);
     checks.extend(ring_on_rope()?);
     Ok(checks)
 }
@@ -59,6 +61,21 @@ fn hoop() -> Result<Check, GroupError> {
     let found = simulation.velocities()[81].norm();
     let name = "bead sliding down a quarter of a hoop with friction 0.3: speed";
     Ok(HOOP.of(name, "m/s").relative(expected.sqrt(), found, 1e-3))
+}
+
+/// As long as the middle of the rod is between the eyelets, both press in the same direction.
+fn eyelets() -> Result<Check, GroupError> {
+    let mut simulation = simulation(include_str!("scenes/rod_in_eyelets.toml"), &[])?;
+    let mut speed_at = |time: f64| -> Result<f64, GroupError> {
+        run_until(&mut simulation, time)?;
+        Ok(simulation.velocities()[4].x)
+    };
+    let (early, late) = (speed_at(0.05)?, speed_at(0.1)?);
+    let expected = sliding_acceleration(10.0, libm::asin(0.6), 0.2);
+    let name = "rod sliding down through two fixed eyelets with friction 0.2: acceleration";
+    Ok(THROUGH
+        .of(name, "m/s²")
+        .relative(expected, (late - early) / 0.05, 1e-5))
 }
 
 fn incline() -> Result<[Check; 2], GroupError> {

@@ -188,14 +188,6 @@ pub enum JointError {
     /// A ring that slides along itself.
     #[error("a closed rod cannot slide along itself")]
     OwnRing,
-    /// A sliding node that is held.
-    #[error(
-        "a clamp, or `held`, holds the node of rod `{rod}` that should slide: hold the other rod instead, or clamp the other end of a short stiff rod to which this node belongs"
-    )]
-    HeldSlide {
-        /// Name of the rod.
-        rod: String,
-    },
     /// A node that is joined to a free body and is held otherwise, too.
     #[error(
         "node {node} of rod `{rod}` is joined to this body: no other joint, clamp, slide or body may be there, and no node may slide along its rod"

@@ -40,7 +40,7 @@ impl Assembly {
         }
         let first_place = self.rods.nodes + plan.places() - plan.slides.len();
         for (place, slide) in (first_place..).zip(&plan.slides) {
-            self.free_slide(slide, place);
+            self.free_slide(scene, slide, place);
         }
         self.turn_free_bodies(scene, plan);
         self.add_masses(scene)?;
@@ -161,7 +161,7 @@ impl Assembly {
     }
 
     /// Makes a node follow a point along a rod, whose parameter becomes an unknown.
-    fn free_slide(&mut self, planned: &PlannedSlide, place: usize) {
+    fn free_slide(&mut self, scene: &Scene, planned: &PlannedSlide, place: usize) {
         let [node, start] = planned.nodes.each_ref().map(|at| self.number(at));
         let mut points = self.joints.points.iter();
         let node = points
@@ -180,7 +180,12 @@ impl Assembly {
             .copy_within(STRIDE * node..STRIDE * node + 3, STRIDE * place);
         self.held[STRIDE * place..unknown].fill(true);
         let friction = planned.friction.as_ref();
-        let slide = Slide::new([node, unknown], track, friction, &self.unknowns);
+        let rail = &scene.rods[planned.nodes[1].rod];
+        let stretching = rail.section(planned.rail[0]).stretching;
+        let mut slide = Slide::new([node, unknown], track, friction, &self.unknowns);
+        if planned.is_held {
+            slide.yield_with(stretching / slide.edge());
+        }
         self.joints.slides.push(slide);
     }
 

@@ -100,6 +100,11 @@ impl System {
         self.assembly.joints.rub()
     }
 
+    /// Whether a node slides that a clamp holds.
+    pub(crate) fn slides_yield(&self) -> bool {
+        self.assembly.joints.yields()
+    }
+
     /// Whether there is friction: the forces of an equilibrium then depend on its history.
     pub(crate) fn rubs(&self) -> bool {
         self.terms.contact.rubs()

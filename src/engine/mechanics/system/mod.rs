@@ -307,12 +307,15 @@ impl System {
         self.commit_frames();
     }
 
-    /// Elastic energy of the last evaluation, including springs and relaxing parts.
+    /// Elastic energy of the last evaluation, including springs, relaxing parts and joints that
+    /// yield.
     pub fn elastic_energy(&self) -> ElasticEnergy {
         let terms = self.terms.all().into_iter();
-        terms.fold(ElasticEnergy::default(), |sum, term| {
+        let mut energy = terms.fold(ElasticEnergy::default(), |sum, term| {
             sum + term.energy(&self.assembly, &self.geometry)
-        })
+        });
+        energy.stretching += self.slides().iter().map(joints::Slide::energy).sum::<f64>();
+        energy
     }
 
     /// Potential of the last evaluation, at `unknowns`, J: elastic and contact energy minus the

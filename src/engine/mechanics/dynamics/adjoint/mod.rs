@@ -301,6 +301,10 @@ fn refuse(
             "derivatives with respect to fields need planes without directed_friction",
         ),
         (
+            system.slides_yield(),
+            "derivatives with respect to fields support no joints of kind \"slide\" whose first node a clamp holds",
+        ),
+        (
             system.slides_rub(),
             "derivatives with respect to fields support no joints of kind \"slide\" with friction",
         ),

@@ -235,6 +235,11 @@ fn sharp(
             "derivatives support no joints of kind \"slide\" with friction",
         ));
     }
+    if simulation.system.slides_yield() {
+        return Err(SensitivityError::Unsuitable(
+            "derivatives support no joints of kind \"slide\" whose first node a clamp holds",
+        ));
+    }
     let parts = [
         scene.tendons.len(),
         scene.sheaths.len(),

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! where E selects the sliding node and W the nodes that carry it: the first rows of the border
-//! are δx = W δq + X' σ. A node that is a point of a free body has these rows alone, with the
+//! are δx = W δq + X' σ, or of a joint that yields, δx + η/k. A node that is a point of a free body has these rows alone, with the
 //! unknowns of the body and without σ. N is L except in the middle of a step, where the node moves by weights
 //! other than those of its force ([`super::slide`]), and with friction, which adds to the last row
 //! ([`super::rubbing`]). So K keeps its pattern wherever a node
@@ -72,6 +72,9 @@ impl Border {
             for axis in 0..3 {
                 columns.push(constraint(slide, &slide.grip.weights, axis, held.len()));
                 rows.push(constraint(slide, &slide.follow.weights, axis, held.len()));
+                if let Some(stiffness) = slide.stiffness {
+                    schur[(first + axis, first + axis)] = -1.0 / stiffness;
+                }
                 if !slide.is_stopped {
                     schur[(first + axis, first + 3)] = slide.follow.tangent[axis];
                     schur[(first + 3, first + axis)] = slide.along()[axis];
@@ -213,7 +216,7 @@ impl Border {
 }
 
 /// A column of W − E.
-fn constraint(slide: &Slide, weights: &Weights, axis: usize, size: usize) -> Vec<f64> {
+pub(super) fn constraint(slide: &Slide, weights: &Weights, axis: usize, size: usize) -> Vec<f64> {
     let mut column = vec![0.0; size];
     for (node, weight) in weights.nodes.iter().zip(&weights.values) {
         column[STRIDE * node + axis] += weight;

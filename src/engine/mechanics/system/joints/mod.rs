@@ -392,10 +392,21 @@ impl Joints {
     /// bodies.
     pub(crate) fn dependent(&self) -> Vec<usize> {
         let mut dependent: Vec<usize> = self.shared().iter().map(|one| one.unknown).collect();
-        let slides = self.slides.iter().map(|slide| slide.node);
-        let nodes = slides.chain(self.pins.iter().map(|pin| pin.node));
+        let nodes = self.carried_nodes();
         dependent.extend(nodes.flat_map(|node| STRIDE * node..STRIDE * node + 3));
         dependent
+    }
+
+    /// Nodes whose positions are those of points of rods and free bodies.
+    fn carried_nodes(&self) -> impl Iterator<Item = usize> + '_ {
+        let slides = self.slides.iter().filter(|slide| slide.stiffness.is_none());
+        let slides = slides.map(|slide| slide.node);
+        slides.chain(self.pins.iter().map(|pin| pin.node))
+    }
+
+    /// Whether a node slides that a clamp holds.
+    pub(crate) fn yields(&self) -> bool {
+        self.slides.iter().any(|slide| slide.stiffness.is_some())
     }
 
     /// Adds the forces on nodes with dependent positions to the forces on the nodes that determine
@@ -444,9 +455,23 @@ impl Joints {
                 matrix[(slide.unknown, k)] += turning[0][k];
                 matrix[(k, slide.unknown)] += turning[1][k];
             }
+            if let Some(stiffness) = slide.stiffness {
+                for axis in 0..3 {
+                    let [mut apart, mut pull] =
+                        [slide.follow.tangent, slide.along()].map(|along| {
+                            let mut column = border::constraint(slide, weights, axis, held.len());
+                            self.gather_points(&mut column);
+                            column[slide.unknown] = along[axis];
+                            nalgebra::DVector::from_vec(column)
+                        });
+                    if slide.is_stopped {
+                        (apart[slide.unknown], pull[slide.unknown]) = (0.0, 0.0);
+                    }
+                    *matrix += pull * apart.transpose() * stiffness;
+                }
+            }
         }
-        let slides = self.slides.iter().map(|slide| slide.node);
-        for node in slides.chain(self.pins.iter().map(|pin| pin.node)) {
+        for node in self.carried_nodes() {
             for own in STRIDE * node..STRIDE * node + 3 {
                 matrix[(own, own)] = 1.0;
             }
@@ -577,6 +602,9 @@ impl System {
         joints.gather_points(&mut self.residual);
         for slide in &mut joints.slides {
             slide.note(&self.residual, unknowns, joints.start.as_deref());
+        }
+        for slide in &joints.slides {
+            slide.add_force(&mut self.residual);
         }
         joints.gather(&mut self.residual);
     }

@@ -40,6 +40,8 @@ pub(in crate::mechanics::system) struct PlannedSlide {
     pub rail: [usize; 2],
     /// Friction along it.
     pub friction: Option<CoulombFriction>,
+    /// Whether the position of the node is given.
+    pub is_held: bool,
 }
 
 /// A hinge whose frames are not determined yet.
@@ -125,6 +127,7 @@ impl JointPlan {
                         nodes,
                         rail,
                         friction,
+                        is_held: false,
                     },
                 ));
                 continue;
@@ -164,8 +167,12 @@ impl JointPlan {
         }
         let pins = join_to_bodies(scene, &points, &mut rigid, &mut hinges)?;
         judge_slides(scene, &slides, &points)?;
+        let slides = slides.into_iter().map(|(_, slide)| PlannedSlide {
+            is_held: is_held(scene, &points, slide.nodes[0]),
+            ..slide
+        });
         let mut plan = Self {
-            slides: slides.into_iter().map(|(_, slide)| slide).collect(),
+            slides: slides.collect(),
             points: points.into_groups(),
             pins,
             ..Self::default()
@@ -410,21 +417,6 @@ fn judge_slides(
         if is_on(slide) {
             return Err(wrong(JointError::JoinedToRail));
         }
-        let held = scene.clamps.iter().filter(|clamp| clamp.holds_position);
-        let clamped = held.map(|clamp| RodNode {
-            rod: clamp.rod,
-            node: clamp.node,
-        });
-        let of_held_rods = (points.parent.keys().copied())
-            .chain([slide.nodes[0]])
-            .filter(|at| scene.rods[at.rod].held);
-        if let Some(at) = clamped
-            .chain(of_held_rods)
-            .find(|at| points.root(*at) == node)
-        {
-            let rod = scene.rods[at.rod].name.clone();
-            return Err(wrong(JointError::HeldSlide { rod }));
-        }
         let mut earlier = slides[..index].iter();
         if earlier.any(|(_, other)| points.root(other.nodes[0]) == node) {
             return Err(wrong(JointError::SlidesTwice));
@@ -435,6 +427,19 @@ fn judge_slides(
         }
     }
     Ok(())
+}
+
+/// Whether the position of a node, or of a node joined to it, is given.
+fn is_held(scene: &Scene, points: &Groups, node: RodNode) -> bool {
+    let root = points.root(node);
+    let clamped = (scene.clamps.iter()).filter(|clamp| clamp.holds_position);
+    let clamped = clamped.map(|clamp| RodNode {
+        rod: clamp.rod,
+        node: clamp.node,
+    });
+    let joined = points.parent.keys().copied().chain([node]);
+    let of_held_rods = joined.filter(|at| scene.rods[at.rod].held);
+    (clamped.chain(of_held_rods)).any(|at| points.root(at) == root)
 }
 
 /// Whether the nodes of a joint have no other joint.

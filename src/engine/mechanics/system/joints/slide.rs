@@ -11,10 +11,14 @@
 //! is conserved, and for every s the node is exactly on the curve. At the ends of an open rod,
 //! stops carry the force that pushes s outwards.
 //!
+//! **Clamped nodes.** The position of a node that a clamp holds is given, so that the rod has to run
+//! through it. The joint then yields like an edge of the rod, k = EA/h: it acts with
+//! R = k (X(s, q) − x), as above on the rod and on s, and with −R on the node.
+//!
 //! **From the middle of a step.** The implicit midpoint rule extrapolates from the middle to the
 //! end. At the middle the position is x = ½ (xₙ + X(2s − sₙ, 2q − qₙ)), so that the step ends on
 //! the curve; forces are transmitted at the middle, at (s, q). For a straight rod at rest this
-//! conserves energy exactly.
+//! conserves energy exactly. A joint that yields acts as in the middle.
 
 use super::rubbing::Rubbing;
 use super::track::{Track, Weights};
@@ -39,8 +43,10 @@ pub struct Slide {
     pub(super) grip: Grip,
     /// Derivatives of the position of the node with respect to s and q.
     pub(super) follow: Grip,
-    /// Residual R of the node from all forces on it, N.
+    /// Residual R of the node from all forces on it, or R = k (X − x) of a joint that yields, N.
     pub(super) residual: Vector3,
+    /// k of a joint at a clamped node, N/m.
+    pub(super) stiffness: Option<f64>,
     /// Whether a stop carries the force along the rod.
     pub(super) is_stopped: bool,
     /// Friction along the rod.
@@ -93,8 +99,20 @@ impl Slide {
             follow: grip.clone(),
             grip,
             residual: Vector3::zeros(),
+            stiffness: None,
             is_stopped: false,
         }
+    }
+
+    /// Makes the joint yield with a stiffness, N/m, instead of moving the node.
+    pub(crate) fn yield_with(&mut self, stiffness: f64) {
+        self.stiffness = Some(stiffness);
+    }
+
+    /// Energy of a joint that yields, J.
+    pub(crate) fn energy(&self) -> f64 {
+        let of_force = |stiffness| 0.5 * self.residual.norm_squared() / stiffness;
+        self.stiffness.map_or(0.0, of_force)
     }
 
     /// Nodes of the rod along which it slides.
@@ -177,6 +195,9 @@ impl Slide {
         if let Some([least, largest]) = self.ends(start) {
             unknowns[self.unknown] = unknowns[self.unknown].clamp(least, largest);
         }
+        if self.stiffness.is_some() {
+            return;
+        }
         let weights = self.track.at(self.parameter(unknowns, start));
         let end = |node: usize| place(unknowns, start, node);
         let end = sum(&weights.values, &weights.nodes, end);
@@ -199,11 +220,17 @@ impl Slide {
         let parameter = unknowns[self.unknown];
         let weights = self.track.at(parameter);
         self.grip = Grip::new(weights, |node| position(unknowns, node));
+        if let Some(stiffness) = self.stiffness {
+            let Weights { nodes, values, .. } = &self.grip.weights;
+            let place = sum(values, nodes, |node| position(unknowns, node));
+            self.residual = (place - position(unknowns, self.node)) * stiffness;
+        }
         if let Some(rubbing) = &mut self.rubbing {
             rubbing.place(parameter);
         }
         self.follow = match start {
             None => self.grip.clone(),
+            Some(_) if self.stiffness.is_some() => self.grip.clone(),
             Some(_) => {
                 let weights = self.track.at(self.parameter(unknowns, start));
                 Grip::new(weights, |node| place(unknowns, start, node))
@@ -214,7 +241,9 @@ impl Slide {
     /// Stores the residual of the node, and whether a stop at `unknowns` carries its part along
     /// the rod.
     pub(super) fn note(&mut self, residual: &[f64], unknowns: &[f64], start: Option<&[f64]>) {
-        self.residual = position(residual, self.node);
+        if self.stiffness.is_none() {
+            self.residual = position(residual, self.node);
+        }
         if let Some(rubbing) = &mut self.rubbing {
             rubbing.note(&self.residual, &self.grip.tangent);
         }
@@ -247,11 +276,27 @@ impl Slide {
         self.over_tangent().dot(&self.grip.curvature) + rubbing
     }
 
-    /// Transfers the forces on the node to the rod and to s, including the friction.
+    /// Transfers the forces on the node to the rod and to s, including the friction, unless the
+    /// joint yields.
     pub(super) fn gather(&self, forces: &mut [f64]) {
-        let own = STRIDE * self.node;
-        let force = position(forces, self.node);
-        forces[own..own + 3].fill(0.0);
+        if self.stiffness.is_none() {
+            let force = position(forces, self.node);
+            self.pull(&force, forces);
+        }
+    }
+
+    /// Adds the force of a joint that yields to a residual.
+    pub(super) fn add_force(&self, residual: &mut [f64]) {
+        if self.stiffness.is_some() {
+            self.pull(&self.residual, residual);
+        }
+    }
+
+    /// Removes a force from the node, and adds it to the rod and to s.
+    fn pull(&self, force: &Vector3, forces: &mut [f64]) {
+        for axis in 0..3 {
+            forces[STRIDE * self.node + axis] -= force[axis];
+        }
         let Weights { nodes, values, .. } = &self.grip.weights;
         for (node, weight) in nodes.iter().zip(values) {
             for axis in 0..3 {
@@ -266,6 +311,9 @@ impl Slide {
 
     /// Moves the node as s and the rod move.
     pub(super) fn spread(&self, moves: &mut [f64]) {
+        if self.stiffness.is_some() {
+            return;
+        }
         let weights = &self.follow.weights;
         let carried = sum(&weights.values, &weights.nodes, |node| {
             position(moves, node)
