@@ -286,6 +286,9 @@ pub fn joined(seed: u64) -> Case {
     if random.chance(0.5) {
         text.push_str("[[clamps]]\nrod = \"a\"\nat = \"start\"\n");
     }
+    if kind == "slide" && seed.is_multiple_of(2) {
+        text.push_str("[[clamps]]\nrod = \"b\"\nat = \"start\"\n");
+    }
     let force = times(random.direction(), flow.force);
     let rod = random.one_of(&["", "rod = \"b\"\n"]);
     let _ = write!(
