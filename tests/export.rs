@@ -1,6 +1,7 @@
-//! Files for other programs: complete or not written, and models of MuJoCo that move like the rods.
+//! Files for other programs: complete or not written, and models of MuJoCo and Newton that move like
+//! the rods.
 
-use crate::parts::{have, in_build, succeeds};
+use crate::parts::{have, in_build, skipped, succeeds};
 use assert_cmd::Command;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -141,8 +142,19 @@ fn bad_input_ends_with_code_2_and_leaves_no_file() {
         &to("ring.toml", "mjcf", "new.xml"),
         &["ring.toml: rods.beam.shape"],
     );
+    refused(
+        &to("beam", "newton", "new.py"),
+        &["beam", "--format newton exports a scenario"],
+    );
+    refused(&to("beam.toml", "newton", "new.xml"), &["new.xml", ".py"]);
+    let inner = HEAVY.replace("at = \"start\"", "at = 10");
+    fs::write(directory.path().join("inner.toml"), inner).unwrap();
+    refused(
+        &to("inner.toml", "newton", "new.py"),
+        &["inner.toml: rods.beam.name: a clamp"],
+    );
     refused(&to("beam.toml", "gltf", "new.glb"), &["beam.toml"]);
-    for name in ["new.glb", "new.usda", "new.xml"] {
+    for name in ["new.glb", "new.usda", "new.xml", "new.py"] {
         assert!(!directory.path().join(name).exists(), "{name}");
     }
     assert_eq!(
@@ -176,44 +188,48 @@ else:
     show()
 "#;
 
-/// A Python with MuJoCo 4: the one that `RODLAB_PYTHON` names, or one in the build directory.
-fn python_with_mujoco() -> Option<PathBuf> {
-    let has = |python: &Path| {
-        let version = "import mujoco; assert int(mujoco.__version__.split('.')[0]) >= 4";
-        succeeds(std::process::Command::new(python).args(["-c", version]))
-    };
+/// A Python that runs a line: the one that `RODLAB_PYTHON` names, or one in a folder of the build
+/// directory, in which `package` is installed if `installs`.
+fn python_that_runs(
+    line: &str,
+    folder: &str,
+    [part, package]: [&str; 2],
+    installs: bool,
+) -> Option<PathBuf> {
+    let has = |python: &Path| succeeds(std::process::Command::new(python).args(["-c", line]));
     let named = std::env::var_os("RODLAB_PYTHON").map(PathBuf::from);
     if let Some(python) = named.filter(|python| has(python)) {
         return Some(python);
     }
-    let folder = in_build("mujoco4");
+    let folder = in_build(folder);
     let python = folder.join("bin/python");
+    if !installs && !has(&python) {
+        skipped(&format!(
+            "no {part}; RODLAB_TESTS_FULL=1 installs it, and RODLAB_PYTHON names a Python with it"
+        ));
+        return None;
+    }
     let install = || {
         let mut environment = std::process::Command::new("python3");
-        let mut package = std::process::Command::new(&python);
+        let mut packages = std::process::Command::new(&python);
         succeeds(environment.args(["-m", "venv"]).arg(&folder))
-            && succeeds(package.args(["-m", "pip", "install", "--quiet", "mujoco>=4"]))
+            && succeeds(packages.args(["-m", "pip", "install", "--quiet", package]))
     };
-    let purpose = "to run exported models";
-    have("MuJoCo 4", purpose, || has(&python), install).then_some(python)
+    have(part, "to run exported models", || has(&python), install).then_some(python)
 }
 
-/// What MuJoCo shows of an exported scenario; `None` without MuJoCo.
+/// Exports `beam.toml` and returns what is printed.
+fn exported(directory: &Path, format: &str, name: &str) -> String {
+    let arguments = ["export", "beam.toml", "--format", format, "--out", name];
+    let done = rodlab(directory, &arguments).assert().success();
+    String::from_utf8(done.get_output().stdout.clone()).unwrap()
+}
+
+/// What MuJoCo shows of an exported scenario; `None` without MuJoCo 4.
 fn shown_by_mujoco(directory: &Path) -> Option<Vec<[f64; 4]>> {
-    let python = python_with_mujoco()?;
-    rodlab(
-        directory,
-        &[
-            "export",
-            "beam.toml",
-            "--format",
-            "mjcf",
-            "--out",
-            "beam.xml",
-        ],
-    )
-    .assert()
-    .success();
+    let line = "import mujoco; assert int(mujoco.__version__.split('.')[0]) >= 4";
+    let python = python_that_runs(line, "mujoco4", ["MuJoCo 4", "mujoco>=4"], true)?;
+    exported(directory, "mjcf", "beam.xml");
     fs::write(directory.join("run.py"), RUN).unwrap();
     let done = Command::new(python)
         .current_dir(directory)
@@ -225,6 +241,28 @@ fn shown_by_mujoco(directory: &Path) -> Option<Vec<[f64; 4]>> {
         let words: Vec<f64> = line.split(' ').map(|word| word.parse().unwrap()).collect();
         <[f64; 4]>::try_from(words).unwrap()
     });
+    Some(rows.collect())
+}
+
+/// What the program for Newton prints of the last node; `None` without Newton, which takes half a
+/// gigabyte and is installed for the full tests only.
+fn shown_by_newton(directory: &Path) -> Option<Vec<[f64; 4]>> {
+    let line =
+        "import newton; v = newton.__version__.split('.'); assert [int(v[0]), int(v[1])] >= [1, 8]";
+    let full = std::env::var("RODLAB_TESTS_FULL").is_ok_and(|value| value == "1");
+    let python = python_that_runs(line, "newton1.8", ["Newton 1.8", "newton==1.8.*"], full)?;
+    exported(directory, "newton", "beam.py");
+    let done = Command::new(python)
+        .current_dir(directory)
+        .env("WARP_CACHE_PATH", in_build("warp"))
+        .arg("beam.py")
+        .assert()
+        .success();
+    let text = String::from_utf8(done.get_output().stdout.clone()).unwrap();
+    let rows = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let rows = rows.filter(|row| row.len() == 6 && row[1] == "beam" && row[2] == "20");
+    let number = |word: &str| word.parse().unwrap();
+    let rows = rows.map(|row| [row[0], row[3], row[4], row[5]].map(number));
     Some(rows.collect())
 }
 
@@ -261,4 +299,70 @@ fn a_cantilever_on_a_rising_clamp_swings_alike_in_mujoco() {
         let error = distance(shown, tip);
         assert!(error < 0.01 * 0.5, "{shown:?} {tip:?}");
     }
+}
+
+#[test]
+fn a_heavy_cantilever_hangs_as_low_in_newton() {
+    let directory = results(HEAVY);
+    let Some(shown) = shown_by_newton(directory.path()) else {
+        return;
+    };
+    let tip = tips(directory.path())[0];
+    assert!(tip[3] < -0.7);
+    let error = distance(shown.last().unwrap(), &tip);
+    assert!(error < 0.01, "{shown:?} {tip:?}");
+}
+
+#[test]
+fn a_cantilever_on_a_rising_clamp_swings_alike_in_newton() {
+    let directory = results(RISING);
+    let Some(shown) = shown_by_newton(directory.path()) else {
+        return;
+    };
+    let tips = tips(directory.path());
+    assert_eq!(shown.len(), tips.len());
+    for (shown, tip) in shown.iter().zip(&tips) {
+        assert!((shown[0] - tip[0]).abs() < 1e-3);
+        let error = distance(shown, tip);
+        assert!(error < 0.01 * 0.5, "{shown:?} {tip:?}");
+    }
+}
+
+#[test]
+fn programs_for_newton_are_python_with_the_numbers_of_the_scenario() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    fs::write(directory.join("beam.toml"), RISING).unwrap();
+    let printed = exported(directory, "newton", "beam.py");
+    assert!(
+        printed.starts_with("beam.py\nnot in the file:\n"),
+        "{printed}"
+    );
+    assert!(printed.contains("stretching of beam: EA"), "{printed}");
+    let text = fs::read_to_string(directory.join("beam.py")).unwrap();
+    for part in [
+        "# rodlab ",
+        "\"damping\": 0.02,",
+        "            (0.025, 0.0, 0.0),\n",
+        "\"tangent\": (1.0, 0.0, 0.0)",
+        "(0.5, 0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 1.0),",
+        "SolverVBD",
+    ] {
+        assert!(text.contains(part), "{part}");
+    }
+    // The file is replaced by one of its kind.
+    fs::write(directory.join("beam.toml"), HEAVY).unwrap();
+    let printed = exported(directory, "newton", "beam.py");
+    assert!(printed.contains("until they are at rest"), "{printed}");
+    let text = fs::read_to_string(directory.join("beam.py")).unwrap();
+    assert!(text.contains("GRAVITY = (0.0, 0.0, -9.81)"));
+    if !succeeds(std::process::Command::new("python3").arg("--version")) {
+        skipped("no python3 to compile a program for Newton");
+        return;
+    }
+    Command::new("python3")
+        .current_dir(directory)
+        .args(["-m", "py_compile", "beam.py"])
+        .assert()
+        .success();
 }

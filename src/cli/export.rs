@@ -4,7 +4,8 @@ use super::prelude::*;
 use rodlab_files::figure::Tempo;
 use rodlab_files::results::replace_own;
 use rodlab_lab::experiment::{load, prepare};
-use rodlab_lab::report::{ExportFormat, ExportRequest, mjcf, write_export};
+use rodlab_lab::report::{ExportFormat, ExportRequest, SceneModel, mjcf, newton, write_export};
+use rodlab_lab::run::PreparedRun;
 use rodlab_workcell::recording::record;
 
 const HELP: [&str; 2] = help!(
@@ -14,12 +15,14 @@ Examples:
   rodlab export results/sweep --case friction-0.3 --format usd --out slide.usda
   rodlab export results/knot --format obj --out knot.obj --at 0.5s
   rodlab export beam.toml --format mjcf --out beam.xml
+  rodlab export beam.toml --format newton --out beam.py
   rodlab export results/deploy --format mcap --out deploy.mcap",
     "\
 gltf: tubes with a joint for each node, keyed at each output; y is up.
 usd: curves with widths and time samples, meshes of bodies; z is up.
 obj: tubes and bodies at one output; z is up.
 mjcf: rods as flexes of MuJoCo 4. The command lists what the file does not contain.
+newton: rods as chains of Newton 1.8, in a Python program that simulates them. With the same list.
 mcap: the log of a task in a cell, or of `rodlab stream`, as messages of ROS 2, for Foxglove.
 `rodlab guide exchange` describes the files."
 );
@@ -31,13 +34,13 @@ const MCAP: &[u8] = b"\x89MCAP0";
 #[derive(Debug, Args)]
 #[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct ExportArguments {
-    /// A results directory, finished or still running; for mjcf a scenario file, for mcap a log
+    /// A results directory, finished or still running; for mjcf and newton a scenario file, for mcap a log
     #[arg(value_name = "DIR|SCENARIO")]
     pub source: PathBuf,
     /// Format of the file
     #[arg(long, value_name = "FORMAT")]
     pub format: FormatName,
-    /// Output file: .glb, .usda, .obj, .xml or .mcap
+    /// Output file: .glb, .usda, .obj, .xml, .py or .mcap
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// The case of a sweep, by its id
@@ -52,7 +55,7 @@ pub struct ExportArguments {
     /// Export at most this many outputs, evenly spread
     #[arg(long, value_name = "N", default_value = "1000", value_parser = clap::value_parser!(u32).range(1..))]
     pub outputs: u32,
-    /// Set a key of the scenario, for mjcf; repeatable
+    /// Set a key of the scenario, for mjcf and newton; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
 }
@@ -68,11 +71,19 @@ pub enum FormatName {
     Obj,
     /// Model of MuJoCo 4
     Mjcf,
+    /// Python program for Newton 1.8
+    Newton,
     /// Recording of a task in a cell
     Mcap,
 }
 
 impl FormatName {
+    /// Its name in arguments.
+    fn name(self) -> String {
+        let value = self.to_possible_value();
+        value.map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+
     /// Ending of its files.
     fn ending(self) -> &'static str {
         match self {
@@ -80,6 +91,7 @@ impl FormatName {
             Self::Usd => "usda",
             Self::Obj => "obj",
             Self::Mjcf => "xml",
+            Self::Newton => "py",
             Self::Mcap => "mcap",
         }
     }
@@ -99,7 +111,8 @@ pub fn export(arguments: &ExportArguments) -> Result<(), Failure> {
         )));
     }
     let format = match arguments.format {
-        FormatName::Mjcf => return export_scenario(arguments),
+        FormatName::Mjcf => return export_scenario(arguments, mjcf, b"<!-- rodlab "),
+        FormatName::Newton => return export_scenario(arguments, newton, b"# rodlab "),
         FormatName::Mcap => return export_recording(arguments),
         FormatName::Gltf => ExportFormat::Gltf,
         FormatName::Usd => ExportFormat::Usd,
@@ -109,7 +122,9 @@ pub fn export(arguments: &ExportArguments) -> Result<(), Failure> {
         return Err(Failure::Input("--at belongs to --format obj".into()));
     }
     if !arguments.overrides.is_empty() {
-        return Err(Failure::Input("--set belongs to --format mjcf".into()));
+        return Err(Failure::Input(
+            "--set belongs to --format mjcf and newton".into(),
+        ));
     }
     let request = ExportRequest {
         format,
@@ -158,13 +173,18 @@ fn export_recording(arguments: &ExportArguments) -> Result<(), Failure> {
     ))
 }
 
-/// Writes the model of a scenario.
-fn export_scenario(arguments: &ExportArguments) -> Result<(), Failure> {
+/// Writes the model of a scenario. `head`: first bytes of its files.
+fn export_scenario(
+    arguments: &ExportArguments,
+    model: fn(&PreparedRun) -> Result<SceneModel, Vec<String>>,
+    head: &[u8],
+) -> Result<(), Failure> {
     let source = &arguments.source;
     if source.is_dir() {
         return Err(Failure::Input(format!(
-            "`{}` is a directory; --format mjcf exports a scenario file, such as its scenario.toml",
-            source.display()
+            "`{}` is a directory; --format {} exports a scenario file, such as its scenario.toml",
+            source.display(),
+            arguments.format.name()
         )));
     }
     if arguments.case.is_some() || arguments.at.is_some() {
@@ -174,13 +194,13 @@ fn export_scenario(arguments: &ExportArguments) -> Result<(), Failure> {
     }
     let loaded = load(source, &arguments.overrides)?;
     let prepared = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
-    let model = mjcf(&prepared).map_err(|faults| {
+    let model = model(&prepared).map_err(|faults| {
         let name = source.display();
         let lines = faults.iter().map(|fault| format!("{name}: {fault}"));
         Failure::Input(lines.collect::<Vec<_>>().join("\nerror: "))
     })?;
-    replace_own(&arguments.out, model.text.as_bytes(), |head| {
-        head.starts_with(b"<!-- rodlab ")
+    replace_own(&arguments.out, model.text.as_bytes(), |bytes| {
+        bytes.starts_with(head)
     })?;
     let mut text = format!("{}\nnot in the file:\n", arguments.out.display());
     for line in &model.left_out {

@@ -8,7 +8,7 @@ mod export;
 mod film;
 mod free_bodies;
 mod labels;
-mod mjcf;
+mod models;
 mod motion;
 mod obstacles;
 mod plot;
@@ -19,7 +19,7 @@ mod view;
 
 pub use export::{ExportError, ExportFormat, ExportRequest, WrittenExport, write_export};
 pub use film::{FilmRequest, MovieError, WrittenFilm, write_film};
-pub use mjcf::{Mjcf, mjcf};
+pub use models::{SceneModel, mjcf, newton};
 pub use plot::rods_figure;
 pub use plot::{
     CustomFigure, PlotError, custom_figure, plot_results, write_figure, write_in_formats,

@@ -1,18 +1,15 @@
 //! A rod as a one-dimensional flex.
 
+use super::super::refusals::{clamps_of, end_tangent};
 use super::list;
 use rodlab_engine::mechanics::Vector3;
-use rodlab_engine::mechanics::scene::{Clamp, NaturalShape, RodDescription, Scene};
+use rodlab_engine::mechanics::scene::Scene;
 use rodlab_files::figure::escape;
 use std::f64::consts::PI;
 use std::fmt::Write;
 
 /// Length of the edge before a clamp over that of the first edge.
 pub(super) const SHORT: f64 = 1e-3;
-/// Sine of the angle between edges that counts as straight, and relative difference of stiffnesses
-/// that counts as none.
-const EQUAL: f64 = 1e-9;
-
 /// Radius of gyration of a body that follows a clamp, over the length of the rod. MuJoCo attaches no
 /// elastic flex to a clamp itself.
 const HELD: f64 = 0.1;
@@ -53,24 +50,9 @@ pub(super) struct Flex {
 
 impl Flex {
     /// The flex of a rod.
-    ///
-    /// # Errors
-    /// The keys of the rod that a flex cannot represent, with the reason.
-    pub fn of(
-        scene: &Scene,
-        index: usize,
-        damping: f64,
-    ) -> Result<Self, Vec<(&'static str, String)>> {
+    pub fn of(scene: &Scene, index: usize, damping: f64) -> Self {
         let rod = &scene.rods[index];
-        let clamps: Vec<&Clamp> = scene
-            .clamps
-            .iter()
-            .filter(|clamp| clamp.rod == index)
-            .collect();
-        let faults = faults(rod, &clamps);
-        if !faults.is_empty() {
-            return Err(faults);
-        }
+        let clamps = clamps_of(scene, index);
         let fourth = rod.radius.powi(4);
         let mut flex = Self {
             name: escape(&rod.name),
@@ -129,7 +111,7 @@ impl Flex {
                 flex.spins.push(0.0);
             }
         }
-        Ok(flex)
+        flex
     }
 
     /// Names and places of the bodies that a program moves.
@@ -246,75 +228,4 @@ impl Flex {
             self.damping
         );
     }
-}
-
-/// Keys of a rod that a flex cannot represent.
-fn faults(rod: &RodDescription, clamps: &[&Clamp]) -> Vec<(&'static str, String)> {
-    let mut faults: Vec<(&'static str, String)> = Vec::new();
-    let mut refuse = |key, reason: &str| faults.push((key, reason.to_owned()));
-    if rod.closed {
-        refuse(
-            "shape",
-            "closed rods have no twist in MuJoCo; cut the rod open and clamp its ends",
-        );
-    }
-    let [first, second] = rod.stiffness.bending;
-    if (first - second).abs() > EQUAL * first.max(second) {
-        refuse(
-            "cross_section",
-            "the rods of MuJoCo are equally stiff in all directions",
-        );
-    }
-    if !rod.sections.is_empty() {
-        refuse(
-            "sections",
-            "the rods of MuJoCo have the same section everywhere",
-        );
-    }
-    let is_straight = rod.centreline.windows(3).all(|nodes| {
-        let [before, after] = [nodes[1] - nodes[0], nodes[2] - nodes[1]];
-        before.cross(&after).norm() <= EQUAL * before.norm() * after.norm()
-    });
-    let is_as_placed = match &rod.natural_shape {
-        NaturalShape::AsPlaced => true,
-        NaturalShape::Straight => is_straight && rod.twist == 0.0,
-        NaturalShape::Curved { curvature, twist } => {
-            is_straight && *curvature == [0.0; 2] && *twist == 0.0 && rod.twist == 0.0
-        }
-        _ => false,
-    };
-    if !is_as_placed {
-        refuse(
-            "natural_shape",
-            "the rods of MuJoCo are without stress as placed; allowed: \"as-placed\"",
-        );
-    }
-    let last = rod.centreline.len() - 1;
-    let inner =
-        (clamps.iter()).find(|clamp| clamp.holds_frame && clamp.node != 0 && clamp.node != last);
-    if let Some(clamp) = inner {
-        let node = clamp.node;
-        faults.push((
-            "name",
-            format!(
-                "a clamp holds the frame at its inner node {node}; allowed: clamps at its ends"
-            ),
-        ));
-    }
-    faults
-}
-
-/// Unit tangent at an end of an open rod: the one given, or the edge turned on by half the angle to
-/// its neighbour.
-fn end_tangent(rod: &RodDescription, end: usize) -> Vector3 {
-    let nodes = &rod.centreline;
-    let last = nodes.len() - 1;
-    let edge = |k: usize| (nodes[k + 1] - nodes[k]).normalize();
-    rod.end_tangents[end].unwrap_or_else(|| {
-        let (own, neighbour) = match end {
-            0 => (edge(0), edge(1.min(last - 1))),
-            _ => (edge(last - 1), edge(last.saturating_sub(2))),
-        };
-        (own * 1.5 - neighbour * 0.5).normalize()
-    })
 }

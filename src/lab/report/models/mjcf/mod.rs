@@ -14,17 +14,17 @@
 //! in `rodlab`. Rods are without stress as placed, and edges keep their lengths.
 
 mod flex;
-mod left_out;
-mod surroundings;
 
+use super::left_out::{Phrases, left_out};
+use super::refusals::{Abilities, represented};
+use super::scene_model::SceneModel;
+use super::surroundings::{Capsule, capsules, friction, gravity, half_spaces};
 use crate::run::{Mode, PreparedRun};
 use flex::Flex;
-use left_out::left_out;
-use rodlab_engine::mechanics::scene::{LoadKind, RodDescription, Scene};
+use rodlab_engine::mechanics::scene::{RodDescription, Scene};
 use rodlab_files::figure::escape;
 use rodlab_files::origin::VERSION;
 use std::fmt::Write;
-use surroundings::surroundings;
 
 /// Time step relative to the time √(ρA L⁴/EI) of a rod and to the length of its edges; the error of
 /// the lengths of edges grows with it.
@@ -33,54 +33,47 @@ const STEP: f64 = 0.03;
 /// cantilever, whose frequency is 3.52 over that time, has then the damping ratio 0.88.
 const RESTING: f64 = 0.5;
 
-/// A model for MuJoCo.
-#[derive(Clone, Debug)]
-pub struct Mjcf {
-    /// The file.
-    pub text: String,
-    /// What the file does not contain, a phrase each.
-    pub left_out: Vec<String>,
-}
+const ABILITIES: Abilities = Abilities {
+    simulator: "MuJoCo",
+    not_closed: Some("closed rods have no twist in MuJoCo; cut the rod open and clamp its ends"),
+    bent: false,
+};
 
-/// The model of a scenario.
+/// The model of a scenario for MuJoCo.
 ///
 /// # Errors
 /// The keys of a scene of which a model would mean something else, a sentence each.
-pub fn mjcf(prepared: &PreparedRun) -> Result<Mjcf, Vec<String>> {
+pub fn mjcf(prepared: &PreparedRun) -> Result<SceneModel, Vec<String>> {
     let scene = &prepared.scene;
-    let mut faults = Vec::new();
-    if prepared.table.is_some() {
-        faults.push("experiment: it fills a table and has no scene of its own to export".into());
-    }
-    if scene.start.is_some() {
-        faults.push("start: MJCF models start as placed; leave the table out".into());
-    }
-    if scene.rods.iter().all(|rod| rod.held) {
-        faults.push("rods: there is no rod that moves".into());
-    }
-    if !scene.joints.is_empty() {
-        faults.push("joints: MJCF models have no joints of rods, which would fall apart".into());
-    }
+    let flexes = represented(prepared, ABILITIES, |index| {
+        Flex::of(scene, index, damping(prepared, &scene.rods[index]))
+    })?;
     let step = scene.rods.iter().map(step_of).fold(f64::INFINITY, f64::min);
-    let mut flexes = Vec::new();
-    for (index, rod) in scene.rods.iter().enumerate() {
-        if !rod.held {
-            match Flex::of(scene, index, damping(prepared, rod)) {
-                Ok(flex) => flexes.push(flex),
-                Err(reasons) => faults.extend(
-                    (reasons.into_iter())
-                        .map(|(key, reason)| format!("rods.{}.{key}: {reason}", rod.name)),
-                ),
-            }
-        }
-    }
-    if !faults.is_empty() {
-        return Err(faults);
-    }
-    Ok(Mjcf {
+    Ok(SceneModel {
         text: written(prepared, &flexes, step),
-        left_out: left_out(prepared, &flexes),
+        left_out: left_out(prepared, phrases(&flexes)),
     })
+}
+
+/// What differs from the scenario in MuJoCo.
+fn phrases(flexes: &[Flex]) -> Phrases {
+    let longest = flexes.iter().map(|flex| flex.damping).fold(0.0, f64::max);
+    let moving = flexes.iter().flat_map(Flex::moving);
+    let moving: Vec<&str> = moving.map(|(name, _)| name).collect();
+    let paths = format!(
+        "paths of clamps: set `mocap_pos` and `mocap_quat` of {}",
+        moving.join(", ")
+    );
+    Phrases {
+        always: vec!["stretching: edges keep their lengths".into()],
+        contact: "contact: MuJoCo's soft contact with the same friction replaces the contact \
+                  model; rods do not touch themselves",
+        forces: "loads: forces; set `xfrc_applied` of the bodies of nodes",
+        rest: format!(
+            "the search for equilibria: a damping time of {longest:.3} s brings the rods to rest"
+        ),
+        more: (!moving.is_empty()).then_some(paths).into_iter().collect(),
+    }
 }
 
 /// The time √(ρA L⁴/EI) of a rod, s.
@@ -109,18 +102,6 @@ fn damping(prepared: &PreparedRun, rod: &RodDescription) -> f64 {
     }
 }
 
-/// Sum of the gravity of a scene at time zero, m/s².
-fn gravity(scene: &Scene) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    for load in &scene.loads {
-        if let LoadKind::Gravity { acceleration } = &load.kind {
-            let factor = load.schedule.first().map_or(1.0, |(_, factor)| *factor);
-            (0..3).for_each(|k| sum[k] += factor * acceleration[k]);
-        }
-    }
-    sum
-}
-
 /// Numbers with a space between them.
 fn list<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> String {
     let words: Vec<String> = numbers.into_iter().map(|x| (x + 0.0).to_string()).collect();
@@ -142,21 +123,53 @@ fn written(prepared: &PreparedRun, flexes: &[Flex], step: f64) -> String {
         text,
         "  <option timestep=\"{step}\" integrator=\"discrete\" tolerance=\"1e-12\" gravity=\"{}\">\n    \
          <flag contact=\"{contact}\"/>\n  </option>\n  <worldbody>",
-        list(&gravity(scene))
+        list(gravity(scene).iter())
     );
     text += &surroundings(scene);
     flexes.iter().for_each(|flex| flex.write_bodies(&mut text));
     text += "  </worldbody>\n  <deformable>\n";
-    let friction = scene
-        .contact
-        .as_ref()
-        .map_or(0.0, |contact| contact.friction);
-    flexes
-        .iter()
-        .for_each(|flex| flex.write(&mut text, friction));
+    let friction = friction(scene);
+    (flexes.iter()).for_each(|flex| flex.write(&mut text, friction));
     text += "  </deformable>\n  <equality>\n";
     (flexes.iter()).for_each(|flex| flex.write_constraints(&mut text, 2.0 * step));
     text += "  </equality>\n</mujoco>\n";
+    text
+}
+
+/// The geoms of a scene.
+fn surroundings(scene: &Scene) -> String {
+    let mut text = String::new();
+    for plane in half_spaces(scene) {
+        _ = writeln!(
+            text,
+            "    <geom type=\"plane\" size=\"0 0 0.01\" pos=\"{}\" zaxis=\"{}\" friction=\"{} 0.005 0.0001\"/>",
+            list(plane.point.iter()),
+            list(plane.normal.iter()),
+            plane.friction
+        );
+    }
+    for Capsule {
+        ends,
+        radius,
+        friction,
+    } in capsules(scene)
+    {
+        let [from, to] = ends;
+        let friction = format!("friction=\"{friction} 0.005 0.0001\"");
+        _ = if from == to {
+            let centre = list(from.iter());
+            writeln!(
+                text,
+                "    <geom type=\"sphere\" size=\"{radius}\" pos=\"{centre}\" {friction}/>"
+            )
+        } else {
+            let ends = list(from.iter().chain(to.iter()));
+            writeln!(
+                text,
+                "    <geom type=\"capsule\" size=\"{radius}\" fromto=\"{ends}\" {friction}/>"
+            )
+        };
+    }
     text
 }
 
@@ -175,7 +188,7 @@ mod tests {
         loads = [{ kind = "gravity", acceleration = [0, 0, -9.81] }]
     "#;
 
-    fn model(text: &str, overrides: &[&str]) -> Result<Mjcf, Vec<String>> {
+    fn model(text: &str, overrides: &[&str]) -> Result<SceneModel, Vec<String>> {
         let overrides: Vec<String> = overrides.iter().map(|key| (*key).to_owned()).collect();
         let loaded = from_text("cantilever", text, ".".as_ref(), &overrides).unwrap();
         mjcf(&prepare(&loaded.scenario).unwrap())

@@ -1,24 +1,33 @@
 //! What a model does not contain.
 
-use super::flex::Flex;
 use super::surroundings::is_carried_over;
 use crate::run::{Mode, PreparedRun};
 use rodlab_engine::mechanics::scene::LoadKind;
 
+/// Phrases that depend on the simulator.
+pub(super) struct Phrases {
+    /// What always differs.
+    pub always: Vec<String>,
+    /// Contact.
+    pub contact: &'static str,
+    /// How forces are applied.
+    pub forces: &'static str,
+    /// How the model comes to rest.
+    pub rest: String,
+    /// What else differs.
+    pub more: Vec<String>,
+}
+
 /// What the model of a scenario does not contain, or replaces, a phrase each.
-pub(super) fn left_out(prepared: &PreparedRun, flexes: &[Flex]) -> Vec<String> {
+pub(super) fn left_out(prepared: &PreparedRun, phrases: Phrases) -> Vec<String> {
     let scene = &prepared.scene;
-    let mut lines = vec!["stretching: edges keep their lengths".to_owned()];
+    let mut lines = phrases.always;
     let mut add = |is_there: bool, line: &str| {
         if is_there {
             lines.push(line.to_owned());
         }
     };
-    add(
-        scene.contact.is_some(),
-        "contact: MuJoCo's soft contact with the same friction replaces the contact model; \
-         rods do not touch themselves",
-    );
+    add(scene.contact.is_some(), phrases.contact);
     let is = |test: fn(&LoadKind) -> bool| scene.loads.iter().any(|load| test(&load.kind));
     add(
         is(|kind| {
@@ -27,7 +36,7 @@ pub(super) fn left_out(prepared: &PreparedRun, flexes: &[Flex]) -> Vec<String> {
                 LoadKind::Force { .. } | LoadKind::FollowerForce { .. }
             )
         }),
-        "loads: forces; set `xfrc_applied` of the bodies of nodes",
+        phrases.forces,
     );
     add(
         is(|kind| {
@@ -108,19 +117,16 @@ pub(super) fn left_out(prepared: &PreparedRun, flexes: &[Flex]) -> Vec<String> {
         !prepared.controllers.is_empty(),
         "the controller of the experiment",
     );
-    if !matches!(prepared.mode, Mode::Dynamic { .. }) {
-        let longest = flexes.iter().map(|flex| flex.damping).fold(0.0, f64::max);
-        lines.push(format!(
-            "the search for equilibria: a damping time of {longest:.3} s brings the rods to rest"
-        ));
+    let is_dynamic = match prepared.mode {
+        Mode::Dynamic { settles, .. } => {
+            add(settles, "the equilibrium at time zero");
+            true
+        }
+        _ => false,
+    };
+    if !is_dynamic {
+        lines.push(phrases.rest);
     }
-    let moving = flexes.iter().flat_map(Flex::moving);
-    let moving: Vec<&str> = moving.map(|(name, _)| name).collect();
-    if !moving.is_empty() {
-        lines.push(format!(
-            "paths of clamps: set `mocap_pos` and `mocap_quat` of {}",
-            moving.join(", ")
-        ));
-    }
+    lines.extend(phrases.more);
     lines
 }
