@@ -4,7 +4,9 @@
 use super::rods::run_until;
 use super::scenario::{at_rest, moved, simulation};
 use super::theory::cable::Cable;
-use super::theory::filament::{buckling_growth, buckling_load};
+use super::theory::filament::{
+    buckling_growth, buckling_load, growth_while_turning, load_while_turning,
+};
 use super::{Check, Expectation, GroupError};
 use rodlab_engine::mechanics::Vector3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -18,6 +20,10 @@ const BUCKLED: Expectation = Expectation::new(
     "λ y = y + ξ y' − r (1/4 − ξ²) y''/2 − (r/η) y'''', η = ξ_∥ ε L⁴/B",
     "Young and Shelley 2007, Galerkin",
 );
+const TURNED: Expectation = Expectation::new(
+    "dy/dc = −c/(1 + c²) (y + ξ y' − r (1/4 − ξ²) y''/2) − (r/η) y'''', c = γ t + cot φ₀",
+    "Becker and Shelley 2001, Galerkin",
+);
 const CARRIED: Expectation = Expectation::new("x = p + exp(ω t) (x₀ − p)", "rigid rotation");
 const FALL: Expectation = Expectation::new("v² = 2 m g/(ρ d C)", "Morison et al. 1950");
 const CABLE: Expectation = Expectation::new("d(T t)/ds = w z − f(t)", "Berteaux 1976, Runge–Kutta");
@@ -27,6 +33,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = filaments_in_shear()?;
     checks.push(dumbbell()?);
     checks.push(buckling()?);
+    checks.push(buckling_while_turning()?);
     checks.push(vortex()?);
     checks.extend(falling_rods()?);
     checks.extend(cable()?);
@@ -91,40 +98,88 @@ fn dumbbell() -> Result<Check, GroupError> {
     Ok(ORBIT.of(name, "s").relative(half_period, time, 2e-3))
 }
 
-/// A slightly bent filament whose bend grows or decays exponentially.
-fn buckling() -> Result<Check, GroupError> {
+/// The filament of the scenes that buckle, in 1 Pa s: its ratio ξ_∥/ξ_⊥, and the rate (1/s) of a
+/// flow for η = 1.
+fn slender_filament() -> [f64; 2] {
     let (length, radius, modulus): (f64, f64, f64) = (0.01, 1e-4, 20e6);
     let logarithm = libm::log(2.0 * length / radius);
     let [along, across] = [2.0 * PI / (logarithm - 1.5), 4.0 * PI / (logarithm - 0.5)];
     let stiffness = modulus * PI * radius.powi(4) / 4.0;
-    let ratio = along / across;
-    let rate_at = |eta: f64| eta * stiffness / (along * length.powi(4));
-    let load = buckling_load(ratio);
-    // λ of the deflection of the middle from the chord, after higher modes have decayed.
-    let growth = |eta: f64| -> Result<f64, GroupError> {
-        let rate = rate_at(eta);
-        let text = include_str!("scenes/filament_in_extension.toml");
-        let mut simulation = simulation(text, &[format!("fluid.flow.rate = {rate:e}")])?;
-        let mut logarithms = [0.0; 2];
-        for (logarithm, strain) in logarithms.iter_mut().zip([1.0, 3.0]) {
-            run_until(&mut simulation, strain / rate)?;
-            let x = simulation.positions();
-            let bend = x[20] - (x[0] + x[40]) * 0.5;
-            *logarithm = libm::log(bend.norm());
-        }
-        Ok((logarithms[1] - logarithms[0]) / 2.0)
-    };
+    [along / across, stiffness / (along * length.powi(4))]
+}
+
+/// Logarithm of the growth of the deflection of the middle from the chord between two times, s.
+fn growth_of_bend(text: &str, overrides: &[String], times: [f64; 2]) -> Result<f64, GroupError> {
+    let mut simulation = simulation(text, overrides)?;
+    let mut logarithms = [0.0; 2];
+    for (logarithm, time) in logarithms.iter_mut().zip(times) {
+        run_until(&mut simulation, time)?;
+        let x = simulation.positions();
+        let bend = x[20] - (x[0] + x[40]) * 0.5;
+        *logarithm = libm::log(bend.norm());
+    }
+    Ok(logarithms[1] - logarithms[0])
+}
+
+/// η at which the bend of the simulated filament neither grows nor decays, near the theoretical
+/// load, from the growth found and expected at 0.9 and 1.1 times this load.
+fn load_found(
+    load: f64,
+    found: impl Fn(f64) -> Result<f64, GroupError>,
+    expected: impl Fn(f64) -> f64,
+) -> Result<f64, GroupError> {
     let etas = [0.9 * load, 1.1 * load];
-    let found = [growth(etas[0])?, growth(etas[1])?];
-    let exact = etas.map(|eta| buckling_growth(eta, ratio));
-    // λ changes in proportion to η near the load.
+    let found = [found(etas[0])?, found(etas[1])?];
+    let exact = etas.map(expected);
+    // The growth changes in proportion to η near the load.
     let slope = (exact[1] - exact[0]) / (etas[1] - etas[0]);
     let shift = (found[0] + found[1] - exact[0] - exact[1]) / 2.0;
+    Ok(load - shift / slope)
+}
+
+/// A slightly bent filament whose bend grows or decays exponentially.
+fn buckling() -> Result<Check, GroupError> {
+    let [ratio, unit] = slender_filament();
+    let load = buckling_load(ratio);
+    // λ, after higher modes have decayed.
+    let growth = |eta: f64| -> Result<f64, GroupError> {
+        let rate = eta * unit;
+        let text = include_str!("scenes/filament_in_extension.toml");
+        let times = [1.0 / rate, 3.0 / rate];
+        Ok(growth_of_bend(text, &[format!("fluid.flow.rate = {rate:e}")], times)? / 2.0)
+    };
+    let found = load_found(load, growth, |eta| buckling_growth(eta, ratio))?;
     let name =
         "filament compressed by an extensional flow, resistive, 40 edges: rate at which it buckles";
     Ok(BUCKLED
         .of(name, "1/s")
-        .relative(rate_at(load), rate_at(load - shift / slope), 5e-3))
+        .relative(load * unit, found * unit, 5e-3))
+}
+
+/// A slightly bent filament that a shear flow turns from cot φ = −4 to −3, where higher modes have
+/// decayed, and on to φ = π/2, where the compression ends. At the critical rate of the flow, its
+/// bend is then as large as at −3.
+fn buckling_while_turning() -> Result<Check, GroupError> {
+    const COTANGENTS: [i32; 3] = [-4, -3, 0];
+    let [ratio, unit] = slender_filament();
+    let load = load_while_turning(ratio, COTANGENTS);
+    let growth = |eta: f64| {
+        let rate = eta * unit;
+        let overrides = [
+            format!("fluid.flow.rate = {rate:e}"),
+            format!("time.step = {:e}", 0.02 / rate),
+        ];
+        let text = include_str!("scenes/filament_through_compression.toml");
+        let times = [1, 2].map(|k| f64::from(COTANGENTS[k] - COTANGENTS[0]) / rate);
+        growth_of_bend(text, &overrides, times)
+    };
+    let found = load_found(load, growth, |eta| {
+        growth_while_turning(eta, ratio, COTANGENTS)
+    })?;
+    let name = "filament turning in a shear flow, resistive, 40 edges: rate at which compression keeps its bend";
+    Ok(TURNED
+        .of(name, "1/s")
+        .relative(load * unit, found * unit, 5e-3))
 }
 
 fn vortex() -> Result<Check, GroupError> {
