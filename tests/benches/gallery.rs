@@ -1,18 +1,23 @@
-//! Twenty steps of scenes of the gallery, one for each kind of force, from half a second on.
+//! Twenty steps of scenes of the gallery, at least one for each kind of force, from half a second on.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rodlab::experiment;
 use rodlab::mechanics::dynamics::Simulation;
 use std::path::{Path, PathBuf};
 
-const SCENES: [&str; 8] = [
+const SCENES: [&str; 13] = [
     "bent_wire",
     "block_and_tackle",
     "fishing_rod",
+    "gripper",
     "guidewire",
     "guyed_mast",
+    "hoist",
+    "mooring_line",
+    "ring_on_rope",
     "snake",
     "tendon_arm",
+    "tube",
     "tumbling_filament",
 ];
 /// Time at which the measured steps begin, s.
