@@ -165,3 +165,61 @@ fn surfaces_reported_after_an_impact_overlap_by_no_more_than_is_allowed() {
         assert!(now > 0.95, "{now} at {} s", report.time);
     }
 }
+
+/// A soft rod, flat above a plane, that falls at 0.1 m/s.
+fn landing(model: ContactModel) -> Scene {
+    let (radius, young): (f64, f64) = (6e-4, 1e6);
+    let area = std::f64::consts::PI * radius * radius;
+    let rod = RodDescription {
+        centreline: (0..=10)
+            .map(|k| Vector3::new(5e-3 * f64::from(k), 0.0, 2.0 * radius))
+            .collect(),
+        stiffness: section(
+            young * area,
+            [young * area * radius * radius / 4.0; 2],
+            young * area * radius * radius / 6.0,
+        ),
+        radius,
+        mass_per_length: 1000.0 * area,
+        velocity: Vector3::z() * -0.1,
+        ..straight_rod(10, 0.05)
+    };
+    Scene {
+        rods: vec![rod],
+        planes: vec![ground()],
+        contact: Some(ContactParameters {
+            stiffness_factor: match model {
+                ContactModel::ImplicitContact => 1e5,
+                _ => 1.0,
+            },
+            ..contact(model, 6e-6)
+        }),
+        ..Scene::default()
+    }
+}
+
+/// The rod moves by δ/20 or δ/60 in a step. When the contacts became stiffer in each of these
+/// steps, the rod left the plane with up to 240 times its energy.
+#[test]
+fn steps_that_resolve_an_impact_add_little_energy() {
+    for model in SOFT_MODELS {
+        for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
+            for step in [3e-6, 1e-6] {
+                let parameters = fixed_steps(scheme, step);
+                let mut simulation = Simulation::new(&landing(model), &parameters).unwrap();
+                let start = simulation.energies().total();
+                let mut least = f64::INFINITY;
+                while simulation.time() < 6.5e-3 {
+                    simulation.advance(6.5e-3).unwrap();
+                    least = least.min(simulation.positions()[5].z);
+                }
+                assert!(least < 6e-4 + 6e-6, "it came down");
+                let end = simulation.energies().total() / start;
+                assert!(
+                    (0.1..1.25).contains(&end),
+                    "{model:?}, {scheme:?}, {step} s: {end} of its energy"
+                );
+            }
+        }
+    }
+}

@@ -420,7 +420,7 @@ impl Workspace {
             let before = system.contact_stiffness();
             system.adapt_contact_stiffness(unknowns, Some(stage));
             if may_bound {
-                system.bound_contact_stiffness(before, stage);
+                system.bound_contact_stiffness(before, unknowns, stage);
             }
         });
     }

@@ -4,13 +4,15 @@
 //! ([`super::contact_stiffness`]).
 
 use super::contact::Contact;
-use super::contact_stiffness::{MADE, allowed_by_contacts, stored_at_start};
+use super::contact_stiffness::{
+    LimitedBy, MADE, StaticForce, allowed_by_contacts, stored_at_start,
+};
 use super::term::Kind;
 use super::{Stage, System, WholeMatrix, copy_positions};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ActiveLaw, Adaption, ContactSystem, FromStart};
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::topology::{add_to_node, position};
 
 /// Relative change of the stiffness for differences of its bound, which is a piecewise rational
 /// function of the stiffness.
@@ -22,7 +24,10 @@ pub(crate) struct StiffnessCourse {
     pub adaption: Adaption,
     /// Transposed Jacobian of these forces.
     pub jacobian: WholeMatrix,
-    /// Derivatives of the bound if energies bound the rise of the stiffness.
+    /// Force without inertia that determined it instead, in an impact.
+    pub without_inertia: Option<StaticForce>,
+    /// Derivatives of the bound if energies bound the rise of the stiffness, or the speed of the
+    /// rods.
     pub bound: Option<StiffnessBound>,
 }
 
@@ -37,6 +42,17 @@ pub(crate) struct StiffnessBound {
     /// With respect to the unknowns of the prediction; the entry of an angle is the derivative
     /// with respect to the spin of the frame.
     pub prediction: Vec<f64>,
+}
+
+impl StiffnessBound {
+    /// Derivatives if the stiffness that the forces require is limited before.
+    fn after(mut self, limit: &Self) -> Self {
+        let [before, wanted] = self.stiffness;
+        self.stiffness = [before + wanted * limit.stiffness[0], 0.0];
+        let velocities = self.velocity.iter_mut().zip(&limit.velocity);
+        velocities.for_each(|(own, limited)| *own += wanted * limited);
+        self
+    }
 }
 
 /// Ratio of the stiffness of an active set to that of the rods. The inverse of the ratio is the
@@ -119,13 +135,14 @@ impl System {
     }
 
     /// Rule by which the stiffness `adapted` followed from the stiffness `before` at `unknowns`,
-    /// the prediction of a step; `None` if the rule cannot be reproduced. The last evaluation is
+    /// the prediction of a step, and was bounded if it `may_bound`; `None` if the rule cannot be reproduced. The last evaluation is
     /// then the one at `unknowns` without contact.
     pub(crate) fn stiffness_course(
         &mut self,
         unknowns: &[f64],
         stage: &Stage,
         [before, adapted]: [f64; 2],
+        may_bound: bool,
     ) -> Option<StiffnessCourse> {
         let mut contact = self.terms.contact.model.take()?;
         let used = contact.stiffness();
@@ -136,24 +153,66 @@ impl System {
         } = &self.terms.contact;
         let found = contact.adaption(positions, forces, before);
         let course = found.and_then(|(wanted, adaption)| {
-            let bound = if adapted == wanted {
-                None
+            let limit = self.limit_of_reaction(&contact, adaption, unknowns, stage);
+            let limited = match may_bound && wanted > before {
+                true => wanted.min(limit.stiffness.max(before)),
+                false => wanted,
+            };
+            let mut without_inertia = None;
+            let of_limit = match limit.by {
+                _ if limited == wanted => None,
+                LimitedBy::Force(force) if limited > before => {
+                    without_inertia = Some(force);
+                    None
+                }
+                by => Some(self.bound_by_speed(&by, limited > before, stage)),
+            };
+            let bound = if adapted == limited {
+                of_limit
             } else {
-                let found = self.stiffness_bound(&mut contact, [before, wanted], unknowns, stage);
+                let found = self.stiffness_bound(&mut contact, [before, limited], unknowns, stage);
                 let (bounded, mut bound) = found?;
                 self.gather_changes(unknowns, &mut bound.prediction);
                 let is_same = (bounded - adapted).abs() <= PART * PART * adapted;
-                Some(is_same.then_some(bound)?)
+                let bound = is_same.then_some(bound)?;
+                Some(match of_limit {
+                    Some(limit) => bound.after(&limit),
+                    None => bound,
+                })
             };
             Some(StiffnessCourse {
                 adaption,
                 jacobian,
+                without_inertia,
                 bound,
             })
         });
         contact.set_stiffness(used);
         self.terms.contact.model = Some(contact);
         course
+    }
+
+    /// Derivatives of a stiffness that has risen to the limit set by a speed, or of one that has not
+    /// risen.
+    fn bound_by_speed(&self, by: &LimitedBy, rises: bool, stage: &Stage) -> StiffnessBound {
+        let none = vec![0.0; stage.velocity.len()];
+        let mut bound = StiffnessBound {
+            stiffness: [1.0, 0.0],
+            start: none.clone(),
+            velocity: none.clone(),
+            prediction: none,
+        };
+        if rises {
+            bound.stiffness = [0.0; 2];
+        }
+        if let LimitedBy::Speed(node, factor) = by
+            && rises
+            && !self.assembly.held[STRIDE * node]
+        {
+            let velocity = position(&stage.velocity, *node) * *factor;
+            add_to_node(&mut bound.velocity, *node, &velocity);
+        }
+        bound
     }
 
     /// Bound on a rise of the stiffness, k = k₀ + (k₁ − k₀) A/U, with the allowed energy A and the

@@ -7,10 +7,22 @@
 //! at high speed, however, penetrate far into a soft contact. If this contact becomes a thousand
 //! times as stiff, it pushes the rods apart with many times their initial energy. So k rises only
 //! as far as the added energy is small.
+//!
+//! This bound is one for each step. Steps that resolve an impact need another one. The force
+//! without contact that decelerates a node is the reaction of the contact itself, and is in
+//! proportion to k while the gap hardly changes from step to step. A rule k = s F would then raise k
+//! by the same factor in each of these steps, until the contact opens with many times the energy of
+//! the impact, the more the smaller the steps. So k rises for no more than [`STATIC`] times the force
+//! without inertia, or the force that stops the node within [`STOPPING`] times δ if this is larger:
+//! F = m v²/(2 · 5 δ), where v is the largest speed in the scene. The energy of contacts that carry
+//! F is then at most a part of that of the node. In steps longer than 10 δ/v, which do not resolve
+//! an impact, the forces m v/h are smaller, and the limit does not act. The midpoint rule has
+//! neither bound, since it extrapolates through contacts that are too soft.
 
+use super::contact::Contact;
 use super::{Stage, System, copy_positions};
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::{ContactSystem, Stored};
+use crate::mechanics::contact::{Adaption, ContactSystem, Stored};
 use crate::mechanics::rod::{STRIDE, topology::position};
 
 /// Energy that a rise of the stiffness may add, relative to the kinetic and elastic energy of the
@@ -19,6 +31,37 @@ pub(super) const MADE: f64 = 1e-4;
 /// Energy that a rise may add per contact, relative to the work over δ of the force that causes
 /// the rise, which is the energy of contacts that carry this force.
 const MADE_BY_CONTACT: f64 = 0.2;
+/// Multiple of the force without inertia for which k may rise in an impact.
+const STATIC: f64 = 2.0;
+/// Distance within which the force for which k may rise stops a node, relative to δ.
+const STOPPING: f64 = 5.0;
+
+/// Limit of a stiffness that rises in an impact.
+pub(super) struct ReactionLimit {
+    /// The largest stiffness allowed.
+    pub stiffness: f64,
+    /// What determines it.
+    pub by: LimitedBy,
+}
+
+/// What determines the limit of a stiffness.
+pub(super) enum LimitedBy {
+    Nothing,
+    /// The speed of a node, and the derivative of the limit with respect to its velocity over this
+    /// velocity.
+    Speed(usize, f64),
+    Force(StaticForce),
+}
+
+/// The force on a node without contact and inertia, R − m a.
+pub(crate) struct StaticForce {
+    pub node: usize,
+    /// Derivative of the limit with respect to the force.
+    pub slope: Vector3,
+    /// Derivative of m a with respect to the velocity at the end of the stage, kg/s, and with
+    /// respect to the position there, N/m.
+    pub inertia: [f64; 2],
+}
 
 impl System {
     /// Adapts the contact stiffness to the forces without contact at `unknowns` (thesis Eqs. 2.18, 2.19).
@@ -33,6 +76,77 @@ impl System {
             contact.adapt_stiffness(&self.terms.contact.positions, &self.terms.contact.forces);
         }
         self.terms.contact.model = Some(contact);
+    }
+
+    /// Lowers a stiffness that has risen from `before` because of the reaction of contacts to an
+    /// impact, which it would increase.
+    fn bound_reaction(
+        &self,
+        contact: &mut ContactSystem,
+        before: f64,
+        unknowns: &[f64],
+        stage: &Stage,
+    ) {
+        let wanted = contact.stiffness();
+        if wanted <= before {
+            return;
+        }
+        let Contact {
+            positions, forces, ..
+        } = &self.terms.contact;
+        if let Some((_, adaption)) = contact.adaption(positions, forces, before) {
+            let allowed = self.limit_of_reaction(contact, adaption, unknowns, stage);
+            contact.set_stiffness(wanted.min(allowed.stiffness.max(before)));
+        }
+    }
+
+    /// Limit of a stiffness that rises because of the reaction of contacts to an impact.
+    pub(super) fn limit_of_reaction(
+        &self,
+        contact: &ContactSystem,
+        adaption: Adaption,
+        unknowns: &[f64],
+        stage: &Stage,
+    ) -> ReactionLimit {
+        let Adaption::OfForce { node, factor } = adaption else {
+            return ReactionLimit {
+                stiffness: f64::INFINITY,
+                by: LimitedBy::Nothing,
+            };
+        };
+        let node = contact.node_of(node);
+        let mass = self.assembly.masses[STRIDE * node];
+        let velocity = |node: usize| position(&stage.velocity, node);
+        let predicted = (position(unknowns, node) - position(&stage.start, node)) / stage.step;
+        let acceleration = (predicted - velocity(node)) / stage.acceleration_step;
+        // Forces without contact are those that contacts carry, m a − f.
+        let without_inertia = self.terms.contact.forces[node] - acceleration * mass;
+        let speeds =
+            (0..self.terms.contact.forces.len()).map(|node| (node, velocity(node).norm_squared()));
+        let (fastest, square) =
+            speeds.fold(
+                (node, 0.0),
+                |fastest, next| {
+                    if next.1 > fastest.1 { next } else { fastest }
+                },
+            );
+        let distance = STOPPING * contact.parameters().distance_tolerance;
+        let stopping = 0.5 * mass * square / distance;
+        let other = STATIC * without_inertia.norm();
+        ReactionLimit {
+            stiffness: factor * stopping.max(other),
+            by: if stopping > other {
+                LimitedBy::Speed(fastest, factor * mass / distance)
+            } else {
+                let per_velocity = mass / stage.acceleration_step;
+                LimitedBy::Force(StaticForce {
+                    node,
+                    slope: without_inertia.try_normalize(0.0).unwrap_or_default()
+                        * (factor * STATIC),
+                    inertia: [per_velocity, per_velocity / stage.step],
+                })
+            },
+        }
     }
 
     /// Stores positions and forces of an evaluation without contact.
@@ -79,10 +193,12 @@ impl System {
         stored_at_start(contact, now, &self.terms.contact.step_start).energy - stored
     }
 
-    /// Lowers a contact stiffness that has risen from `before` as far as the contact energy at the
-    /// start of a step requires.
-    pub(crate) fn bound_contact_stiffness(&mut self, before: f64, stage: &Stage) {
+    /// Lowers a contact stiffness that has risen from `before`, adapted to the forces at `unknowns`,
+    /// as far as the reaction of contacts to an impact and the contact energy at the start of a
+    /// step require.
+    pub(crate) fn bound_contact_stiffness(&mut self, before: f64, unknowns: &[f64], stage: &Stage) {
         if let Some(mut contact) = self.terms.contact.model.take() {
+            self.bound_reaction(&mut contact, before, unknowns, stage);
             self.bound_stiffness(&mut contact, before, stage);
             self.terms.contact.model = Some(contact);
         }

@@ -15,7 +15,7 @@ use crate::mechanics::dynamics::sensitivity::Replayed;
 use crate::mechanics::dynamics::simulation::Simulation;
 use crate::mechanics::dynamics::stage::PREDICTED_PART;
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::topology::{add_to_node, position};
 use crate::mechanics::system::{StiffnessCourse, StrainLaws};
 
 /// Step of a position, relative to the length of an edge, for the free fraction of a prediction.
@@ -48,6 +48,7 @@ impl StiffnessBack {
         simulation: &mut Simulation,
         replayed: &Replayed,
     ) -> Result<Self, SensitivityError> {
+        let may_bound = !simulation.rules().extrapolates();
         let Simulation {
             system,
             state,
@@ -57,7 +58,7 @@ impl StiffnessBack {
         let workspace = &mut integrator.workspace;
         let ((course, at, stage), part) =
             workspace.at_prediction(&integrator.setting, system, state, |system, at, stage| {
-                let course = system.stiffness_course(at, stage, replayed.adaption);
+                let course = system.stiffness_course(at, stage, replayed.adaption, may_bound);
                 (course, at.to_vec(), stage.clone())
             });
         let course = course.ok_or(SensitivityError::NotRepeated {
@@ -98,6 +99,7 @@ impl StiffnessBack {
         let spins: Vec<f64> = spins.collect();
         let mut motion = zero;
         match self.course.adaption {
+            _ if self.course.without_inertia.is_some() => {}
             Adaption::OfForce { node, factor } => {
                 let force = position(&system.residual, node).normalize();
                 for axis in 0..3 {
@@ -106,6 +108,21 @@ impl StiffnessBack {
             }
             Adaption::Falls(part) => covector.stiffness += part * over_wanted,
             Adaption::Least => {}
+        }
+        if let Some(force) = &self.course.without_inertia {
+            let slope = force.slope * over_wanted;
+            add_to_node(&mut motion, force.node, &-slope);
+            let [per_velocity, per_position] = force.inertia;
+            add_to_node(&mut over_prediction, force.node, &(slope * -per_position));
+            let [mut start, mut velocity] = [vec![0.0; motion.len()], vec![0.0; motion.len()]];
+            add_to_node(&mut start, force.node, &(slope * per_position));
+            add_to_node(&mut velocity, force.node, &(slope * per_velocity));
+            let weights = &self.point.weights;
+            covector.add_history(
+                1.0,
+                [&weights.start, &weights.velocity],
+                [&start, &velocity],
+            );
         }
         system.spread_points(&mut motion);
         let mut force = self.course.jacobian.multiply(&motion);
