@@ -200,6 +200,7 @@ def positions(state):
 
 
 if __name__ == "__main__":
+    wp.config.log_level = wp.LOG_ERROR  # only the table goes to standard output
     print("time_s,rod,node,x_m,y_m,z_m")
     for time, state in simulate(build().finalize()):
         for rod, nodes in zip(RODS, positions(state)):
