@@ -9,13 +9,14 @@
 //! ```
 //!
 //! where E selects the sliding node and W the nodes that carry it: the first rows of the border
-//! are δx = W δq + X' σ, or of a joint that yields, δx + η/k. A node that is a point of a free body has these rows alone, with the
-//! unknowns of the body and without σ. N is L except in the middle of a step, where the node moves by weights
-//! other than those of its force ([`super::slide`]), and with friction, which adds to the last row
-//! ([`super::rubbing`]). So K keeps its pattern wherever a node
-//! slides, and a band remains a band. The price is four additional solutions per joint and a small
-//! dense matrix, S = D − Nᵀ K⁻¹ L. The numbers of negative eigenvalues of K and S add up to that
-//! of the whole matrix (Haynsworth 1968); three of them per joint belong to the constraints.
+//! are δx = W δq + X' σ. For a joint that yields, they are δx + η/k = W δq + X' σ, with −1/k in D. A
+//! node that is a point of a free body has these rows alone, with the unknowns of the body and
+//! without σ. N is L except in the middle of a step, where the node moves by weights other than
+//! those of its force ([`super::slide`]), and with friction, which adds to the last row
+//! ([`super::rubbing`]). So K keeps its pattern wherever a node slides, and a band remains a band.
+//! The price is four additional solutions per joint and a small dense matrix, S = D − Nᵀ K⁻¹ L. The
+//! numbers of negative eigenvalues of K and S add up to that of the whole matrix (Haynsworth 1968);
+//! three of them per joint belong to the constraints.
 
 use super::Joints;
 use super::slide::Slide;

@@ -64,7 +64,7 @@ impl Joints {
     /// Converts a matrix over the owners of all positions to one over the free unknowns: Pᵀ M P
     /// over the unknowns that sliding nodes follow.
     pub(super) fn reduce(&self, matrix: &mut nalgebra::DMatrix<f64>) {
-        for slide in &self.slides {
+        for slide in (self.slides.iter()).filter(|slide| slide.stiffness.is_none()) {
             let own = STRIDE * slide.node;
             let mut rates = nalgebra::DMatrix::zeros(matrix.nrows(), 3);
             for axis in 0..3 {
