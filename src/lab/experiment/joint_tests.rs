@@ -70,7 +70,6 @@ fn faults_name_the_joint_and_what_is_allowed() {
         slide ["end", 11] => allowed: 0 to 10
         slide ["end", "start"]; stiffness = 1 => unknown key
         slide ["end", "start"]; break_at = -1 => allowed: greater than 0
-        slide ["end", "start"]; [[clamps]]; rod = "post"; at = "end" => holds the node of rod `post` that should slide
         spring ["end", "start"]; stiffness = 1; rest_length = "1 cm" => set the rest length to 0
         hinge ["end", "start"]; axis = [0, 1, 0]; [[clamps]]; rod = "boom"; at = "start" => let the clamp hold only the position
     "#;
