@@ -135,8 +135,8 @@ impl System {
     }
 
     /// Rule by which the stiffness `adapted` followed from the stiffness `before` at `unknowns`,
-    /// the prediction of a step, and was bounded if it `may_bound`; `None` if the rule cannot be reproduced. The last evaluation is
-    /// then the one at `unknowns` without contact.
+    /// the prediction of a step, and was bounded if it `may_bound`; `None` if the rule cannot be
+    /// reproduced. The last evaluation is then the one at `unknowns` without contact.
     pub(crate) fn stiffness_course(
         &mut self,
         unknowns: &[f64],
@@ -154,8 +154,8 @@ impl System {
         let found = contact.adaption(positions, forces, before);
         let course = found.and_then(|(wanted, adaption)| {
             let limit = self.limit_of_reaction(&contact, adaption, unknowns, stage);
-            let limited = match may_bound && wanted > before {
-                true => wanted.min(limit.stiffness.max(before)),
+            let limited = match may_bound {
+                true => limit.applied(before, wanted),
                 false => wanted,
             };
             let mut without_inertia = None;

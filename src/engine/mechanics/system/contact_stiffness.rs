@@ -44,6 +44,13 @@ pub(super) struct ReactionLimit {
     pub by: LimitedBy,
 }
 
+impl ReactionLimit {
+    /// The stiffness `wanted` after the stiffness `before`, as far as it may rise.
+    pub(super) fn applied(&self, before: f64, wanted: f64) -> f64 {
+        wanted.min(self.stiffness.max(before))
+    }
+}
+
 /// What determines the limit of a stiffness.
 pub(super) enum LimitedBy {
     Nothing,
@@ -95,8 +102,8 @@ impl System {
             positions, forces, ..
         } = &self.terms.contact;
         if let Some((_, adaption)) = contact.adaption(positions, forces, before) {
-            let allowed = self.limit_of_reaction(contact, adaption, unknowns, stage);
-            contact.set_stiffness(wanted.min(allowed.stiffness.max(before)));
+            let limit = self.limit_of_reaction(contact, adaption, unknowns, stage);
+            contact.set_stiffness(limit.applied(before, wanted));
         }
     }
 
@@ -123,13 +130,8 @@ impl System {
         let without_inertia = self.terms.contact.forces[node] - acceleration * mass;
         let speeds =
             (0..self.terms.contact.forces.len()).map(|node| (node, velocity(node).norm_squared()));
-        let (fastest, square) =
-            speeds.fold(
-                (node, 0.0),
-                |fastest, next| {
-                    if next.1 > fastest.1 { next } else { fastest }
-                },
-            );
+        let fastest = speeds.max_by(|one, other| one.1.total_cmp(&other.1));
+        let (fastest, square) = fastest.unwrap_or((node, 0.0));
         let distance = STOPPING * contact.parameters().distance_tolerance;
         let stopping = 0.5 * mass * square / distance;
         let other = STATIC * without_inertia.norm();

@@ -1,9 +1,11 @@
-//! The mass matrix of joined nodes, frames and bodies.
+//! Mass matrices and Jacobians of joined nodes, frames and bodies, as dense matrices.
 
 use super::Joints;
+use super::border::constraint;
 use crate::linalg::SharedUnknown;
 use crate::mechanics::Vector3;
 use crate::mechanics::rod::STRIDE;
+use crate::mechanics::rod::topology::add_to_node;
 
 impl Joints {
     /// Converts a mass matrix of all nodes and tips of bodies to one over the free unknowns, Pᵀ M
@@ -61,9 +63,59 @@ impl Joints {
         self.reduce(matrix);
     }
 
+    /// Converts a Jacobian over the owners of all positions, with some `held` unknowns, to one
+    /// over the free unknowns.
+    pub(crate) fn reduce_jacobian(&self, matrix: &mut nalgebra::DMatrix<f64>, held: &[bool]) {
+        self.reduce(matrix);
+        for slide in &self.slides {
+            let weights = &slide.grip.weights;
+            matrix[(slide.unknown, slide.unknown)] += slide.over_parameter();
+            let turning = [slide.over_tangent(), slide.residual].map(|force| {
+                let mut turning = vec![0.0; held.len()];
+                for (node, slope) in weights.nodes.iter().zip(&weights.slopes) {
+                    add_to_node(&mut turning, *node, &(force * *slope));
+                }
+                self.gather_points(&mut turning);
+                turning
+            });
+            for k in 0..held.len() {
+                matrix[(slide.unknown, k)] += turning[0][k];
+                matrix[(k, slide.unknown)] += turning[1][k];
+            }
+            if let Some(stiffness) = slide.stiffness {
+                for axis in 0..3 {
+                    let [mut apart, mut pull] =
+                        [slide.follow.tangent, slide.along()].map(|along| {
+                            let mut column = constraint(slide, weights, axis, held.len());
+                            self.gather_points(&mut column);
+                            column[slide.unknown] = along[axis];
+                            nalgebra::DVector::from_vec(column)
+                        });
+                    if slide.is_stopped {
+                        (apart[slide.unknown], pull[slide.unknown]) = (0.0, 0.0);
+                    }
+                    *matrix += pull * apart.transpose() * stiffness;
+                }
+            }
+        }
+        for node in self.carried_nodes() {
+            for own in STRIDE * node..STRIDE * node + 3 {
+                matrix[(own, own)] = 1.0;
+            }
+        }
+        if self.slides.is_empty() && self.pins.is_empty() {
+            return;
+        }
+        for k in (0..held.len()).filter(|k| held[*k]) {
+            matrix.row_mut(k).fill(0.0);
+            matrix.column_mut(k).fill(0.0);
+            matrix[(k, k)] = 1.0;
+        }
+    }
+
     /// Converts a matrix over the owners of all positions to one over the free unknowns: Pᵀ M P
     /// over the unknowns that sliding nodes follow.
-    pub(super) fn reduce(&self, matrix: &mut nalgebra::DMatrix<f64>) {
+    fn reduce(&self, matrix: &mut nalgebra::DMatrix<f64>) {
         for slide in (self.slides.iter()).filter(|slide| slide.stiffness.is_none()) {
             let own = STRIDE * slide.node;
             let mut rates = nalgebra::DMatrix::zeros(matrix.nrows(), 3);
