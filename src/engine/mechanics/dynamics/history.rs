@@ -45,10 +45,22 @@ impl History {
         std::mem::swap(&mut step.velocity, velocity);
     }
 
-    /// Resets the history after the state was set to rest at another configuration.
-    pub(crate) fn forget(&mut self) {
+    /// Drops the earlier steps: schemes no longer extrapolate from them.
+    pub(crate) fn cut(&mut self) {
         for step in &mut self.steps {
             step.size = 0.0;
+        }
+    }
+
+    /// Whether there is no earlier step.
+    pub(crate) fn is_cut(&self) -> bool {
+        self.steps[0].size == 0.0
+    }
+
+    /// Resets the history after the state was set to rest at another configuration.
+    pub(crate) fn forget(&mut self) {
+        self.cut();
+        for step in &mut self.steps {
             step.velocity.fill(0.0);
         }
     }

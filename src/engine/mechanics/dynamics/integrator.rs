@@ -60,6 +60,8 @@ pub(super) struct Integrator {
     last_failure: Option<LastFailure>,
     /// Whether velocities of the last step ring.
     pub rings: bool,
+    /// Whether the last step ended with a jump, and the steps before were forgotten.
+    pub is_cut: bool,
     /// A series of steps far smaller than requested, kept until the caller takes it.
     pub small_row: Option<SmallSteps>,
 }
@@ -101,6 +103,7 @@ impl Integrator {
             small_steps: 0,
             last_failure: None,
             rings: false,
+            is_cut: false,
             small_row: None,
         })
     }
@@ -202,6 +205,7 @@ impl Integrator {
         let (mut setting, sizes) = (self.setting, self.setting.parameters.step);
         let mut is_prepared = true;
         let (mut deepenings, mut stiffenings, mut crosses) = (0, 0, false);
+        self.is_cut = false;
         loop {
             let step = goal - state.time;
             if !is_prepared {
@@ -242,6 +246,21 @@ impl Integrator {
                     report.newton_iterations += attempt.iterations;
                     report.fluid_iterations += attempt.fluid_iterations;
                     match self.decide(step, &attempt) {
+                        Decision::Accept if !self.is_cut && self.jumps(system, state, goal) => {
+                            self.is_cut = true;
+                            if state.history.is_cut() {
+                                break;
+                            }
+                            state.history.cut();
+                            system.restore_contact_stiffness(stiffness);
+                            debug!(
+                                time = state.time,
+                                step,
+                                reason = "velocities jump at contacts",
+                                "an impact ends the step"
+                            );
+                            step
+                        }
                         Decision::Accept => {
                             self.rings = attempt.rings;
                             break;
@@ -310,6 +329,9 @@ impl Integrator {
         report.stiffening = system.energy_of_stiffening(stiffness);
         self.heed_events(system, state.time, goal);
         self.accept(system, state, goal);
+        if self.is_cut {
+            state.history.cut();
+        }
         let long = system.long_rotations(&state.unknowns);
         system.begin_rotations_anew(&long, &mut state.motions());
         report.time = state.time;
@@ -325,6 +347,13 @@ impl Integrator {
             "step accepted"
         );
         Ok(Some(report))
+    }
+
+    /// Whether velocities jump at contacts in the step from `state` to `goal`, from which the next
+    /// ones would extrapolate.
+    fn jumps(&self, system: &System, state: &State, goal: f64) -> bool {
+        let rules = self.setting.parameters.scheme.rules();
+        rules.begins_small() && self.workspace.jumps(system, state, goal)
     }
 
     /// Whether the steps after a failed one start small. They do if the step is automatic, and

@@ -99,6 +99,9 @@ impl Parameter {
             unknowns: self.state.unknowns.clone(),
             velocity: self.state.velocity.clone(),
         };
+        if replayed.is_cut {
+            self.state.history.cut();
+        }
         rules.begin(step, &self.state, turning, &mut stage, &mut prediction);
         let mut right_hand_side = Self::motion_forces(&stage, &replayed.solution, centre);
         let mut velocity = vec![0.0; right_hand_side.len()];
@@ -106,7 +109,7 @@ impl Parameter {
         for (neighbour, sign) in self.neighbours.iter_mut().zip(SIGNS) {
             let weight = sign / (2.0 * self.step);
             let before = neighbour.system.contact_stiffness();
-            neighbour.begin_like(goal)?;
+            neighbour.begin_like(goal, replayed.is_cut)?;
             replayed.stiffen(neighbour, before)?;
             neighbour.system.share_active_laws(&centre.system);
             let from = neighbour.stage_from(centre, step);
@@ -166,9 +169,12 @@ impl Parameter {
             let neighbour = &mut self.neighbours[index];
             let away = sign * self.step;
             let next = |k: usize| base.integrator.workspace.next_velocity[k] + away * own[k];
-            self.exchanges[index] = neighbour.accept_like(goal, &replayed.long, next);
+            self.exchanges[index] = neighbour.accept_like(replayed, next);
         }
         self.state.advance_to(goal, &change, &own);
+        if replayed.is_cut {
+            self.state.history.cut();
+        }
         if !replayed.long.is_empty() {
             self.take_rotations();
         }
