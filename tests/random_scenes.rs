@@ -19,7 +19,8 @@
 //! | `units` | scenes of these in other units of length, time and mass |
 //!
 //! One in four impacts has rods that taper and have steps, one in four has free bodies, one in four
-//! a box, and one in four a landscape of triangles, which may stand for a smooth surface.
+//! a box, and one in four a landscape of triangles, which may stand for a smooth surface. In one of
+//! three without bodies, rods touch as smooth curves.
 //!
 //! By default there are 200 impacts and a dozen scenes of each other family.
 //! `RODLAB_RANDOM_SCENES=10000 cargo test --release random_scenes::` runs that number of each
@@ -41,7 +42,7 @@ use random::Random;
 use rayon::prelude::*;
 use rodlab::experiment;
 use rodlab::mechanics::Vector3;
-use rodlab::mechanics::contact::ContactSurface;
+use rodlab::mechanics::contact::{ContactSurface, Geometry};
 use rodlab::mechanics::dynamics::{Simulation, SimulationError};
 use rodlab::mechanics::scene::Scene;
 use std::f64::consts::TAU;
@@ -68,6 +69,10 @@ const EMBODIED: u64 = 1;
 const WALLED: u64 = 2;
 /// Remainder by that number of the scenes over a landscape.
 const UNEVEN: u64 = 3;
+/// One of this number of rows of such scenes has contact of smooth curves, where models allow it.
+const CURVED: u64 = 3;
+/// Chords of a smooth curve for each edge.
+const CHORDS: usize = 4;
 /// Allowed penetration, as a fraction of the sum of the radii, plus rounding errors.
 const BOUND: f64 = 0.05 + 1e-9;
 
@@ -107,8 +112,13 @@ impl Case {
         } else {
             format!("{step:e}")
         };
+        let is_smooth = (seed / SECTIONED).is_multiple_of(CURVED)
+            && seed % SECTIONED != EMBODIED
+            && model != "complementarity"
+            && !FOUND_BROKEN.contains(&seed);
+        let geometry = if is_smooth { "smooth" } else { "polyline" };
         let mut text = format!(
-            "experiment = \"scene\"\ntitle = \"random scene {seed}\"\n[material]\nyoungs_modulus = {:e}\npoissons_ratio = 0.5\ndensity = 1000\n[contact]\nmodel = \"{model}\"\nfriction = {friction:?}\n[time]\nscheme = \"{scheme}\"\nstep = {step}\nend = 10\n",
+            "experiment = \"scene\"\ntitle = \"random scene {seed}\"\n[material]\nyoungs_modulus = {:e}\npoissons_ratio = 0.5\ndensity = 1000\n[contact]\nmodel = \"{model}\"\ngeometry = \"{geometry}\"\nfriction = {friction:?}\n[time]\nscheme = \"{scheme}\"\nstep = {step}\nend = 10\n",
             random.decades(1e5, 1e9),
         );
         let mut case = Self {
@@ -380,6 +390,37 @@ fn run(case: &Case) -> End {
     End::Finished
 }
 
+/// Corners of the chords of the quadratic B-spline through the middles of its control points
+/// x − a Δ²x, which are the nodes at free ends (guide, `smooth_contact`).
+fn smooth_curve(nodes: &[Vector3], closed: bool) -> Vec<Vector3> {
+    let filter = 0.125 + 1.0 / (12 * CHORDS * CHORDS) as f64;
+    let count = nodes.len();
+    let at = |k: isize| nodes[k.rem_euclid(count as isize) as usize];
+    let filtered = |k: isize| at(k) - (at(k - 1) - at(k) * 2.0 + at(k + 1)) * filter;
+    let last = count as isize - 1;
+    let inner = |k: isize| match !closed && (k == 0 || k == last) {
+        true => at(k),
+        false => filtered(k),
+    };
+    let control = |k: isize| match (closed, k) {
+        (false, -1) => inner(0) * 2.0 - inner(1),
+        (false, k) if k > last => inner(last) * 2.0 - inner(last - 1),
+        _ => inner(k),
+    };
+    let edges = if closed { count } else { count - 1 };
+    let places = 0..CHORDS * edges + usize::from(!closed);
+    let point = |place: usize| {
+        let u = place as f64 / CHORDS as f64;
+        let near = u.round();
+        // The parabola around the nearest control point, as a Bézier curve.
+        let (t, k) = (u - near + 0.5, near as isize);
+        let [a, b, c] = [control(k - 1), control(k), control(k + 1)];
+        let ends = [(a + b) * 0.5, (b + c) * 0.5];
+        ends[0] * (1.0 - t).powi(2) + b * (2.0 * t * (1.0 - t)) + ends[1] * (t * t)
+    };
+    places.map(point).collect()
+}
+
 /// Conditions that must hold.
 struct Invariants {
     finite: bool,
@@ -399,23 +440,55 @@ impl Invariants {
     fn of(scene: &Scene, simulation: &Simulation) -> Self {
         let positions = simulation.positions();
         let mut surface = ContactSurface::new();
-        let mut first = 0;
+        let (mut first, mut places) = (0, Vec::new());
         let mut least_plane_ratio = f64::INFINITY;
+        let is_smooth = (scene.contact).is_some_and(|own| own.geometry == Geometry::Smooth);
+        let chords = if is_smooth { CHORDS } else { 1 };
         for rod in &scene.rods {
             let nodes = rod.centreline.len();
-            surface.add_rod(first, &rod.centreline, rod.closed, rod.radius, rod.held);
+            let touching = |nodes: &[Vector3]| match is_smooth {
+                true => smooth_curve(nodes, rod.closed),
+                false => nodes.to_vec(),
+            };
+            surface.add_rod(
+                places.len(),
+                &touching(&rod.centreline),
+                rod.closed,
+                rod.radius,
+                rod.held,
+            );
+            let own = touching(&positions[first..first + nodes]);
+            let radius_at = |place: usize| {
+                let (node, part) = (place / chords, place % chords);
+                if part == 0 {
+                    return rod.radius_at(node);
+                }
+                let [start, end] = match rod.sections.get(node) {
+                    Some(section) => section.end_radii,
+                    None => [rod.radius; 2],
+                };
+                start + (end - start) * part as f64 / chords as f64
+            };
+            let radii: Vec<f64> = (0..own.len()).map(radius_at).collect();
             if !rod.sections.is_empty() {
-                let edges: Vec<f64> = rod.sections.iter().map(|edge| edge.radius).collect();
-                let nodes: Vec<f64> = (0..nodes).map(|node| rod.radius_at(node)).collect();
-                surface.set_radii(&edges, &nodes);
+                let edges = (0..rod.sections.len() * chords).map(|chord| match chords {
+                    1 => rod.sections[chord].radius,
+                    _ => {
+                        let [start, end] = rod.sections[chord / chords].end_radii;
+                        let part = (chord % chords) as f64 + 0.5;
+                        start + (end - start) * part / chords as f64
+                    }
+                });
+                surface.set_radii(&edges.collect::<Vec<_>>(), &radii);
             }
             for plane in scene.planes.iter().filter(|_| !rod.held) {
-                for (node, x) in positions[first..first + nodes].iter().enumerate() {
-                    let ratio = (x - plane.point).dot(&plane.normal) / rod.radius_at(node);
+                for (x, radius) in own.iter().zip(&radii) {
+                    let ratio = (x - plane.point).dot(&plane.normal) / radius;
                     least_plane_ratio = least_plane_ratio.min(ratio);
                 }
             }
             first += nodes;
+            places.extend(own);
         }
         for body in &scene.free_bodies {
             surface.add_body(first + 1, &body.shape);
@@ -425,6 +498,7 @@ impl Invariants {
                     least_plane_ratio = least_plane_ratio.min(ratio);
                 }
             }
+            places.extend_from_slice(&positions[first..first + body.nodes()]);
             first += body.nodes();
         }
         let edges = surface.edges();
@@ -438,15 +512,15 @@ impl Invariants {
         for i in 0..edges.len() {
             for j in i + 1..edges.len() {
                 if surface.may_touch(i, j) && !are_joined(i, j) {
-                    let [a, b] = edges[i].nodes.map(|node| positions[node]);
-                    let [c, d] = edges[j].nodes.map(|node| positions[node]);
+                    let [a, b] = edges[i].nodes.map(|node| places[node]);
+                    let [c, d] = edges[j].nodes.map(|node| places[node]);
                     let ratio = distance(a, b, c, d) / (edges[i].radius + edges[j].radius);
                     least_ratio = least_ratio.min(ratio);
                 }
             }
         }
         let rings = scene.rods.iter().take(2).filter(|rod| rod.closed).count() == 2;
-        let of_rod = |rod: usize| scene.rods[rod].centreline.len();
+        let of_rod = |rod: usize| chords * scene.rods[rod].centreline.len();
         let split = of_rod(0);
         let masses = node_masses(scene);
         let velocities = simulation.velocities();
@@ -459,7 +533,7 @@ impl Invariants {
             least_ratio,
             least_plane_ratio,
             linking_number: if rings {
-                linking_number(&positions[..split], &positions[split..split + of_rod(1)])
+                linking_number(&places[..split], &places[split..split + of_rod(1)])
             } else {
                 0.0
             },

@@ -22,9 +22,10 @@ const STRETCHING: f64 = 1e3;
 const WRAPPED_EDGES: usize = 80;
 /// Number of edges in each leg.
 const LEG_EDGES: usize = 60;
+const FINE: [usize; 2] = [WRAPPED_EDGES, LEG_EDGES];
 
 /// Checks ropes over a cylinder at rest and a turning one, over a sphere and over meshes of the
-/// cylinder, a beam lifted by the edge of a box and by balls, and rods in tubes.
+/// cylinder, also as smooth curves, a beam lifted by the edge of a box and by balls, and rods in tubes.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let cylinder = || {
         toml! {
@@ -54,6 +55,10 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     for (over, model, shape) in ropes {
         checks.push(capstan(over, model, shape)?);
     }
+    checks.push(smooth_rope("a cylinder", "imc", cylinder())?);
+    checks.push(smooth_rope("a mesh of 64 faces", "ipc", prism(64))?);
+    let shape = smooth(prism(24));
+    checks.push(smooth_rope("a smooth mesh of 24 faces", "imc", shape)?);
     for model in ["imc", "ipc", "complementarity"] {
         checks.push(turning_post(model, cylinder())?);
     }
@@ -63,6 +68,20 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     checks.extend(tube_coiling::checks()?);
     checks.extend(sleeve::checks()?);
     Ok(checks)
+}
+
+/// A rope of few edges whose contact is that of a smooth curve. A polyline with these edges is off by
+/// four times as much.
+fn smooth_rope(over: &str, model: &str, shape: Table) -> Result<Check, GroupError> {
+    const WRAPPED: usize = 20;
+    const LEG: usize = 15;
+    let (mut scene, nodes) = rope_scene(model, shape, [WRAPPED, LEG])?;
+    scene["contact"]["geometry"] = "smooth".into();
+    let tensions = leg_tensions(&mut built(scene)?, &nodes, STRETCHING, LEG)?;
+    let name = format!(
+        "rope of {WRAPPED} edges over {over}, μ = 0.3, half a turn, smooth geometry, {model}: T₂/T₁"
+    );
+    Ok(capstan_check(name, tensions, BENDING, 2e-3))
 }
 
 fn capstan(over: &str, model: &str, shape: Table) -> Result<Check, GroupError> {
@@ -75,7 +94,7 @@ fn capstan(over: &str, model: &str, shape: Table) -> Result<Check, GroupError> {
 /// The rope is held while the post turns under it: it slips as if it were pulled over a post at
 /// rest.
 fn turning_post(model: &str, shape: Table) -> Result<Check, GroupError> {
-    let (mut scene, nodes) = rope_scene(model, shape)?;
+    let (mut scene, nodes) = rope_scene(model, shape, FINE)?;
     scene["clamps"][0]["move"] = Value::try_from([(0.0, [0.0; 3]), (1.0, [0.0; 3])])?;
     let post = &mut scene["obstacles"][0];
     if let Some(post) = post.as_table_mut() {
@@ -102,13 +121,18 @@ fn swing(faces: usize) -> Result<Check, GroupError> {
 
 /// A rope over an obstacle, and its nodes as placed.
 fn rope_over(model: &str, shape: Table) -> Result<(Simulation, Vec<Vector3>), GroupError> {
-    let (scene, nodes) = rope_scene(model, shape)?;
+    let (scene, nodes) = rope_scene(model, shape, FINE)?;
     Ok((built(scene)?, nodes))
 }
 
-/// The scenario of a rope over an obstacle, and its nodes as placed.
-fn rope_scene(model: &str, shape: Table) -> Result<(Table, Vec<Vector3>), GroupError> {
-    let nodes = rope_over_post(WRAPPED_EDGES, LEG_EDGES, 3e-3);
+/// The scenario of a rope over an obstacle, with numbers of edges around it and in each leg, and its
+/// nodes as placed.
+fn rope_scene(
+    model: &str,
+    shape: Table,
+    [wrapped, leg]: [usize; 2],
+) -> Result<(Table, Vec<Vector3>), GroupError> {
+    let nodes = rope_over_post(wrapped, leg, 3e-3);
     let points: Vec<[f64; 3]> = nodes.iter().map(|x| (*x).into()).collect();
     let mut scene: Table = include_str!("scenes/rope.toml").parse()?;
     scene["rods"][0]["shape"]["points"] = Value::try_from(points)?;

@@ -174,10 +174,12 @@ pub(super) fn separation(
 }
 
 impl ContactSystem {
-    /// Sets the positions at the start of a step, m.
-    pub(crate) fn begin_at(&mut self, positions: &[Vector3]) {
-        self.start.clear();
-        self.start.extend_from_slice(positions);
+    /// Sets the positions of the nodes at the start of a step, m.
+    pub(crate) fn begin_at(&mut self, nodes: &[Vector3]) {
+        let mut start = std::mem::take(&mut self.start);
+        start.clear();
+        start.extend_from_slice(&self.placed(nodes));
+        self.start = start;
     }
 
     /// Nearest points of a candidate during the iterations of a step. A solid repels a node behind

@@ -74,7 +74,12 @@ impl ContactSystem {
         };
         let assigned = self.contacts().iter().map(|contact| {
             let [first, _, second, _] = contact.nodes;
-            let [[a, b], [c, d]] = [first, second].map(|point| curves.edge_of(point));
+            let [a, b] = curves.edge_of(first);
+            let [c, d] = match self.is_of_rod(second) {
+                true => curves.edge_of(second),
+                // The vertices of an obstacle.
+                false => [second, contact.nodes[3]],
+            };
             ActiveContact {
                 nodes: [a, b, c, d],
                 ..*contact

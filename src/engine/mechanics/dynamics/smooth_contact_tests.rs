@@ -1,6 +1,5 @@
 //! Contact of smooth curves: derivatives, motions, restarts, equilibria, and what is refused.
 
-use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters, FrictionAt, Geometry};
 use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation};
 use crate::mechanics::rigid_body::RigidBody;
@@ -11,6 +10,7 @@ use crate::mechanics::test_support::{
     SOFT_MODELS, cantilever, contact, fixed_steps, free_rods, gravity, ground, line, obstacle,
     section,
 };
+use crate::mechanics::{UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 
 const RADIUS: f64 = 5e-3;
@@ -62,6 +62,33 @@ fn of_contact(scene: &Scene, unknowns: &[f64]) -> (Vec<f64>, nalgebra::DMatrix<f
     (difference.collect(), matrix - without)
 }
 
+/// Compares the Jacobian of the contacts with differences of their forces.
+#[track_caller]
+fn check_jacobian(scene: &Scene, what: &str) {
+    let system = System::new(scene).unwrap();
+    let unknowns = system.assembly.unknowns.clone();
+    let (forces, jacobian) = of_contact(scene, &unknowns);
+    let scale = jacobian.amax();
+    assert!(
+        scale > 0.0 && forces.iter().any(|force| *force != 0.0),
+        "{what} touches"
+    );
+    let difference = 1e-7 * RADIUS;
+    for column in (0..unknowns.len()).filter(|k| k % STRIDE < 3) {
+        let moved = |by: f64| {
+            let mut unknowns = unknowns.clone();
+            unknowns[column] += by;
+            of_contact(scene, &unknowns).0
+        };
+        let (plus, minus) = (moved(difference), moved(-difference));
+        for row in 0..unknowns.len() {
+            let rate = (plus[row] - minus[row]) / (2.0 * difference);
+            let error = (rate - jacobian[(row, column)]).abs() / scale;
+            assert!(error < 1e-5, "{what} {row} {column}: {error:e}");
+        }
+    }
+}
+
 #[test]
 fn the_jacobian_is_the_derivative_of_the_forces() {
     for model in SOFT_MODELS {
@@ -70,24 +97,26 @@ fn the_jacobian_is_the_derivative_of_the_forces() {
         let heights = scene.rods[1].centreline.iter().map(|node| node.z);
         let lowest = heights.fold(f64::INFINITY, f64::min);
         scene.planes[0].point.z = lowest - 1.06 * RADIUS;
-        let system = System::new(&scene).unwrap();
-        let unknowns = system.assembly.unknowns.clone();
-        let (forces, jacobian) = of_contact(&scene, &unknowns);
-        let scale = jacobian.amax();
-        assert!(scale > 0.0 && forces.iter().any(|force| *force != 0.0));
-        let difference = 1e-7 * RADIUS;
-        for column in (0..unknowns.len()).filter(|k| k % STRIDE < 3) {
-            let moved = |by: f64| {
-                let mut unknowns = unknowns.clone();
-                unknowns[column] += by;
-                of_contact(&scene, &unknowns).0
-            };
-            let (plus, minus) = (moved(difference), moved(-difference));
-            for row in 0..unknowns.len() {
-                let rate = (plus[row] - minus[row]) / (2.0 * difference);
-                let error = (rate - jacobian[(row, column)]).abs() / scale;
-                assert!(error < 1e-5, "{model:?} {row} {column}: {error:e}");
-            }
+        check_jacobian(&scene, &format!("{model:?}"));
+
+        // The bend around a post, and with its apex at a ball and at the face of a block.
+        let outside = |half: f64| Vector3::x() * (4.06 * RADIUS + half);
+        let ends = [-1.0, 1.0].map(|z| Vector3::z() * (4.0 * RADIUS * z));
+        let sides = Vector3::new(1.0, 4.0, 4.0) * RADIUS;
+        for body in [
+            RigidBody::capsule(ends, 1.88 * RADIUS),
+            RigidBody::sphere(outside(RADIUS), RADIUS),
+            RigidBody::cuboid(
+                outside(0.5 * RADIUS),
+                sides,
+                &UnitQuaternion::identity(),
+                0.0,
+            ),
+        ] {
+            scene.planes.clear();
+            scene.rods.truncate(1);
+            scene.obstacles = vec![obstacle("post", body)];
+            check_jacobian(&scene, &format!("{model:?} {:?}", scene.obstacles[0].body));
         }
     }
 }
@@ -209,10 +238,10 @@ fn what_it_does_not_support_is_refused() {
     let message = model(|own| own.friction_at = FrictionAt::Surface);
     assert!(message.contains("polyline"), "{message}");
     let message = refused(&|scene| {
-        let far = Vector3::new(1.0, 1.0, 1.0);
-        scene.obstacles = vec![obstacle("ball", RigidBody::sphere(far, 0.1))];
+        let ends = [1.0, 2.0].map(|x| Vector3::new(x, 1.0, 1.0));
+        scene.obstacles = vec![obstacle("tube", RigidBody::tube(ends, 0.1))];
     });
-    assert!(message.contains("obstacles"), "{message}");
+    assert!(message.contains("tubes"), "{message}");
 }
 
 /// A closed ring that is stretched over a held straight rod presses on it with p = T/R, so with

@@ -36,8 +36,8 @@ const ONLY_CENTRELINES: SceneError = SceneError::Unsuitable(
     "friction that depends on the direction of rods needs the model `imc` or `ipc`, friction on the centrelines, and contact.geometry = \"polyline\"",
 );
 
-const NO_OBSTACLES: SceneError = SceneError::Unsuitable(
-    "contact.geometry = \"smooth\" supports rods and planes: obstacles and balls need \"polyline\"",
+const NO_TUBES_OR_BALLS: SceneError = SceneError::Unsuitable(
+    "contact.geometry = \"smooth\" supports neither hollow tubes nor balls: they need \"polyline\"",
 );
 
 /// At the rim of a tube the energies of pieces of a rod and of the joints between them cancel, for
@@ -140,8 +140,10 @@ impl Term for Contact {
             if parameters.is_complementarity() || parameters.friction_at == FrictionAt::Surface {
                 return Err(ONLY_POLYLINES);
             }
-            if !scene.obstacles.is_empty() || scene.bodies.iter().any(|body| body.ball.is_some()) {
-                return Err(NO_OBSTACLES);
+            if scene.obstacles.iter().any(|own| own.body.hollow)
+                || scene.bodies.iter().any(|body| body.ball.is_some())
+            {
+                return Err(NO_TUBES_OR_BALLS);
             }
         }
         if scene

@@ -8,7 +8,7 @@
 
 use super::node_element::element_of;
 use crate::linalg::{Element, ElementMatrix};
-use crate::mechanics::contact::{ContactSystem, WINDOW, Window};
+use crate::mechanics::contact::{ContactSystem, CurvePoints, WINDOW, Window};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Nodes of a group.
@@ -34,7 +34,7 @@ pub(super) struct CurveElements {
 }
 
 impl CurveElements {
-    /// Elements of the coupled candidates; with planes, also of all edges.
+    /// Elements of the coupled candidates; with planes or obstacles, also of all edges.
     pub(crate) fn of(contact: &ContactSystem) -> Self {
         let Some(curves) = contact.curves() else {
             return Self::default();
@@ -46,12 +46,14 @@ impl CurveElements {
             }
         };
         let candidates = contact.candidates();
-        for candidate in contact.coupled_pairs() {
-            let [first, second] = candidates[*candidate].edges;
-            add(&[curves.window(first), curves.window(second)]);
-        }
         let surface = contact.surface();
-        if !contact.planes().is_empty() {
+        let coupled = contact.coupled_pairs().iter();
+        for pair in coupled.map(|candidate| &candidates[*candidate]) {
+            if contact.is_of_rod(pair.nodes[3]) {
+                add(&pair.edges.map(|chord| curves.window(chord)));
+            }
+        }
+        if !contact.planes().is_empty() || !surface.obstacles().is_empty() {
             for edge in 0..surface.rod_edges().len() {
                 add(&[curves.window(edge)]);
             }
@@ -108,10 +110,19 @@ impl CurveElements {
         };
         self.matrices.fill(0.0);
         for (pair, jacobian) in contact.contacts().iter().zip(contact.jacobians()) {
-            let edges = contact.candidates()[pair.candidate].edges;
-            let windows = edges.map(|edge| curves.window(edge));
-            for (first, of_first) in windows.iter().enumerate() {
-                for (second, of_second) in windows.iter().enumerate() {
+            if pair.first_body == 1 {
+                // A point of a rod on the face of an obstacle.
+                let own = std::array::from_fn(|i| std::array::from_fn(|j| jacobian[i][j]));
+                self.subtract_at(curves, pair.nodes[0], &own);
+                continue;
+            }
+            let bodies = match contact.is_of_rod(pair.nodes[3]) {
+                true => 2,
+                false => 1,
+            };
+            let edges = &contact.candidates()[pair.candidate].edges[..bodies];
+            for (first, of_first) in edges.iter().enumerate() {
+                for (second, of_second) in edges.iter().enumerate() {
                     let part = |m: usize, n: usize| -> Block {
                         let (row, column) = (3 * (2 * first + m), 3 * (2 * second + n));
                         std::array::from_fn(|i| {
@@ -119,7 +130,8 @@ impl CurveElements {
                         })
                     };
                     let parts = [[part(0, 0), part(0, 1)], [part(1, 0), part(1, 1)]];
-                    self.subtract([of_first, of_second], &parts);
+                    let windows = [of_first, of_second].map(|chord| curves.window(*chord));
+                    self.subtract(windows, &parts);
                 }
             }
         }
@@ -128,16 +140,21 @@ impl CurveElements {
             .iter()
             .zip(contact.plane_jacobians())
         {
-            let (chord, end) = curves.place_of(touch.node);
-            let mut parts = [[[[0.0; 3]; 3]; 2]; 2];
-            parts[end][end] = *jacobian;
-            self.subtract([curves.window(chord); 2], &parts);
+            self.subtract_at(curves, touch.node, jacobian);
         }
         let (matrices, _) = self.matrices.as_chunks::<ENTRIES>();
         for (index, matrix) in matrices.iter().enumerate() {
             let (rows, _) = matrix.as_chunks::<12>();
             push(index, std::array::from_fn(|row| rows[row]));
         }
+    }
+
+    /// Subtracts the derivative of the force on a point by this point.
+    fn subtract_at(&mut self, curves: &CurvePoints, point: usize, own: &Block) {
+        let (chord, end) = curves.place_of(point);
+        let mut parts = [[[[0.0; 3]; 3]; 2]; 2];
+        parts[end][end] = *own;
+        self.subtract([curves.window(chord); 2], &parts);
     }
 
     /// Subtracts the derivative of the forces on the two points of one edge by those of another.
