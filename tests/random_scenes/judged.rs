@@ -228,6 +228,13 @@ fn run_within(case: &Case, overrides: &[String], finer: f64) -> Result<Run, Fail
     if !finite(simulation.positions()) || !finite(simulation.velocities()) {
         return Err(Failed::Without("numbers are not finite".into()));
     }
+    let remarks = simulation.remarks();
+    if let Some(remark) = remarks
+        .iter()
+        .find(|remark| remark.contains("in the fluid"))
+    {
+        return Err(Failed::Clearly(remark.clone()));
+    }
     let forces = simulation.contact_forces();
     let mut first = 0;
     for (index, rod) in prepared.scene.rods.iter().enumerate() {

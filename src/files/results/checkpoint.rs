@@ -25,7 +25,7 @@ pub(super) const SLOTS: [&str; 2] = ["checkpoint.0", "checkpoint.1"];
 const MAGIC: &[u8; 8] = b"RODLABCP";
 /// Version of the layout. Increase it whenever the layout, the payload's types or the meaning of
 /// the state change.
-const VERSION: u32 = 14;
+const VERSION: u32 = 15;
 const HASH_LENGTH: usize = 64;
 const HEADER_LENGTH: usize = 8 + 4 + HASH_LENGTH + 8 + 8;
 const CHECKSUM_LENGTH: usize = blake3::OUT_LEN;

@@ -139,6 +139,7 @@ pub(crate) use stiffness::Adaption;
 pub(crate) use stored_energy::Stored;
 pub use surface::{ContactEdge, ContactSurface};
 pub(crate) use surface_turns::{TurnedBodies, TurnedContact};
+pub(crate) use touching::overlapping_edges;
 pub use touching::touching_points;
 pub(crate) use turned_contacts::TurningEdges;
 pub(crate) use turning::Row;

@@ -64,6 +64,21 @@ pub fn touching_points(
     points
 }
 
+/// Pairs of edges that may touch and whose centrelines are nearer to each other than `part` of the
+/// sum of their radii, for the positions of all nodes, m.
+pub(crate) fn overlapping_edges(
+    surface: &ContactSurface,
+    positions: &[Vector3],
+    part: f64,
+) -> impl Iterator<Item = [usize; 2]> {
+    let mut pairs = Vec::new();
+    BroadPhase::default().find(surface, positions, 0.0, &mut pairs);
+    let deep = pairs
+        .into_iter()
+        .filter(move |(pair, distance)| *distance < part * surface.threshold(pair.edges));
+    deep.map(|(pair, _)| pair.edges)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

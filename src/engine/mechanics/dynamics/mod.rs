@@ -30,6 +30,7 @@ mod drag;
 mod equilibrium;
 mod exchange;
 mod failure;
+mod flow_overlaps;
 mod flow_scene;
 mod history;
 mod impact;

@@ -1,5 +1,6 @@
 //! A scene in motion or at rest: the entry point of dynamics and statics.
 
+use super::flow_overlaps::FlowOverlaps;
 use super::integrator::{Begun, Integrator};
 use super::parameters::{IntegrationParameters, Scheme};
 use super::report::{SimulationError, StepReport};
@@ -44,11 +45,14 @@ impl Simulation {
         system.update_geometry(&state.unknowns);
         integrator.check_first_drag(scene, &state)?;
         let nodes = system.assembly.rods.nodes;
+        let mut placed = vec![Vector3::zeros(); nodes];
+        copy_positions(&state.unknowns, &mut placed);
+        let overlaps = FlowOverlaps::of(scene, &system, &placed);
         let mut simulation = Self {
             system,
             state,
             integrator,
-            validity: Validity::new(scene).with_steps(&parameters.step),
+            validity: (Validity::new(scene).with_steps(&parameters.step)).with_overlaps(overlaps),
             published: Published {
                 positions: vec![Vector3::zeros(); nodes],
                 velocities: vec![Vector3::zeros(); nodes],

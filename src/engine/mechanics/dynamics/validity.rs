@@ -1,16 +1,19 @@
 //! Remarks on the validity of a simulation: strains beyond the theory, spurious energy, steps far
-//! smaller than requested.
+//! smaller than requested, rods that overlap in a fluid.
 //!
 //! Each causes a warning in the log when it first happens, and a remark with its largest size at
 //! the end. The numbers are those of the model, but a real rod would behave differently.
 
+use super::flow_overlaps::FlowOverlaps;
 use super::parameters::StepSize;
 use super::report::{Energies, StepReport};
-use super::validity_memory::{CaughtSlide, Gain, LargeStrain, SmallSteps, ValidityMemory};
+use super::validity_memory::{
+    CaughtSlide, FlowOverlap, Gain, LargeStrain, SmallSteps, ValidityMemory,
+};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::edge_distance;
 use crate::mechanics::scene::{Clamp, FreeBody, Load, LoadKind, RodDescription, Scene, Tendon};
-use crate::mechanics::system::{SectionScales, Strain, System};
+use crate::mechanics::system::{SectionScales, Strain, System, copy_positions};
 use tracing::warn;
 
 /// Stretch above which a remark is made: Hooke's law and a constant cross-section have an error of
@@ -65,6 +68,8 @@ pub(super) struct Validity {
     distance_tolerance: f64,
     /// Energy below which a gain is ignored, J.
     rounding: f64,
+    /// Finds rods that pass through each other in a fluid.
+    overlaps: Option<FlowOverlaps>,
     pub memory: ValidityMemory,
 }
 
@@ -130,6 +135,7 @@ impl Validity {
                 .contact
                 .map_or(0.0, |contact| contact.distance_tolerance),
             rounding: ROUNDING * scene.rods.iter().map(bending_energy).sum::<f64>(),
+            overlaps: None,
             memory: ValidityMemory {
                 is_conservative: scene.fluid.is_none()
                     && scene.actuations.is_empty()
@@ -146,6 +152,12 @@ impl Validity {
     /// Sets how steps are chosen.
     pub(crate) fn with_steps(mut self, step: &StepSize) -> Self {
         self.has_automatic_steps = matches!(step, StepSize::Auto { .. });
+        self
+    }
+
+    /// Watches rods that interact through a fluid but do not touch.
+    pub(crate) fn with_overlaps(mut self, overlaps: Option<FlowOverlaps>) -> Self {
+        self.overlaps = overlaps;
         self
     }
 
@@ -197,6 +209,23 @@ impl Validity {
             if is_first {
                 warn!("{}", in_words(system, &caught));
             }
+        }
+    }
+
+    /// Checks whether rods pass through each other in a fluid.
+    fn check_overlaps(&mut self, system: &System, unknowns: &[f64], time: f64) {
+        let Some(overlaps) = &self.overlaps else {
+            return;
+        };
+        if self.memory.overlap.is_some() {
+            return;
+        }
+        let mut positions = vec![Vector3::zeros(); system.assembly.rods.nodes];
+        copy_positions(unknowns, &mut positions);
+        if let Some(nodes) = overlaps.find(&positions) {
+            let overlap = FlowOverlap { nodes, time };
+            self.memory.overlap = Some(overlap);
+            warn!("{}", overlap_in_words(system, &overlap));
         }
     }
 
@@ -340,6 +369,7 @@ impl Validity {
         }
         self.check_strains(system, unknowns, time);
         self.check_slides(system, time);
+        self.check_overlaps(system, unknowns, time);
         if !self.memory.is_conservative {
             return None;
         }
@@ -435,7 +465,8 @@ impl Validity {
         let small_steps = memory.small_steps.iter().map(SmallSteps::in_words);
         let ringing = (memory.ringing).map(|since| format!("from t = {since:.4e} s {RINGING}"));
         let slide = memory.slide.map(|caught| in_words(system, &caught));
-        let rest = [gain, ringing, slide, memory.instability.clone()];
+        let overlap = (memory.overlap).map(|overlap| overlap_in_words(system, &overlap));
+        let rest = [gain, ringing, slide, overlap, memory.instability.clone()];
         let found = strains.into_iter().chain(rest).flatten();
         found.chain(small_steps).collect()
     }
@@ -461,6 +492,18 @@ fn in_words(system: &System, caught: &CaughtSlide) -> String {
     format!(
         "the edges of rod `{rail}` are too long for the force with which node {node} of rod `{rod}` slides along it: the corners resist like friction with a coefficient of up to {:.2}{when}; with edges of {:.2e} m it would be {LARGEST_CATCH}",
         caught.friction, caught.edge
+    )
+}
+
+/// Describes rods that pass through each other in a fluid.
+fn overlap_in_words(system: &System, overlap: &FlowOverlap) -> String {
+    let [first, second] = overlap.nodes.map(|node| {
+        let (rod, along) = system.assembly.locate(node);
+        format!("edge {along} of rod `{}`", system.assembly.names[rod])
+    });
+    format!(
+        "from t = {:.4} s {first} and {second} overlap in the fluid, where their drag is not that of rods: give the scene a table [contact], or keep them apart",
+        overlap.time
     )
 }
 

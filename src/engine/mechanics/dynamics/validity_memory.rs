@@ -73,6 +73,15 @@ pub struct CaughtSlide {
     pub time: f64,
 }
 
+/// Two rods that pass through each other in a fluid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FlowOverlap {
+    /// First nodes of the edges that overlap, of the whole scene.
+    pub nodes: [usize; 2],
+    /// When it was found, s.
+    pub time: f64,
+}
+
 /// Record so far: part of the state in checkpoints.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ValidityMemory {
@@ -105,6 +114,8 @@ pub struct ValidityMemory {
     pub small_steps: Vec<SmallSteps>,
     /// The slide with the largest equivalent friction.
     pub slide: Option<CaughtSlide>,
+    /// The first rods that overlap in a fluid.
+    pub overlap: Option<FlowOverlap>,
     /// The remark on an unstable equilibrium.
     pub instability: Option<String>,
 }

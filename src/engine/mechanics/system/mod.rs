@@ -108,7 +108,7 @@ pub(crate) use stage::{angles_of, copy_positions};
 pub(crate) use strain::{SectionScales, Strain};
 use term::Configuration;
 use terms::Terms;
-pub(crate) use touching::name_overlap;
+pub(crate) use touching::{name_overlap, surface_of_rods};
 pub(crate) use turned_elements::moments;
 pub(crate) use turning::Turn;
 pub(crate) use virtual_work::{OfStrains, StrainLaws};

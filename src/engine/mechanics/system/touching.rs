@@ -42,24 +42,10 @@ pub(super) fn contact_of(
             closed: rod.closed,
         }))
     });
-    let placed = curves.as_ref().map(|curves| curves.place(&positions));
-    let mut surface = ContactSurface::new();
-    for (index, (range, rod)) in assembly.rods.rods.iter().zip(&scene.rods).enumerate() {
-        let (first, centreline) = match (&curves, &placed) {
-            (Some(curves), Some(placed)) => {
-                let own = curves.of_rod(index);
-                (own.start, &placed[own])
-            }
-            _ => (range.first_node, rod.centreline.as_slice()),
-        };
-        surface.add_rod(first, centreline, rod.closed, rod.radius, rod.held);
-        if !rod.sections.is_empty() {
-            let chords = if curves.is_some() { PER_EDGE } else { 1 };
-            let (edges, nodes) = radii(rod, chords);
-            surface.set_radii(&edges, &nodes);
-        }
-    }
-    join(&mut surface, scene, assembly);
+    let placed = curves
+        .as_ref()
+        .map(|curves| (curves, curves.place(&positions)));
+    let mut surface = surface_of(scene, assembly, placed);
     add_balls(&mut surface, scene, assembly);
     let bodies = &assembly.rods.rods[scene.rods.len()..];
     for (range, body) in bodies.iter().zip(&scene.free_bodies) {
@@ -115,6 +101,38 @@ pub(super) fn contact_of(
     }
     contact.update_candidates(&positions);
     Ok(Some(ContactOfScene { contact, roots }))
+}
+
+/// The surfaces of all rods as polylines, with their joints.
+pub(crate) fn surface_of_rods(scene: &Scene, assembly: &Assembly) -> ContactSurface {
+    surface_of(scene, assembly, None)
+}
+
+/// The surfaces of all rods, with their joints: of chords of smooth curves with given places of
+/// their ends (m), or of polylines.
+fn surface_of(
+    scene: &Scene,
+    assembly: &Assembly,
+    curves: Option<(&CurvePoints, Vec<Vector3>)>,
+) -> ContactSurface {
+    let mut surface = ContactSurface::new();
+    for (index, (range, rod)) in assembly.rods.rods.iter().zip(&scene.rods).enumerate() {
+        let (first, centreline) = match &curves {
+            Some((curves, placed)) => {
+                let own = curves.of_rod(index);
+                (own.start, &placed[own])
+            }
+            None => (range.first_node, rod.centreline.as_slice()),
+        };
+        surface.add_rod(first, centreline, rod.closed, rod.radius, rod.held);
+        if !rod.sections.is_empty() {
+            let chords = if curves.is_some() { PER_EDGE } else { 1 };
+            let (edges, nodes) = radii(rod, chords);
+            surface.set_radii(&edges, &nodes);
+        }
+    }
+    join(&mut surface, scene, assembly);
+    surface
 }
 
 /// Radii (m) of the edges and of the nodes of a rod with sections, or of the `chords` into which

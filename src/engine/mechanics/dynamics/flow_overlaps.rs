@@ -1,0 +1,103 @@
+//! Rods that pass through each other in a fluid, in a scene without contact.
+//!
+//! Regularized Stokeslets describe the flow between rods whose distance is at least about the sum
+//! of their radii. The velocities of nodes deep inside other rods hardly differ, so that rods that
+//! overlap are nearly stuck together, and a small change of the motion, as by another time step,
+//! changes it altogether.
+
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::{ContactSurface, overlapping_edges};
+use crate::mechanics::fluid::FluidModel;
+use crate::mechanics::scene::Scene;
+use crate::mechanics::system::{System, surface_of_rods};
+use std::collections::BTreeSet;
+
+/// Distance of centrelines, as a fraction of the sum of the radii, below which rods overlap.
+const DEEP: f64 = 0.9;
+
+/// Finds rods that overlap.
+#[derive(Clone, Debug)]
+pub(super) struct FlowOverlaps {
+    surface: ContactSurface,
+    /// Pairs of edges that overlap as placed.
+    at_start: BTreeSet<[usize; 2]>,
+}
+
+impl FlowOverlaps {
+    /// For a scene in which rods interact through a fluid alone, and never touch; `None` for others.
+    pub(crate) fn of(scene: &Scene, system: &System, positions: &[Vector3]) -> Option<Self> {
+        let interacts = matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. }));
+        if !interacts || scene.contact.is_some() {
+            return None;
+        }
+        let surface = surface_of_rods(scene, &system.assembly);
+        Some(Self {
+            at_start: overlapping_edges(&surface, positions, DEEP).collect(),
+            surface,
+        })
+    }
+
+    /// The first nodes of two edges that overlap, and did not as placed.
+    pub(crate) fn find(&self, positions: &[Vector3]) -> Option<[usize; 2]> {
+        let mut overlapping = overlapping_edges(&self.surface, positions, DEEP);
+        let edges = overlapping.find(|edges| !self.at_start.contains(edges))?;
+        Some(edges.map(|edge| self.surface.first_node_of(edge)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Simulation;
+    use super::*;
+    use crate::mechanics::contact::ContactParameters;
+    use crate::mechanics::dynamics::Scheme;
+    use crate::mechanics::scene::RodDescription;
+    use crate::mechanics::test_support::{fixed_steps, free_rods, straight_rod};
+
+    /// Two rods across each other; one falls on the other in a fluid.
+    fn crossing() -> Scene {
+        let thin = RodDescription {
+            radius: 5e-4,
+            ..straight_rod(8, 0.02)
+        };
+        let mut above = RodDescription {
+            name: "above".into(),
+            velocity: Vector3::z() * -0.5,
+            ..thin.clone()
+        };
+        for node in &mut above.centreline {
+            *node = Vector3::new(0.01, node.x - 0.01, 5e-3);
+        }
+        Scene {
+            fluid: Some(FluidModel::RegularizedStokeslets {
+                viscosity: 1e-3,
+                regularization: 1.02,
+                far_field_error: 0.0,
+            }),
+            ..free_rods(vec![thin, above])
+        }
+    }
+
+    #[test]
+    fn rods_that_pass_through_each_other_are_remarked_on_once() {
+        let remarks = |scene: &Scene| {
+            let parameters = fixed_steps(Scheme::ImplicitEuler, 1e-4);
+            let mut simulation = Simulation::new(scene, &parameters).unwrap();
+            while simulation.time() < 0.02 {
+                simulation.advance(0.02).unwrap();
+            }
+            let remarks = simulation.remarks();
+            let of_overlaps = remarks.into_iter().filter(|text| text.contains("overlap"));
+            of_overlaps.collect::<Vec<_>>()
+        };
+        let mut scene = crossing();
+        let found = remarks(&scene);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(
+            found[0].contains("`rod`") && found[0].contains("`above`"),
+            "{found:?}"
+        );
+        scene.contact = Some(ContactParameters::default());
+        assert_eq!(remarks(&scene), [""; 0], "they touch");
+    }
+}
