@@ -1,13 +1,15 @@
 //! Impacts and spurious energy: restitution never exceeds 1, and a run with an enormous gain of
 //! energy ends.
 
+use super::free_body_tests::cuboid;
 use super::*;
-use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
-use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
+use crate::mechanics::rigid_body::RigidBody;
+use crate::mechanics::scene::{FreeBody, RodDescription, Scene, Stiffness};
 use crate::mechanics::test_support::{
     SOFT_MODELS, advance_to, contact, fixed_steps, gravity, ground, pin, section, straight_rod,
 };
+use crate::mechanics::{UnitQuaternion, Vector3};
 
 /// A soft, tilted rod that falls by about 5 cm on a smooth plane.
 fn falling(model: ContactModel) -> Scene {
@@ -257,6 +259,56 @@ fn steps_that_do_not_resolve_an_impact_add_no_energy() {
                 }
                 assert!(least < touches, "it came down");
                 assert!(most < 1.1, "{model:?}, {step} s: {most} of its energy");
+            }
+        }
+    }
+}
+
+/// Vertices of a body have no mass of their own: the force that decelerates them is that of the
+/// whole body. When their stiffness rose without this force, a ball left the plane with up to 850
+/// times its energy.
+#[test]
+fn bodies_whose_impact_steps_resolve_gain_little_energy() {
+    let centre = Vector3::z() * 0.0106;
+    let cube = cuboid("box", centre, [0.02; 3]);
+    let ball = FreeBody {
+        shape: RigidBody::sphere(centre, 0.01),
+        ..cube.clone()
+    };
+    let axes = UnitQuaternion::from_euler_angles(0.5, 0.4, 0.0);
+    let higher = Vector3::z() * 0.018;
+    let on_corner = FreeBody {
+        shape: RigidBody::cuboid(higher, Vector3::repeat(0.02), &axes, 1e-3),
+        centre: higher,
+        axes,
+        ..cube.clone()
+    };
+    for model in SOFT_MODELS {
+        for (body, what) in [(&cube, "box"), (&ball, "ball"), (&on_corner, "corner")] {
+            for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
+                for step in [3e-6, 1e-5, 1e-4] {
+                    let scene = Scene {
+                        rods: Vec::new(),
+                        free_bodies: vec![FreeBody {
+                            velocity: -0.1 * Vector3::z(),
+                            ..body.clone()
+                        }],
+                        ..landing(model)
+                    };
+                    let parameters = fixed_steps(scheme, step);
+                    let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+                    let energy = |simulation: &Simulation| {
+                        let energies = simulation.energies();
+                        energies.kinetic + energies.contact
+                    };
+                    let start = energy(&simulation);
+                    advance_to(&mut simulation, 0.04);
+                    let end = energy(&simulation) / start;
+                    assert!(
+                        (1e-3..1.02).contains(&end),
+                        "{what}, {model:?}, {scheme:?}, {step} s: {end} of its energy"
+                    );
+                }
             }
         }
     }

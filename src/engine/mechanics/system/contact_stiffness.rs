@@ -15,9 +15,10 @@
 //! the impact, the more the smaller the steps. So k rises for no more than [`STATIC`] times the force
 //! without inertia, or the force that stops the node within [`STOPPING`] times δ if this is larger:
 //! F = m v²/(2 · 5 δ), where v is the largest speed in the scene. The energy of contacts that carry
-//! F is then at most a part of that of the node. In steps longer than 10 δ/v, which do not resolve
-//! an impact, the forces m v/h are smaller, and the limit does not act. The midpoint rule has
-//! neither bound, since it extrapolates through contacts that are too soft.
+//! F is then at most a part of that of the node. For a vertex of a free body, the force without
+//! inertia is that on the body, and m is the mass felt at the vertex. In steps longer than 10 δ/v,
+//! which do not resolve an impact, the forces m v/h are smaller, and the limit does not act. The
+//! midpoint rule has neither bound, since it extrapolates through contacts that are too soft.
 
 use super::contact::Contact;
 use super::{Stage, System, copy_positions};
@@ -121,7 +122,8 @@ impl System {
                 by: LimitedBy::Nothing,
             };
         };
-        let node = contact.node_of(node);
+        let touching = contact.node_of(node);
+        let node = self.carrier(touching);
         let mass = self.assembly.masses[STRIDE * node];
         let velocity = |node: usize| position(&stage.velocity, node);
         let predicted = (position(unknowns, node) - position(&stage.start, node)) / stage.step;
@@ -133,12 +135,15 @@ impl System {
         let fastest = speeds.max_by(|one, other| one.1.total_cmp(&other.1));
         let (fastest, square) = fastest.unwrap_or((node, 0.0));
         let distance = STOPPING * contact.parameters().distance_tolerance;
-        let stopping = 0.5 * mass * square / distance;
+        let mut felt = self.assembly.masses_at_vertices();
+        let felt = felt.find(|(vertex, _)| *vertex == touching);
+        let stopped = felt.map_or(mass, |(_, mass)| mass);
+        let stopping = 0.5 * stopped * square / distance;
         let other = STATIC * without_inertia.norm();
         ReactionLimit {
             stiffness: factor * stopping.max(other),
             by: if stopping > other {
-                LimitedBy::Speed(fastest, factor * mass / distance)
+                LimitedBy::Speed(fastest, factor * stopped / distance)
             } else {
                 let per_velocity = mass / stage.acceleration_step;
                 LimitedBy::Force(StaticForce {
@@ -149,6 +154,14 @@ impl System {
                 })
             },
         }
+    }
+
+    /// The node whose inertia a contact force at a node moves: the centre of a free body for one of
+    /// its vertices, which have no mass.
+    fn carrier(&self, node: usize) -> usize {
+        let mut frames = self.assembly.joints.free_frames();
+        let own = frames.find(|(_, _, vertices)| vertices.nodes().contains(&node));
+        own.map_or(node, |(_, _, vertices)| vertices.centre)
     }
 
     /// Stores positions and forces of an evaluation without contact.
