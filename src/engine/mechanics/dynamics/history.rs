@@ -52,11 +52,6 @@ impl History {
         }
     }
 
-    /// Whether there is no earlier step.
-    pub(crate) fn is_cut(&self) -> bool {
-        self.steps[0].size == 0.0
-    }
-
     /// Resets the history after the state was set to rest at another configuration.
     pub(crate) fn forget(&mut self) {
         self.cut();

@@ -1,5 +1,4 @@
-//! Impacts that steps do not resolve. They are taken by implicit Euler, which adds no energy:
-//! restitution is never more than 1.
+//! Impacts that steps do not resolve: restitution is never more than 1.
 //!
 //! **The midpoint rule** evaluates contact forces in the middle of a step and extrapolates from
 //! there to its end. A rod that comes into contact within a step may therefore be carried deep into
@@ -13,10 +12,10 @@
 //!
 //! **Backward differences** extrapolate from steps before the impact. A rod that approaches at V
 //! and touches after the fraction s of a step has at its end the velocity (x₁ − x̂)/H = (5 − 11 s)
-//! V/6, up to 0.83 V away from the contact, although no contact pushed it. The step after continues
-//! the change with a third of it, so that the rod leaves with up to 1.44 V, twice its energy. A step
-//! with such a jump forgets the steps before, which makes it one of implicit Euler, and so does the
-//! next.
+//! V/6, up to 0.83 V away from the contact. The step after continues the change with a third of it,
+//! so that the rod would leave with up to 1.44 V, twice its energy. The step after such a jump
+//! therefore forgets the steps before, which makes it one of implicit Euler, and the rod leaves with
+//! 0.83 V at most.
 //!
 //! The velocity of a contact jumps if its normal part u is not the one, u*, that earlier steps
 //! predict: |u − u*| ≥ 0.3 max(|u₀|, |u|), by a way h |u − u*| that the contact does not resolve. It

@@ -60,7 +60,7 @@ pub(super) struct Integrator {
     last_failure: Option<LastFailure>,
     /// Whether velocities of the last step ring.
     pub rings: bool,
-    /// Whether the last step ended with a jump, and the steps before were forgotten.
+    /// Whether velocities jumped in the last step, so that the next one starts anew.
     pub is_cut: bool,
     /// A series of steps far smaller than requested, kept until the caller takes it.
     pub small_row: Option<SmallSteps>,
@@ -205,7 +205,6 @@ impl Integrator {
         let (mut setting, sizes) = (self.setting, self.setting.parameters.step);
         let mut is_prepared = true;
         let (mut deepenings, mut stiffenings, mut crosses) = (0, 0, false);
-        self.is_cut = false;
         loop {
             let step = goal - state.time;
             if !is_prepared {
@@ -246,21 +245,6 @@ impl Integrator {
                     report.newton_iterations += attempt.iterations;
                     report.fluid_iterations += attempt.fluid_iterations;
                     match self.decide(step, &attempt) {
-                        Decision::Accept if !self.is_cut && self.jumps(system, state, goal) => {
-                            self.is_cut = true;
-                            if state.history.is_cut() {
-                                break;
-                            }
-                            state.history.cut();
-                            system.restore_contact_stiffness(stiffness);
-                            debug!(
-                                time = state.time,
-                                step,
-                                reason = "velocities jump at contacts",
-                                "an impact ends the step"
-                            );
-                            step
-                        }
                         Decision::Accept => {
                             self.rings = attempt.rings;
                             break;
@@ -328,6 +312,7 @@ impl Integrator {
         (report.obstacle_work, report.contact_force) = system.work_of_obstacles();
         report.stiffening = system.energy_of_stiffening(stiffness);
         self.heed_events(system, state.time, goal);
+        self.is_cut = self.jumps(system, state, goal);
         self.accept(system, state, goal);
         if self.is_cut {
             state.history.cut();

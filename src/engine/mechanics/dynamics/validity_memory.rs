@@ -89,6 +89,8 @@ pub struct ValidityMemory {
     pub steps: usize,
     /// Work of clamps and obstacles minus the losses since the start, J.
     pub taken_in: f64,
+    /// Part of it that stiffer contacts added, J.
+    pub stiffened: f64,
     /// Sum of the absolute values of work and losses, J.
     pub exchanged: f64,
     /// Least value so far of the energy minus the energy taken in until then, J.

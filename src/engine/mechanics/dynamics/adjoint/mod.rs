@@ -217,7 +217,6 @@ impl Recording {
                     unknowns: end.solution(),
                     contact_stiffness: contact.map_or(0.0, |contact| contact.stiffness),
                     pressing: end.pressing.clone(),
-                    is_cut: end.is_cut,
                 };
                 let replayed = Replayed::transposed(&taken, centre)?;
                 let mut step = StepBack::new(centre, &replayed, end.solution());

@@ -26,8 +26,6 @@ pub(super) struct End {
     solution: Option<Vec<f64>>,
     /// Contacts that press by complementarity.
     pub pressing: Vec<ActiveLaw>,
-    /// Whether the step forgot the steps before, as in an impact.
-    pub is_cut: bool,
 }
 
 impl End {
@@ -38,7 +36,6 @@ impl End {
             solution: (*solution != simulation.state.unknowns).then(|| solution.clone()),
             state: simulation.state(),
             pressing: simulation.system.pressing(),
-            is_cut: simulation.integrator.is_cut,
         }
     }
 

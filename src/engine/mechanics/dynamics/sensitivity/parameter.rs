@@ -99,9 +99,6 @@ impl Parameter {
             unknowns: self.state.unknowns.clone(),
             velocity: self.state.velocity.clone(),
         };
-        if replayed.is_cut {
-            self.state.history.cut();
-        }
         rules.begin(step, &self.state, turning, &mut stage, &mut prediction);
         let mut right_hand_side = Self::motion_forces(&stage, &replayed.solution, centre);
         let mut velocity = vec![0.0; right_hand_side.len()];
@@ -109,7 +106,7 @@ impl Parameter {
         for (neighbour, sign) in self.neighbours.iter_mut().zip(SIGNS) {
             let weight = sign / (2.0 * self.step);
             let before = neighbour.system.contact_stiffness();
-            neighbour.begin_like(goal, replayed.is_cut)?;
+            neighbour.begin_like(goal)?;
             replayed.stiffen(neighbour, before)?;
             neighbour.system.share_active_laws(&centre.system);
             let from = neighbour.stage_from(centre, step);
@@ -169,10 +166,11 @@ impl Parameter {
             let neighbour = &mut self.neighbours[index];
             let away = sign * self.step;
             let next = |k: usize| base.integrator.workspace.next_velocity[k] + away * own[k];
-            self.exchanges[index] = neighbour.accept_like(replayed, next);
+            self.exchanges[index] = neighbour.accept_like(goal, &replayed.long, next);
+            neighbour.cut_like(base);
         }
         self.state.advance_to(goal, &change, &own);
-        if replayed.is_cut {
+        if base.integrator.is_cut {
             self.state.history.cut();
         }
         if !replayed.long.is_empty() {

@@ -27,8 +27,6 @@ pub(in crate::mechanics::dynamics) struct Replayed {
     pub jacobian: WholeMatrix,
     /// The residual at the end of the stage; at held unknowns the reactions.
     pub residual: Vec<f64>,
-    /// Whether the step forgot the steps before, as in an impact.
-    pub is_cut: bool,
     /// Frames whose rotation vectors are reset at the end.
     pub long: Vec<usize>,
     /// Contact stiffness k, and its ratio to that from the forces at the prediction.
@@ -48,8 +46,6 @@ pub(in crate::mechanics::dynamics) struct Taken<'a> {
     pub contact_stiffness: f64,
     /// Contacts that press by complementarity.
     pub pressing: Vec<ActiveLaw>,
-    /// Whether it forgot the steps before, as in an impact.
-    pub is_cut: bool,
 }
 
 impl<'a> Taken<'a> {
@@ -60,7 +56,6 @@ impl<'a> Taken<'a> {
             unknowns: &simulation.integrator.workspace.trial.unknowns,
             contact_stiffness: simulation.system.contact_stiffness(),
             pressing: simulation.system.pressing(),
-            is_cut: simulation.integrator.is_cut,
         }
     }
 }
@@ -96,7 +91,7 @@ impl Replayed {
         let goal = taken.time;
         let step = goal - centre.state.time;
         let before = centre.system.contact_stiffness();
-        centre.begin_like(goal, taken.is_cut)?;
+        centre.begin_like(goal)?;
         let adapted = centre.system.contact_stiffness();
         let used = taken.contact_stiffness;
         let setting = centre.integrator.setting;
@@ -150,7 +145,6 @@ impl Replayed {
             solution,
             jacobian,
             residual: system.residual.clone(),
-            is_cut: taken.is_cut,
             long: system.long_rotations(taken.unknowns),
             stiffness: used,
             stiffening: if adapted > 0.0 { used / adapted } else { 1.0 },
@@ -198,15 +192,11 @@ impl Simulation {
         self.integrator.setting.parameters.scheme.rules()
     }
 
-    /// Begins a step to `goal` up to its prediction, with the contact stiffness for it. If it `is_cut`,
-    /// it forgets the steps before.
+    /// Begins a step to `goal` up to its prediction, with the contact stiffness for it.
     ///
     /// # Errors
     /// If a rod reaches a position at which the drag is not defined.
-    pub(super) fn begin_like(&mut self, goal: f64, is_cut: bool) -> Result<(), SimulationError> {
-        if is_cut {
-            self.state.history.cut();
-        }
+    pub(super) fn begin_like(&mut self, goal: f64) -> Result<(), SimulationError> {
         let extrapolates = self.rules().extrapolates();
         let Self {
             system,
@@ -268,13 +258,13 @@ impl Simulation {
     }
 
     /// Accepts the step that ends in the workspace, with a velocity, and resets the rotation
-    /// vectors of the frames of the repeated step; returns the work and losses of the step.
+    /// vectors of some frames; returns the work and losses of the step.
     pub(super) fn accept_like(
         &mut self,
-        replayed: &Replayed,
+        goal: f64,
+        long: &[usize],
         velocity: impl Fn(usize) -> f64,
     ) -> Exchange {
-        let goal = replayed.goal;
         let scheme = self.integrator.setting.parameters.scheme;
         let Self {
             system,
@@ -286,12 +276,16 @@ impl Simulation {
         next.enumerate().for_each(|(k, next)| *next = velocity(k));
         let exchange = integrator.accepted(system, state, goal, scheme).exchange();
         integrator.accept(system, state, goal);
-        if replayed.is_cut {
-            state.history.cut();
-        }
-        system.begin_rotations_anew(&replayed.long, &mut state.motions());
+        system.begin_rotations_anew(long, &mut state.motions());
         self.publish();
         exchange
+    }
+
+    /// Forgets the steps before, if `base` has after its last step.
+    pub(super) fn cut_like(&mut self, base: &Self) {
+        if base.integrator.is_cut {
+            self.state.history.cut();
+        }
     }
 
     /// Ends the step of this simulation at the end of that of `base`.
@@ -308,7 +302,8 @@ impl Simulation {
         let end = &mut self.integrator.workspace.trial.unknowns;
         end.copy_from_slice(&taken.trial.unknowns);
         self.system.update_geometry(end);
-        self.accept_like(replayed, |k| taken.next_velocity[k]);
+        self.accept_like(replayed.goal, &replayed.long, |k| taken.next_velocity[k]);
+        self.cut_like(base);
         Ok(())
     }
 
