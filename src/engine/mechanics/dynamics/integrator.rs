@@ -60,7 +60,7 @@ pub(super) struct Integrator {
     last_failure: Option<LastFailure>,
     /// Whether velocities of the last step ring.
     pub rings: bool,
-    /// Whether velocities jumped in the last step, so that the next one starts anew.
+    /// Whether velocities jumped in the last step, and the next one forgets the steps before.
     pub is_cut: bool,
     /// A series of steps far smaller than requested, kept until the caller takes it.
     pub small_row: Option<SmallSteps>,
