@@ -22,10 +22,12 @@ const STRETCHING: f64 = 1e3;
 const WRAPPED_EDGES: usize = 80;
 /// Number of edges in each leg.
 const LEG_EDGES: usize = 60;
+/// Both of them.
 const FINE: [usize; 2] = [WRAPPED_EDGES, LEG_EDGES];
 
 /// Checks ropes over a cylinder at rest and a turning one, over a sphere and over meshes of the
-/// cylinder, also as smooth curves, a beam lifted by the edge of a box and by balls, and rods in tubes.
+/// cylinder, also as smooth curves, a beam lifted by the edge of a box and by balls, and rods in
+/// tubes.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let cylinder = || {
         toml! {

@@ -5,11 +5,12 @@
 //! overlap are nearly stuck together, and a small change of the motion, as by another time step,
 //! changes it altogether.
 
+use super::validity_memory::FlowOverlap;
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactSurface, overlapping_edges};
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::Scene;
-use crate::mechanics::system::{System, surface_of_rods};
+use crate::mechanics::system::{System, copy_positions, surface_of_rods};
 use std::collections::BTreeSet;
 
 /// Distance of centrelines, as a fraction of the sum of the radii, below which rods overlap.
@@ -25,24 +26,45 @@ pub(super) struct FlowOverlaps {
 
 impl FlowOverlaps {
     /// For a scene in which rods interact through a fluid alone, and never touch; `None` for others.
-    pub(crate) fn of(scene: &Scene, system: &System, positions: &[Vector3]) -> Option<Self> {
+    pub(crate) fn of(scene: &Scene, system: &System, unknowns: &[f64]) -> Option<Self> {
         let interacts = matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. }));
         if !interacts || scene.contact.is_some() {
             return None;
         }
         let surface = surface_of_rods(scene, &system.assembly);
         Some(Self {
-            at_start: overlapping_edges(&surface, positions, DEEP).collect(),
+            at_start: overlapping_edges(&surface, &positions_of(system, unknowns), DEEP).collect(),
             surface,
         })
     }
 
     /// The first nodes of two edges that overlap, and did not as placed.
-    pub(crate) fn find(&self, positions: &[Vector3]) -> Option<[usize; 2]> {
-        let mut overlapping = overlapping_edges(&self.surface, positions, DEEP);
+    pub(crate) fn find(&self, system: &System, unknowns: &[f64]) -> Option<[usize; 2]> {
+        let positions = positions_of(system, unknowns);
+        let mut overlapping = overlapping_edges(&self.surface, &positions, DEEP);
         let edges = overlapping.find(|edges| !self.at_start.contains(edges))?;
         Some(edges.map(|edge| self.surface.first_node_of(edge)))
     }
+}
+
+impl FlowOverlap {
+    /// Describes the overlap.
+    pub(super) fn in_words(&self, system: &System) -> String {
+        let [first, second] = self.nodes.map(|node| {
+            let (rod, along) = system.assembly.locate(node);
+            format!("edge {along} of rod `{}`", system.assembly.names[rod])
+        });
+        format!(
+            "from t = {:.4} s {first} and {second} overlap in the fluid, where the drag model is not valid: add a table [contact], or keep them apart",
+            self.time
+        )
+    }
+}
+
+fn positions_of(system: &System, unknowns: &[f64]) -> Vec<Vector3> {
+    let mut positions = vec![Vector3::zeros(); system.assembly.rods.nodes];
+    copy_positions(unknowns, &mut positions);
+    positions
 }
 
 #[cfg(test)]

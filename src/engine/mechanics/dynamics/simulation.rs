@@ -45,9 +45,7 @@ impl Simulation {
         system.update_geometry(&state.unknowns);
         integrator.check_first_drag(scene, &state)?;
         let nodes = system.assembly.rods.nodes;
-        let mut placed = vec![Vector3::zeros(); nodes];
-        copy_positions(&state.unknowns, &mut placed);
-        let overlaps = FlowOverlaps::of(scene, &system, &placed);
+        let overlaps = FlowOverlaps::of(scene, &system, &state.unknowns);
         let mut simulation = Self {
             system,
             state,

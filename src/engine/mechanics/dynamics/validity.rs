@@ -13,7 +13,7 @@ use super::validity_memory::{
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::edge_distance;
 use crate::mechanics::scene::{Clamp, FreeBody, Load, LoadKind, RodDescription, Scene, Tendon};
-use crate::mechanics::system::{SectionScales, Strain, System, copy_positions};
+use crate::mechanics::system::{SectionScales, Strain, System};
 use tracing::warn;
 
 /// Stretch above which a remark is made: Hooke's law and a constant cross-section have an error of
@@ -219,12 +219,10 @@ impl Validity {
         if self.memory.overlap.is_some() {
             return;
         }
-        let mut positions = vec![Vector3::zeros(); system.assembly.rods.nodes];
-        copy_positions(unknowns, &mut positions);
-        if let Some(nodes) = overlaps.find(&positions) {
+        if let Some(nodes) = overlaps.find(system, unknowns) {
             let overlap = FlowOverlap { nodes, time };
             self.memory.overlap = Some(overlap);
-            warn!("{}", overlap_in_words(system, &overlap));
+            warn!("{}", overlap.in_words(system));
         }
     }
 
@@ -468,7 +466,7 @@ impl Validity {
         let small_steps = memory.small_steps.iter().map(SmallSteps::in_words);
         let ringing = (memory.ringing).map(|since| format!("from t = {since:.4e} s {RINGING}"));
         let slide = memory.slide.map(|caught| in_words(system, &caught));
-        let overlap = (memory.overlap).map(|overlap| overlap_in_words(system, &overlap));
+        let overlap = (memory.overlap).map(|overlap| overlap.in_words(system));
         let rest = [gain, ringing, slide, overlap, memory.instability.clone()];
         let found = strains.into_iter().chain(rest).flatten();
         found.chain(small_steps).collect()
@@ -495,18 +493,6 @@ fn in_words(system: &System, caught: &CaughtSlide) -> String {
     format!(
         "the edges of rod `{rail}` are too long for the force with which node {node} of rod `{rod}` slides along it: the corners resist like friction with a coefficient of up to {:.2}{when}; with edges of {:.2e} m it would be {LARGEST_CATCH}",
         caught.friction, caught.edge
-    )
-}
-
-/// Describes rods that pass through each other in a fluid.
-fn overlap_in_words(system: &System, overlap: &FlowOverlap) -> String {
-    let [first, second] = overlap.nodes.map(|node| {
-        let (rod, along) = system.assembly.locate(node);
-        format!("edge {along} of rod `{}`", system.assembly.names[rod])
-    });
-    format!(
-        "from t = {:.4} s {first} and {second} overlap in the fluid, where their drag is not that of rods: give the scene a table [contact], or keep them apart",
-        overlap.time
     )
 }
 
