@@ -9,6 +9,7 @@ use super::contacts::{
     PlaneContact, PlaneJacobian, Proximity,
 };
 use super::curve_points::CurvePoints;
+use super::evaluated::Evaluated;
 use super::iterate::Iterate;
 use super::multipliers::Multipliers;
 use super::parameters::ContactParameters;
@@ -99,6 +100,7 @@ pub struct ContactSystem {
     pub(super) contact_count: usize,
     /// Whether the position of each node of the rods is prescribed.
     pub(super) prescribed: Vec<bool>,
+    pub(super) evaluated: Evaluated,
     /// Prescribed points that touched at the last evaluation.
     pub(super) without_force: Vec<Proximity>,
 }
@@ -158,6 +160,7 @@ impl ContactSystem {
             obstacle_pace: 1.0,
             contact_count: 0,
             prescribed: Vec::new(),
+            evaluated: Evaluated::default(),
             without_force: Vec::new(),
         }
     }

@@ -68,6 +68,7 @@ mod directed_friction;
 mod distance;
 mod edge_contact;
 mod edge_turn;
+mod evaluated;
 mod evaluation;
 mod foot;
 mod friction;
@@ -83,12 +84,14 @@ mod normal_law;
 mod normal_response;
 #[cfg(test)]
 mod obstacle_tests;
+mod pair_evaluation;
 mod parameters;
 mod patch;
 mod patch_search;
 mod placed_obstacles;
 mod plane;
 mod plane_contact;
+
 mod plane_evaluation;
 mod potential;
 mod prescribed;

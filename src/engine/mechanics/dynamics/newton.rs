@@ -165,7 +165,7 @@ impl Newton {
             }
             let after = Progress::of(system, &self.direction);
             system.set_moved_slightly(course.last_move <= SLIGHT_MOVE * stopping.radius);
-            system.linearize(unknowns, Some(stage));
+            system.linearize_evaluated(unknowns, Some(stage));
             if carries || after.suffices(&before) {
                 continue;
             }
@@ -178,7 +178,7 @@ impl Newton {
             let part = self.line_search(system, stage, unknowns, &before, &after, part);
             course.last_move = part * largest_move(&self.direction);
             course.is_corrected = false;
-            system.linearize(unknowns, Some(stage));
+            system.linearize_evaluated(unknowns, Some(stage));
         }
         unreachable!("the last iteration returns")
     }

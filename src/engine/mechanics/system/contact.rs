@@ -60,6 +60,8 @@ const NO_PATH: SceneError = SceneError::Unsuitable(
 pub(crate) struct Contact {
     /// The contact model, if the scene has one.
     pub model: Option<ContactSystem>,
+    /// Whether its forces were evaluated at the present configuration, and its Jacobians were not.
+    is_evaluated: bool,
     /// Messages on contact that is ignored where rods are rooted in other bodies, one sentence
     /// each.
     pub roots: Vec<String>,
@@ -185,6 +187,7 @@ impl Term for Contact {
         let nodes = assembly.rods.nodes;
         let mut contact = Self {
             model,
+            is_evaluated: false,
             roots,
             rubs: [friction > 0.0 || on_obstacles, on_planes],
             lists_nodes: on_planes || on_obstacles || !scene.free_bodies.is_empty(),
@@ -244,12 +247,17 @@ impl Term for Contact {
         }
     }
 
+    fn update(&mut self, _: &Configuration) {
+        self.is_evaluated = false;
+    }
+
     fn evaluate(&mut self, at: &Configuration, residual: &mut [f64]) {
         if let Some(contact) = &mut self.model {
             copy_positions(at.unknowns, &mut self.positions);
             set_angles(contact, at);
             let (previous, step) = start_of(at.stage, &self.positions);
             contact.evaluate_forces(&self.positions, previous, step);
+            self.is_evaluated = true;
         }
         self.add_forces(at, residual);
     }
@@ -259,7 +267,12 @@ impl Term for Contact {
             copy_positions(at.unknowns, &mut self.positions);
             set_angles(contact, at);
             let (previous, step) = start_of(at.stage, &self.positions);
-            contact.evaluate(&self.positions, previous, step);
+            if self.is_evaluated {
+                contact.evaluate_jacobians(&self.positions, previous, step);
+                self.is_evaluated = false;
+            } else {
+                contact.evaluate(&self.positions, previous, step);
+            }
         }
         self.add_forces(at, residual);
         if let Some(contact) = &mut self.model {

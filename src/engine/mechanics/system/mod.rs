@@ -344,6 +344,7 @@ impl System {
     /// Evaluates the residual at `unknowns`.
     pub fn evaluate(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
         self.begin_evaluation(unknowns, stage);
+        self.residual.fill(0.0);
         let parts = self.parts(unknowns, stage);
         for term in parts.terms.all_mut() {
             term.evaluate(&parts.at, parts.residual);
@@ -354,6 +355,13 @@ impl System {
     /// Evaluates residual and Jacobian at `unknowns`.
     pub fn linearize(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
         self.linearize_all(unknowns, stage);
+        self.matrix.hold(&self.assembly.held);
+    }
+
+    /// Like [`Self::linearize`], with the arguments of the last [`Self::evaluate`]: its frames and
+    /// contact forces are used again.
+    pub(crate) fn linearize_evaluated(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
+        self.add_linearised_terms(unknowns, stage);
         self.matrix.hold(&self.assembly.held);
     }
 
@@ -385,6 +393,11 @@ impl System {
 
     fn linearize_all(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
         self.begin_evaluation(unknowns, stage);
+        self.add_linearised_terms(unknowns, stage);
+    }
+
+    fn add_linearised_terms(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
+        self.residual.fill(0.0);
         self.matrix.clear();
         let parts = self.parts(unknowns, stage);
         for (number, term) in parts.terms.all_mut().into_iter().enumerate() {
@@ -400,7 +413,6 @@ impl System {
             self.undamp();
         }
         self.update_geometry(unknowns);
-        self.residual.fill(0.0);
     }
 
     /// Configuration at which forces are evaluated.

@@ -2,7 +2,7 @@
 //! differences: rings, ghost edges on either side, moments, drag, contact with and without friction.
 
 use super::*;
-use crate::mechanics::contact::ContactParameters;
+use crate::mechanics::contact::{ContactParameters, FrictionAt};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{
     Clamp, Inertia, Load, LoadKind, Motion, NaturalShape, Plane, RodDescription, Scene,
@@ -224,50 +224,83 @@ fn the_jacobian_of_a_moment_is_exact() {
     assert!(jacobian_error(&mut system, &unknowns, None, 1e-6) < 1e-8);
 }
 
+/// A rod across another one over a plane, with friction; and, in a step, positions at which the
+/// upper rod is pressed on the lower one and slides, and the lower one is on the plane.
+fn pressed_rods(friction: f64, friction_at: FrictionAt) -> (System, Vec<f64>, Stage) {
+    let across = (0..5).map(|k| Vector3::new(0.51, 0.3 + 0.23 * (k as f64 - 1.7), 0.22));
+    let scene = Scene {
+        rods: vec![
+            rod("lower", arc(6, 0.06), false),
+            rod("upper", across.collect(), false),
+        ],
+        planes: vec![Plane {
+            point: Vector3::zeros(),
+            normal: Vector3::z(),
+            friction: Some(friction),
+            directed_friction: None,
+        }],
+        contact: Some(ContactParameters {
+            distance_tolerance: 0.02,
+            friction,
+            friction_at,
+            slip_tolerance: 1.0,
+            ..ContactParameters::default()
+        }),
+        ..Scene::default()
+    };
+    let mut system = System::new(&scene).unwrap();
+    let contact = system.terms.contact.model.as_mut().unwrap();
+    contact.set_stiffness(2.0);
+    let start = perturbed(&system, 0.004);
+    let mut unknowns = start.clone();
+    for node in 0..system.assembly.rods.nodes {
+        unknowns[STRIDE * node] += 0.01;
+        unknowns[STRIDE * node + 2] -= if node < 6 { 0.012 } else { 0.024 };
+    }
+    let stage = stage_at(&system, start);
+    system.update_candidates(&unknowns);
+    (system, unknowns, stage)
+}
+
+#[test]
+fn a_linearisation_after_an_evaluation_is_the_same_as_one_alone() {
+    for friction_at in [FrictionAt::Centreline, FrictionAt::Surface] {
+        let results = [false, true].map(|is_evaluated| {
+            let (mut system, unknowns, stage) = pressed_rods(0.4, friction_at);
+            let nodes = system.assembly.rods.nodes;
+            // One node of the lower rod touches the plane and is held.
+            system.assembly.held[..3].fill(true);
+            let contact = system.terms.contact.model.as_mut().unwrap();
+            contact.set_prescribed((0..nodes).map(|node| node == 0));
+            // The contact forces of the first iteration are known in the second, in which the
+            // upper rod is lifted.
+            system.begin_iterations(&stage);
+            system.linearize(&unknowns, Some(&stage));
+            let mut lifted = unknowns;
+            for node in 6..nodes {
+                lifted[STRIDE * node + 2] += 0.1;
+            }
+            if is_evaluated {
+                system.evaluate(&lifted, Some(&stage));
+                system.linearize_evaluated(&lifted, Some(&stage));
+            } else {
+                system.linearize(&lifted, Some(&stage));
+            }
+            let contact = system.contact().unwrap();
+            assert!(contact.contacts().len() * contact.plane_contacts().len() > 0);
+            let near: Vec<_> = contact.touching().collect();
+            assert!(near.len() > contact.contacts().len() + contact.plane_contacts().len());
+            let (energy, count) = (contact.energy(), contact.contact_count());
+            (system.dense_matrix(), system.residual, near, energy, count)
+        });
+        assert_eq!(results[0], results[1]);
+    }
+}
+
 #[test]
 fn the_jacobian_of_contact_and_friction_is_exact() {
     for friction in [0.0, 0.4] {
-        let crossing = |y: f64, z: f64| {
-            (0..5)
-                .map(|k| Vector3::new(0.5 + 0.1 * (y - 0.2), y + 0.23 * (k as f64 - 1.7), z))
-                .collect::<Vec<_>>()
-        };
-        let scene = Scene {
-            rods: vec![
-                rod("lower", arc(6, 0.06), false),
-                rod("upper", crossing(0.3, 0.22), false),
-            ],
-            planes: vec![Plane {
-                point: Vector3::zeros(),
-                normal: Vector3::z(),
-                friction: Some(friction),
-                directed_friction: None,
-            }],
-            contact: Some(ContactParameters {
-                distance_tolerance: 0.02,
-                friction,
-                slip_tolerance: 1.0,
-                ..ContactParameters::default()
-            }),
-            ..Scene::default()
-        };
-        let mut system = System::new(&scene).unwrap();
-        system
-            .terms
-            .contact
-            .model
-            .as_mut()
-            .unwrap()
-            .set_stiffness(2.0);
-        let start = perturbed(&system, 0.004);
-        let mut unknowns = start.clone();
-        // Press the upper rod down and slide it, and the lower rod onto the plane.
-        for node in 0..system.assembly.rods.nodes {
-            unknowns[STRIDE * node] += 0.01;
-            unknowns[STRIDE * node + 2] -= if node < 6 { 0.012 } else { 0.024 };
-        }
-        let stage = stage_at(&system, start);
-        system.update_candidates(&unknowns);
+        let (mut system, unknowns, stage) = pressed_rods(friction, FrictionAt::Centreline);
         let error = jacobian_error(&mut system, &unknowns, Some(&stage), 1e-7);
         let contact = system.contact().unwrap();
         assert!(!contact.contacts().is_empty() && !contact.plane_contacts().is_empty());
