@@ -18,7 +18,7 @@
 //! | `mechanisms` | rods with tendons, winches and bungees, wires that yield, snakes on scales |
 //! | `units` | scenes of these in other units of length, time and mass |
 //!
-//! One in four impacts has rods that taper and have steps, one in four has free bodies, one in four
+//! One in four impacts has rods that taper and have steps and parts with friction of their own, one in four has free bodies, one in four
 //! a box, and one in four a landscape of triangles, which may stand for a smooth surface. In one of
 //! three without bodies, rods touch as smooth curves.
 //!
@@ -347,12 +347,13 @@ fn sections(random: &mut Random, radius: f64, size: f64) -> String {
     let thin = radius * random.decades(0.3, 1.0);
     format!(
         "[[rods.sections]]\nfrom = {:e}\nto = {:e}\nend_radius = {thin:e}\n\
-         [[rods.sections]]\nradius = {:e}\nyoungs_modulus = {:e}\ndensity = {:e}\n",
+         [[rods.sections]]\nradius = {:e}\nyoungs_modulus = {:e}\ndensity = {:e}\nfriction = {:e}\n",
         size * random.between(0.0, 0.5),
         size * random.between(0.5, 1.5),
         radius * random.decades(0.3, 1.0),
         random.decades(1e5, 1e9),
         random.decades(3e2, 8e3),
+        random.between(0.0, 1.0),
     )
 }
 

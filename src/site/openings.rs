@@ -22,8 +22,8 @@ const OPENINGS: &[[&str; 4]] = &[
     ],
     [
         "sections",
-        "whip_with_disk.svg",
-        "A whip with a disk at its end swings",
+        "fishing_rod.png",
+        "A fishing rod bends as it casts a lure",
         "rodlab run fishing_rod",
     ],
     [

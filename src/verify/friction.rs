@@ -8,12 +8,16 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::contact::{ContactModel, ContactParameters};
 use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Simulation};
 use rodlab_engine::mechanics::scene::{
-    Body, Clamp, Joint, JointKind, LoadKind, Motion, Plane, RodDescription, RodNode, Scene,
-    Stiffness, Strength,
+    Body, Clamp, EdgeSection, Joint, JointKind, LoadKind, Motion, Plane, RodDescription, RodNode,
+    Scene, Stiffness, Strength,
 };
 use std::f64::consts::PI;
 
 const SLIDING: Expectation = Expectation::new("a = g (sin α − μ cos α)", "Coulomb");
+const COATED: Expectation = Expectation::new(
+    "a = g (sin α − ½ (√μ₁μ₀ + √μ₂μ₀) cos α)",
+    "Coulomb; geometric mean",
+);
 const STICKING: Expectation = Expectation::new("v = 0 for μ > tan α", "Coulomb");
 const CAPSTAN: Expectation = Expectation::new(
     "T₂ = T₁ exp(μφ), corrected for EI",
@@ -51,6 +55,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
             STICKING
                 .of(sticking, "")
                 .zero(shallow.speed / slip_tolerance, creep),
+            coated(model, name, steep_angle)?,
             capstan(model, name)?,
         ]);
     }
@@ -124,6 +129,27 @@ const EDGES: usize = 4;
 /// A rod along the line of steepest descent, released at rest.
 fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, GroupError> {
     release(on_incline(incline, contact_parameters(model, friction)))
+}
+
+/// A rod whose halves have the friction coefficients 0.1 and 0.4 of their own, on a plane with 0.1.
+fn coated(model: ContactModel, name: &str, incline: f64) -> Result<Check, GroupError> {
+    let mut scene = on_incline(incline, contact_parameters(model, 0.3));
+    scene.planes[0].friction = Some(0.1);
+    let rod = &scene.rods[0];
+    let section = |edge: usize| EdgeSection {
+        friction: Some(if edge < EDGES / 2 { 0.1 } else { 0.4 }),
+        ..rod.section(edge)
+    };
+    let sections = (0..EDGES).map(section).collect();
+    scene.rods[0] = rod
+        .clone()
+        .with_sections(sections, &[0.1 / EDGES as f64; EDGES]);
+    let found = release(scene)?.acceleration;
+    let expected = sliding_acceleration(GRAVITY, incline, 0.5 * (0.1 + 0.2));
+    let case = format!(
+        "halves of a rod with μ = 0.1 and 0.4 on an incline of 30° with μ = 0.1, {name}: acceleration"
+    );
+    Ok(COATED.of(case, "m/s²").relative(expected, found, 1e-2))
 }
 
 /// A rod along the line of steepest descent.

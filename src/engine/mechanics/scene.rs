@@ -132,6 +132,9 @@ pub struct RodDescription {
     /// everywhere. They replace `stiffness`, `mass_per_length` and
     /// `rotational_inertia_per_length`, which are then means over the rod.
     pub sections: Vec<EdgeSection>,
+    /// Own friction coefficient; `None`: that of the contact model, or of the bodies that it
+    /// touches. `sections` replace it.
+    pub friction: Option<f64>,
     /// Mass per length ρA, kg/m.
     pub mass_per_length: f64,
     /// Moment of inertia about the centreline per length, ρ(I₁ + I₂), kg m.
@@ -196,6 +199,7 @@ impl RodDescription {
             stiffness,
             radius,
             sections: Vec::new(),
+            friction: None,
             mass_per_length,
             rotational_inertia_per_length: 0.5 * mass_per_length * radius * radius,
             inertia: Inertia::Lumped,
@@ -415,10 +419,10 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// Largest friction coefficient, for a coefficient of the contact model.
-    pub fn largest_friction(&self, of_model: f64) -> f64 {
+    /// Own friction coefficient, the largest if it depends on the direction; `None` if it has none.
+    pub fn own_friction(&self) -> Option<f64> {
         let directed = self.directed_friction.map(|own| own.largest());
-        directed.or(self.friction).unwrap_or(of_model)
+        directed.or(self.friction)
     }
 }
 

@@ -13,7 +13,7 @@ use nalgebra::Complex;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::{Scheme, StepSize};
 use rodlab_engine::mechanics::fluid::FluidModel;
-use rodlab_engine::mechanics::scene::{Clamp, LoadKind, Obstacle, RodDescription, Scene};
+use rodlab_engine::mechanics::scene::{Clamp, LoadKind, Obstacle, Plane, RodDescription, Scene};
 use rodlab_engine::mechanics::system::joint_unknowns;
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -241,10 +241,13 @@ fn creep(prepared: &PreparedRun) -> Option<Creep> {
         .contact
         .filter(|contact| !contact.is_complementarity())?;
     let planes = scene.planes.iter();
-    let of_planes = planes.map(|plane| plane.largest_friction(contact.friction));
-    let of_obstacles = scene.obstacles.iter().filter_map(|one| one.friction);
+    let of_planes = planes.map(Plane::own_friction);
+    let of_obstacles = scene.obstacles.iter().map(|one| one.friction);
+    let of_rods = scene.rods.iter().flat_map(RodDescription::frictions);
     let friction = of_planes
         .chain(of_obstacles)
+        .chain(of_rods)
+        .flatten()
         .fold(contact.friction, f64::max);
     let free = scene.rods.iter().filter(|rod| !rod.held);
     let radius = free.map(RodDescription::least_radius);

@@ -167,21 +167,21 @@ impl ContactSystem {
                     return None;
                 }
                 let nearest = NearestPoints::on_either_side(&self.surface, &own, &points, 0.0)?;
-                let friction = self.surface.friction_between(pair.edges);
                 (
                     nearest.weights(),
                     nearest.normal(),
                     nearest.distance() - self.surface.core(&pair),
                     self.surface.threshold(pair.edges),
-                    friction.unwrap_or(self.parameters.friction),
+                    self.friction_between(&pair),
                 )
             }
             ActiveBodies::Plane { plane, own } => {
                 let plane = &self.planes[plane];
                 let weights = [1.0, 0.0, 0.0, 0.0];
-                let radius = self.surface.nodes()[own].radius;
+                let node = &self.surface.nodes()[own];
                 let distance = plane.distance(&now[0]);
-                (weights, plane.normal, distance, radius, plane.friction)
+                let friction = self.friction_over(plane, node);
+                (weights, plane.normal, distance, node.radius, friction)
             }
         };
         let moves = now.iter().zip(before).zip(weights);

@@ -303,7 +303,7 @@ mod tests {
             if is_free {
                 surface.add_body(2, &body);
             } else {
-                surface.add_obstacle(body.clone(), 0.0);
+                surface.add_obstacle(body.clone(), None);
             }
             let parameters = ContactParameters {
                 distance_tolerance: 0.01,

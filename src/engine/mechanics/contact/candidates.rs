@@ -268,7 +268,7 @@ mod tests {
             let nodes = [1.0, 2.0].map(|height| Vector3::z() * height);
             surface.add_rod(0, &nodes, false, 0.1, false);
             for body in bodies {
-                surface.add_obstacle(body.clone(), 0.0);
+                surface.add_obstacle(body.clone(), None);
             }
             margin_of(&surface)
         };

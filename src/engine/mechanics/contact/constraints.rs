@@ -66,8 +66,7 @@ impl ContactSystem {
                 && !is_prescribed()
                 && !self.surface.is_at_reflex_edge(pair, &normal, &points)
             {
-                let friction = self.surface.friction_between(pair.edges);
-                let friction = friction.unwrap_or(self.parameters.friction);
+                let friction = self.friction_between(pair);
                 let constraint = ContactConstraint::new(
                     Bodies::Edges(candidate),
                     nearest.settled(&self.surface, pair).nodes,
@@ -99,7 +98,7 @@ impl ContactSystem {
                         [node; 4],
                         [1.0, 0.0, 0.0, 0.0],
                         plane.normal,
-                        [gap, radius, plane.friction],
+                        [gap, radius, self.friction_over(plane, surface)],
                     ));
                     if let Some(turns) = &self.surface_turns {
                         let levers = turns.edges.of_node(node, radius);

@@ -467,15 +467,6 @@ impl ContactSystem {
         self.parameters.friction_slope(coefficient) * self.largest_normal_force()
     }
 
-    /// Largest friction coefficient of rods, planes and obstacles.
-    pub(crate) fn largest_friction(&self) -> f64 {
-        let planes = self.planes.iter().map(|plane| plane.friction);
-        let obstacles = self.surface.obstacle_frictions().iter();
-        planes
-            .chain(obstacles.copied())
-            .fold(self.parameters.friction, f64::max)
-    }
-
     /// Force Jacobians, one per element of [`Self::contacts`]; symmetric without friction.
     pub(crate) fn jacobians(&self) -> &[EdgeJacobian] {
         &self.jacobians

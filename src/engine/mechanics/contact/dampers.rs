@@ -110,8 +110,7 @@ impl ContactSystem {
         };
         let of_pairs = self.contacts.iter().filter_map(|contact| {
             let pair = self.candidates.pairs()[contact.candidate];
-            let coefficient = self.surface.friction_between(pair.edges);
-            let coefficient = coefficient.unwrap_or(self.parameters.friction);
+            let coefficient = self.friction_between(&pair);
             let law = motion.friction(coefficient, tolerance)?;
             let points = self.obstacles.points(positions);
             let smoothing = self.parameters.smoothing(contact.threshold);
@@ -135,7 +134,9 @@ impl ContactSystem {
         });
         let of_planes = self.plane_contacts.iter().filter_map(|touch| {
             let plane = &self.planes[touch.plane];
-            let law = motion.friction(plane.friction, tolerance)?;
+            let mut nodes = self.surface.nodes().iter();
+            let node = nodes.find(|own| own.node == touch.node)?;
+            let law = motion.friction(self.friction_over(plane, node), tolerance)?;
             let velocity = motion.velocity(touch.node);
             Some(Damper {
                 nodes: [touch.node; 4],

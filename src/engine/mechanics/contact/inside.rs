@@ -58,7 +58,7 @@ mod tests {
             closed: true,
             ..RigidBody::default()
         };
-        surface.add_obstacle(tetrahedron, 0.0);
+        surface.add_obstacle(tetrahedron, None);
         let points = Points {
             nodes: &[],
             vertices: &vertices,

@@ -84,6 +84,7 @@ mod normal_law;
 mod normal_response;
 #[cfg(test)]
 mod obstacle_tests;
+mod own_friction;
 mod pair_evaluation;
 mod parameters;
 mod patch;

@@ -100,7 +100,7 @@ fn ball_mesh(times: usize) -> (Vec<Vector3>, Vec<[usize; 3]>) {
 fn system(kind: usize, model: ContactModel, positions: &[Vector3]) -> ContactSystem {
     let mut surface = ContactSurface::new();
     surface.add_rod(0, positions, false, RADIUS, false);
-    surface.add_obstacle(body(kind), 0.4);
+    surface.add_obstacle(body(kind), Some(0.4));
     let parameters = ContactParameters {
         slip_tolerance: 1e-3,
         ..contact(model, GAP)

@@ -140,11 +140,8 @@ impl ContactSystem {
         if sign < 0.0 && !response.energy.is_finite() {
             return None; // so is what it counts against, beyond a barrier
         }
-        let coefficient = self.surface.friction_between(pair.edges);
-        let friction = motion.friction(
-            coefficient.unwrap_or(parameters.friction),
-            parameters.slip_tolerance,
-        );
+        let coefficient = self.friction_between(&pair);
+        let friction = motion.friction(coefficient, parameters.slip_tolerance);
         let sliding = friction.map(|law| self.sliding(law, &pair, &nodes, &nearest, motion));
         let rotation = self.rotation_of_pair(sliding.is_some(), &pair, &nearest, motion);
         let Rotation { turning, spin } = &rotation;

@@ -243,7 +243,7 @@ fn the_search_ends_at_the_same_foot_from_every_face() {
         .collect();
     let sheet = RigidBody::of_mesh((0..36).map(corner).collect(), faces, false).unwrap();
     let mut surface = ContactSurface::new();
-    surface.add_obstacle(sheet.smoothed(0.5), 0.0);
+    surface.add_obstacle(sheet.smoothed(0.5), None);
     let placed = PlacedObstacles::new(&surface);
     let points: Points = placed.points(&[]);
     let mut random = Random::new(13);

@@ -10,8 +10,8 @@ pub struct ContactPlane {
     pub point: Vector3,
     /// Unit normal.
     pub normal: Vector3,
-    /// Friction coefficient between plane and rods; the largest if it depends on the direction.
-    pub friction: f64,
+    /// Own friction coefficient, if it has one; the largest if it depends on the direction.
+    pub friction: Option<f64>,
     /// Friction coefficients by the direction of sliding, if they differ.
     pub directed_friction: Option<DirectedFriction>,
 }

@@ -105,7 +105,8 @@ impl ContactSystem {
         let stiffness = self.stiffness_between(node, node);
         let law = NormalLaw::new(&self.parameters, radius, stiffness);
         let response = law.response(self.counted_gap(gap));
-        let friction = motion.friction(plane.friction, self.parameters.slip_tolerance);
+        let coefficient = self.friction_over(&plane, &of_node);
+        let friction = motion.friction(coefficient, self.parameters.slip_tolerance);
         let friction = friction.map(|law| self.directed(law, &plane, node, motion.previous));
         let sliding = friction.map(|law| NodeSliding {
             law,

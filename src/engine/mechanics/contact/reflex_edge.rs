@@ -78,7 +78,7 @@ mod tests {
             surface.add_rod(0, &rod, false, 0.1, false);
             let faces = vec![[0, 2, 1], [0, 1, 3]];
             let sheet = RigidBody::of_mesh(vertices.to_vec(), faces, false);
-            surface.add_obstacle(sheet.unwrap(), 0.0);
+            surface.add_obstacle(sheet.unwrap(), None);
             Self {
                 surface,
                 vertices,

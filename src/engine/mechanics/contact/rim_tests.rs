@@ -33,7 +33,7 @@ fn system(model: ContactModel, friction: f64, positions: &[Vector3]) -> ContactS
     let mut surface = ContactSurface::new();
     surface.add_rod(0, positions, false, RADIUS, false);
     let tube = RigidBody::tube([-Vector3::x(), Vector3::zeros()], TUBE);
-    surface.add_obstacle(tube, friction);
+    surface.add_obstacle(tube, Some(friction));
     let parameters = ContactParameters {
         slip_tolerance: 1e-3,
         ..contact(model, GAP)
@@ -201,7 +201,7 @@ fn a_rod_on_the_axis_of_a_tube_meets_wall_and_rim_on_its_way() {
     let mut surface = ContactSurface::new();
     surface.add_rod(0, &on_axis, false, 0.99 * TUBE, false);
     let tube = RigidBody::tube([-Vector3::x(), Vector3::zeros()], TUBE);
-    surface.add_obstacle(tube, 0.0);
+    surface.add_obstacle(tube, None);
     let parameters = contact(ContactModel::IncrementalPotential, GAP);
     let mut contact = ContactSystem::new(parameters, surface, Vec::new(), 1.0);
     contact.update_candidates(&on_axis);

@@ -335,7 +335,7 @@ mod tests {
         let plane = ContactPlane {
             point: Vector3::zeros(),
             normal: Vector3::z(),
-            friction: 0.0,
+            friction: None,
             directed_friction: None,
         };
         let parameters = ContactParameters {

@@ -24,6 +24,8 @@ pub struct ContactEdge {
     pub arc_length: [f64; 2],
     /// Whether the edge is part of a rigid obstacle; two held edges never touch.
     pub held: bool,
+    /// Own friction coefficient of the part of a rod, if it has one.
+    pub friction: Option<f64>,
 }
 
 /// A node of a rod that is not held, in contact with planes and faces: a sphere.
@@ -81,8 +83,10 @@ pub struct ContactSurface {
     /// Nodes of free bodies, and the radii of their roundings, m.
     bodies: Vec<(Range<usize>, f64)>,
     obstacles: Vec<RigidBody>,
-    /// Friction coefficient between each obstacle and rods.
-    frictions: Vec<f64>,
+    /// Own friction coefficients of the obstacles.
+    frictions: Vec<Option<f64>>,
+    /// Whether a part of a rod has a friction coefficient of its own.
+    has_own_frictions: bool,
     nodes: Vec<ContactNode>,
     /// Length of every closed rod, m; `None` for open rods.
     closed_lengths: Vec<Option<f64>>,
@@ -155,6 +159,7 @@ impl ContactSurface {
                 radius,
                 arc_length: [start, length],
                 held,
+                friction: None,
             });
         }
         self.closed_lengths.push(closed.then_some(length));
@@ -185,6 +190,15 @@ impl ContactSurface {
         let all = edges.iter().chain(nodes);
         let least = all.copied().fold(f64::INFINITY, f64::min);
         self.note_least_radius(least, held);
+    }
+
+    /// Sets the own friction coefficients of the edges of the rod that was added last.
+    pub fn set_frictions(&mut self, frictions: &[Option<f64>]) {
+        let first = self.edges.len() - frictions.len();
+        for (edge, friction) in self.edges[first..].iter_mut().zip(frictions) {
+            edge.friction = *friction;
+        }
+        self.has_own_frictions |= frictions.iter().any(Option::is_some);
     }
 
     /// Takes a radius, m, into the smallest ones.
@@ -225,6 +239,7 @@ impl ContactSurface {
             radius,
             arc_length: [0.0; 2],
             held,
+            friction: None,
         });
         let nodes = self.nodes.iter_mut();
         for own in nodes.filter(|own| own.node == node && own.radius < radius) {
@@ -251,6 +266,7 @@ impl ContactSurface {
                 radius: body.radius,
                 arc_length: [0.0; 2],
                 held: false,
+                friction: None,
             }));
         self.nodes.extend((0..body.vertices.len()).map(|vertex| {
             let mut segments = body.segments.iter();
@@ -382,7 +398,9 @@ impl ContactSurface {
     /// near the interior of a face, above or below it; a foot on the border of a face belongs to
     /// the segments there. So the distances are those of two edges (thesis Eqs. 2.3–2.6), and of a
     /// point from a plane. Smooth parts of meshes touch nodes only, see `smooth_faces`.
-    pub fn add_obstacle(&mut self, obstacle: RigidBody, friction: f64) {
+    ///
+    /// It may have a `friction` coefficient of its own, see `own_friction`.
+    pub fn add_obstacle(&mut self, obstacle: RigidBody, friction: Option<f64>) {
         let first = self.rod_nodes + self.vertex_count();
         // The rim of a tube is sharp.
         let own = if obstacle.hollow {
@@ -402,6 +420,7 @@ impl ContactSurface {
                 radius: obstacle.radius,
                 arc_length: [0.0; 2],
                 held: true,
+                friction: None,
             });
         }
         self.smooth_faces.add(&obstacle, self.faces.len());
@@ -463,9 +482,10 @@ impl ContactSurface {
         &self.obstacles
     }
 
-    /// Friction coefficients of the obstacles.
-    pub(super) fn obstacle_frictions(&self) -> &[f64] {
-        &self.frictions
+    /// All friction coefficients of rods and obstacles of their own.
+    pub(super) fn own_frictions(&self) -> impl Iterator<Item = Option<f64>> {
+        let of_rods = self.rod_edges().iter().map(|edge| edge.friction);
+        of_rods.chain(self.frictions.iter().copied())
     }
 
     /// Vertices of all obstacles.
@@ -491,9 +511,31 @@ impl ContactSurface {
         self.edges[body].rod.checked_sub(rods)
     }
 
-    /// Friction coefficient between two bodies, if it differs from that of the contact model.
-    pub(super) fn friction_between(&self, [_, second]: [usize; 2]) -> Option<f64> {
-        Some(self.frictions[self.obstacle_of(second)?])
+    /// The edge of the same rod that ends at a node where another edge starts, if any of its edges
+    /// has a friction coefficient of its own.
+    pub(super) fn edge_before(&self, node: usize, edge: usize) -> Option<usize> {
+        if !self.has_own_frictions || self.edges[edge].nodes[0] != node {
+            return None;
+        }
+        let rod = self.edges[edge].rod;
+        let ends_here = |one: &usize| self.edges[*one].nodes[1] == node;
+        let is_own = |one: &usize| self.edges[*one].rod == rod;
+        let before = edge.checked_sub(1).filter(is_own);
+        match before {
+            Some(before) => Some(before).filter(ends_here),
+            // The first edge of a closed rod.
+            None => (edge + 1..self.edges.len())
+                .take_while(is_own)
+                .find(ends_here),
+        }
+    }
+
+    /// Own friction coefficient of a body.
+    pub(super) fn own_friction(&self, body: usize) -> Option<f64> {
+        match self.obstacle_of(body) {
+            Some(obstacle) => self.frictions[obstacle],
+            None => self.edges.get(body)?.friction,
+        }
     }
 
     /// The nodes that planes may push.

@@ -49,7 +49,7 @@ fn rods_pass_into_balls_at_their_nodes_and_touch_others() {
     let ball = surface.add_ball(10, 0.2, false, &[(0, 1.0)]);
     let beside = surface.add_ball(31, 0.3, false, &[(1, 1.0), (ball, 0.0)]);
     let obstacle = RigidBody::sphere(Vector3::zeros(), 1.0);
-    surface.add_obstacle(obstacle, 0.0);
+    surface.add_obstacle(obstacle, None);
     assert_eq!(surface.rod_edges().len(), 42);
     assert!(surface.is_ball(40) && surface.is_ball(41));
     assert!(!surface.is_ball(39) && !surface.is_ball(42), "an obstacle");

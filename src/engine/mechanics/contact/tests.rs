@@ -45,7 +45,7 @@ fn woven(layers: usize, spacing: f64) -> (ContactSystem, Vec<Vector3>) {
     let floor = ContactPlane {
         point: Vector3::zeros(),
         normal: Vector3::z(),
-        friction: 0.2,
+        friction: Some(0.2),
         directed_friction: None,
     };
     (
@@ -370,7 +370,7 @@ fn slide_down(friction: f64) -> (f64, f64) {
     let plane = ContactPlane {
         point: Vector3::zeros(),
         normal,
-        friction,
+        friction: Some(friction),
         directed_friction: None,
     };
     let mut contact = ContactSystem::new(parameters(), surface, vec![plane], 1.0);

@@ -118,7 +118,7 @@ mod tests {
         let floor = ContactPlane {
             point: Vector3::zeros(),
             normal: Vector3::z(),
-            friction: 0.0,
+            friction: None,
             directed_friction: None,
         };
         let points = touching_points(&surface, &[floor], &[], &positions, 1e-3);

@@ -119,6 +119,8 @@ mod node_force_tests;
 #[cfg(test)]
 mod overdamped_tests;
 #[cfg(test)]
+mod own_friction_tests;
+#[cfg(test)]
 mod parallel_tests;
 #[cfg(test)]
 mod path_tests;

@@ -33,6 +33,7 @@ fn stepped(height: f64) -> RodDescription {
             radius,
             mass_per_length,
             rotational_inertia_per_length: 0.5 * mass_per_length * radius * radius,
+            friction: None,
         }
     };
     let thick = section(0.0);

@@ -20,6 +20,7 @@ fn round(radius: f64) -> Section {
         radius,
         mass_per_length: DENSITY * area,
         rotational_inertia_per_length: 0.5 * DENSITY * area * radius * radius,
+        friction: None,
     }
 }
 

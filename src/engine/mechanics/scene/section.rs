@@ -40,6 +40,8 @@ pub struct Section {
     pub mass_per_length: f64,
     /// Moment of inertia about the centreline per length, ρ(I₁ + I₂), kg m.
     pub rotational_inertia_per_length: f64,
+    /// Own friction coefficient, if it has one.
+    pub friction: Option<f64>,
 }
 
 /// The cross-section of one edge in means. Pairs are for the start and the end of the edge; each
@@ -61,6 +63,8 @@ pub struct EdgeSection {
     pub radius: f64,
     /// Radii at either end of the edge, m.
     pub end_radii: [f64; 2],
+    /// Own friction coefficient in the middle of the edge, if it has one there.
+    pub friction: Option<f64>,
 }
 
 impl EdgeSection {
@@ -74,6 +78,7 @@ impl EdgeSection {
             rotational_inertia_per_length: section.rotational_inertia_per_length,
             radius: section.radius,
             end_radii: [section.radius; 2],
+            friction: section.friction,
         }
     }
 
@@ -93,7 +98,8 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
 
-/// Distance from the ends of an edge at which its end radii are taken, over its length.
+/// Distance from the ends of an edge at which its end radii are taken, and from its middle at which
+/// its friction is, over its length.
 const WITHIN: f64 = 1e-9;
 
 /// The edges of a rod with the section `at(s)` at the arc length s (m). `nodes` are the arc lengths
@@ -174,6 +180,7 @@ fn edge_section(
         rotational_inertia_per_length: sums.inertia,
         radius: sums.radius,
         end_radii: [start + WITHIN * length, end - WITHIN * length].map(|place| at(place).radius),
+        friction: at(start + (0.5 + WITHIN) * length).friction,
     }
 }
 
@@ -214,8 +221,19 @@ impl RodDescription {
                 radius: self.radius,
                 mass_per_length: self.mass_per_length,
                 rotational_inertia_per_length: self.rotational_inertia_per_length,
+                friction: self.friction,
             }),
         }
+    }
+
+    /// Own friction coefficients of its edges.
+    pub fn frictions(&self) -> Vec<Option<f64>> {
+        let edges = self.centreline.len() - usize::from(!self.closed);
+        let of_sections = |edge: usize| match self.sections.get(edge) {
+            Some(section) => section.friction,
+            None => self.friction,
+        };
+        (0..edges).map(of_sections).collect()
     }
 
     /// Radius of the surface at a node, m: the larger one if the sections of its edges differ.

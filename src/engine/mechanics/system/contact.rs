@@ -15,7 +15,7 @@ use crate::mechanics::contact::{
 };
 use crate::mechanics::rod::topology::{add_to_node, position};
 use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
-use crate::mechanics::scene::Scene;
+use crate::mechanics::scene::{RodDescription, Scene};
 use crate::mechanics::{SceneError, Vector3};
 
 /// Rigid contact is limited to implicit Euler: the midpoint rule would extrapolate through
@@ -36,14 +36,18 @@ const ONLY_CENTRELINES: SceneError = SceneError::Unsuitable(
     "friction that depends on the direction of rods needs the model `imc` or `ipc`, friction on the centrelines, and contact.geometry = \"polyline\"",
 );
 
+const ONLY_USUAL: SceneError = SceneError::Unsuitable(
+    "friction that depends on the direction of rods needs rods without `friction` of their own",
+);
+
 const NO_TUBES_OR_BALLS: SceneError = SceneError::Unsuitable(
     "contact.geometry = \"smooth\" supports neither hollow tubes nor balls: they need \"polyline\"",
 );
 
 /// At the rim of a tube the energies of pieces of a rod and of the joints between them cancel, for
-/// which they must have the same radius.
+/// which they must have the same radius; and so do their frictions.
 const ROUND_TUBES: SceneError =
-    SceneError::Unsuitable("hollow tubes need rods with the same radius everywhere");
+    SceneError::Unsuitable("hollow tubes need rods with the same radius and friction everywhere");
 
 const NO_BODIES: SceneError = SceneError::Unsuitable(
     "free bodies need contact.geometry = \"polyline\", friction on centrelines that does not depend on the direction, and obstacles without hollow tubes",
@@ -148,19 +152,29 @@ impl Term for Contact {
                 return Err(NO_TUBES_OR_BALLS);
             }
         }
+        let of_rods = scene.rods.iter().flat_map(RodDescription::frictions);
+        let of_rods: Vec<f64> = of_rods.flatten().collect();
         if scene
             .planes
             .iter()
             .any(|plane| plane.directed_friction.is_some())
             && let Some(parameters) = &scene.contact
-            && (parameters.is_complementarity()
-                || parameters.friction_at == FrictionAt::Surface
-                || parameters.geometry == Geometry::Smooth)
         {
-            return Err(ONLY_CENTRELINES);
+            if parameters.is_complementarity()
+                || parameters.friction_at == FrictionAt::Surface
+                || parameters.geometry == Geometry::Smooth
+            {
+                return Err(ONLY_CENTRELINES);
+            }
+            if !of_rods.is_empty() {
+                return Err(ONLY_USUAL);
+            }
         }
-        let tapers = scene.rods.iter().any(|rod| rod.least_radius() < rod.radius);
-        if scene.contact.is_some() && tapers && scene.obstacles.iter().any(|one| one.body.hollow) {
+        let varies = scene.rods.iter().any(|rod| {
+            let frictions = rod.frictions();
+            rod.least_radius() < rod.radius || frictions.iter().any(|own| *own != frictions[0])
+        });
+        if scene.contact.is_some() && varies && scene.obstacles.iter().any(|one| one.body.hollow) {
             return Err(ROUND_TUBES);
         }
         if let Some(parameters) = &scene.contact
@@ -181,15 +195,19 @@ impl Term for Contact {
         };
         let friction = scene.contact.map_or(0.0, |parameters| parameters.friction);
         let rubs = |coefficient: f64| model.is_some() && coefficient > 0.0;
-        let on_obstacles =
-            (scene.obstacles.iter()).any(|own| rubs(own.friction.unwrap_or(friction)));
-        let on_planes = (scene.planes.iter()).any(|own| rubs(own.largest_friction(friction)));
+        let of_rods = of_rods.into_iter().any(rubs);
+        let obstacles = scene.obstacles.iter();
+        let on_obstacles = obstacles.map(|own| own.friction.unwrap_or(friction));
+        let on_obstacles = on_obstacles.into_iter().any(|own| rubs(own) || of_rods);
+        let planes = scene.planes.iter();
+        let on_planes = planes.map(|own| own.own_friction().unwrap_or(friction));
+        let on_planes = on_planes.into_iter().any(|own| rubs(own) || of_rods);
         let nodes = assembly.rods.nodes;
         let mut contact = Self {
             model,
             is_evaluated: false,
             roots,
-            rubs: [friction > 0.0 || on_obstacles, on_planes],
+            rubs: [friction > 0.0 || of_rods || on_obstacles, on_planes],
             lists_nodes: on_planes || on_obstacles || !scene.free_bodies.is_empty(),
             has_planes: !scene.planes.is_empty(),
             moving_obstacles: MovingObstacle::of(&scene.obstacles),

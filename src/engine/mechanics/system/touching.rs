@@ -52,13 +52,12 @@ pub(super) fn contact_of(
         surface.add_body(range.first_node + 1, &body.shape);
     }
     for obstacle in &scene.obstacles {
-        let friction = obstacle.friction.unwrap_or(parameters.friction);
-        surface.add_obstacle(obstacle.body.clone(), friction);
+        surface.add_obstacle(obstacle.body.clone(), obstacle.friction);
     }
     let planes = scene.planes.iter().map(|plane| ContactPlane {
         point: plane.point,
         normal: plane.normal,
-        friction: plane.largest_friction(parameters.friction),
+        friction: plane.own_friction(),
         directed_friction: plane.directed_friction,
     });
     let stiffness_per_force = parameters.stiffness_per_force(surface.largest_moving_radius());
@@ -125,11 +124,14 @@ fn surface_of(
             None => (range.first_node, rod.centreline.as_slice()),
         };
         surface.add_rod(first, centreline, rod.closed, rod.radius, rod.held);
+        let chords = if curves.is_some() { PER_EDGE } else { 1 };
         if !rod.sections.is_empty() {
-            let chords = if curves.is_some() { PER_EDGE } else { 1 };
             let (edges, nodes) = radii(rod, chords);
             surface.set_radii(&edges, &nodes);
         }
+        let frictions = rod.frictions().into_iter();
+        let of_chords = frictions.flat_map(|own| std::iter::repeat_n(own, chords));
+        surface.set_frictions(&of_chords.collect::<Vec<_>>());
     }
     join(&mut surface, scene, assembly);
     surface

@@ -66,6 +66,7 @@ pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescr
         },
         radius: rod.radius,
         sections: Vec::new(),
+        friction: rod.friction,
         mass_per_length: density * area,
         rotational_inertia_per_length: density * (second_moment_1 + second_moment_2),
         inertia: match rod.inertia {

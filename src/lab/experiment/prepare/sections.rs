@@ -146,6 +146,9 @@ fn section(
         radius,
         mass_per_length: material.density * cross_section.area(radius),
         rotational_inertia_per_length: material.density * (moments[0] + moments[1]),
+        friction: own
+            .and_then(|(section, _)| section.friction)
+            .or(rod.friction),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::surroundings::is_carried_over;
 use crate::run::{Mode, PreparedRun};
-use rodlab_engine::mechanics::scene::LoadKind;
+use rodlab_engine::mechanics::scene::{LoadKind, RodDescription};
 
 /// Phrases that depend on the simulator.
 pub(super) struct Phrases {
@@ -69,6 +69,11 @@ pub(super) fn left_out(prepared: &PreparedRun, phrases: Phrases) -> Vec<String> 
     add(
         (scene.planes.iter()).any(|plane| plane.directed_friction.is_some()),
         "friction by direction: planes have the largest coefficient",
+    );
+    let own = scene.rods.iter().flat_map(RodDescription::frictions);
+    add(
+        own.flatten().count() > 0,
+        "friction of rods of their own: all have that of the contact model",
     );
     add(!scene.springs.is_empty(), "springs");
     add(!scene.tendons.is_empty(), "tendons");

@@ -35,7 +35,7 @@ pub(super) fn half_spaces(scene: &Scene) -> impl Iterator<Item = HalfSpace> {
     scene.planes.iter().map(move |plane| HalfSpace {
         point: plane.point,
         normal: plane.normal,
-        friction: plane.largest_friction(usual),
+        friction: plane.own_friction().unwrap_or(usual),
     })
 }
 

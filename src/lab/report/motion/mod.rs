@@ -234,7 +234,7 @@ fn contacts(
         first += rod.nodes;
     }
     for obstacle in obstacles {
-        surface.add_obstacle(obstacle.body.clone(), 0.0);
+        surface.add_obstacle(obstacle.body.clone(), None);
     }
     let planes: Vec<ContactPlane> = scenario
         .planes
@@ -242,7 +242,7 @@ fn contacts(
         .map(|plane| ContactPlane {
             point: plane.point.into(),
             normal: plane.normal.into(),
-            friction: 0.0,
+            friction: None,
             directed_friction: None,
         })
         .collect();

@@ -20,6 +20,13 @@ pub fn continuation(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Opti
     Some(tables::continuation(&section, typed))
 }
 
+pub const NO_FRICTION: &str = "an equilibrium has no friction: leave the key out, or let the rods come to rest with time.mode = \"dynamic\"";
+
+/// Whether a run finds equilibria.
+pub fn is_at_rest(time: &Time) -> bool {
+    matches!(time, Time::Static | Time::Continuation)
+}
+
 /// Rejects friction, whose forces at rest depend on the history of the rods.
 pub fn refuse_friction(
     top: &Section<'_>,
@@ -28,10 +35,10 @@ pub fn refuse_friction(
     planes: &[Plane],
     obstacles: &[Obstacle],
 ) {
-    if !matches!(time, Time::Static | Time::Continuation) {
+    if !is_at_rest(time) {
         return;
     }
-    let message = "an equilibrium has no friction: leave the key out, or let the rods come to rest with time.mode = \"dynamic\"";
+    let message = NO_FRICTION;
     if friction > 0.0 {
         top.below("contact").fault("friction", message);
     }

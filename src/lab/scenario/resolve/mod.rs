@@ -10,6 +10,7 @@ mod movement;
 mod natural_strains;
 mod network;
 mod obstacle;
+mod own_friction;
 mod polyline;
 mod poses;
 mod profile;
@@ -122,6 +123,7 @@ pub fn resolve(
     }
     model::refuse_directed_friction(&top, &contact, &planes);
     continuation::refuse_friction(&top, &time, contact.friction(), &planes, &obstacles);
+    own_friction::refuse(&top, file, &contact, &time, &planes);
     continuation::refuse_fluid(&top, &time, &fluid);
     let mut clamps = clamp::clamps(&top, &file.clamps);
     model::refuse_static_motion(&top, &time, &clamps, &loads, &obstacles);

@@ -37,6 +37,7 @@ pub fn sections(section: &Section<'_>, typed: &typed::Profile, rod: &Rod) -> Vec
         density: rod.material.density,
         natural_curvature: None,
         natural_twist: None,
+        friction: None,
     };
     rows.windows(2).map(between).collect()
 }

@@ -153,6 +153,7 @@ pub fn member(
         director: typed.director(section),
         stiffness,
         sections: Vec::new(),
+        friction: typed.friction(section),
         material,
         cross_section,
         velocity: typed.velocity(section),

@@ -126,6 +126,7 @@ fn resolved(
         density: typed.density(section).unwrap_or(rod.material.density),
         natural_curvature: typed.natural_curvature(section),
         natural_twist: typed.natural_twist(section),
+        friction: typed.friction(section),
     }
 }
 

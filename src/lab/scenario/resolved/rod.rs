@@ -39,6 +39,9 @@ pub struct Rod {
     /// Parts with their own sections.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sections: Vec<RodSection>,
+    /// Own friction coefficient; `None`: that of the bodies that it touches.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
     /// How the inertia of edges is assigned to nodes.
     pub inertia: Inertia,
     /// Velocity at time zero, m/s.

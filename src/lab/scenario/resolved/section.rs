@@ -55,6 +55,9 @@ pub struct RodSection {
     /// Natural twist, rad/m; `None`: that of the rod.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub natural_twist: Option<f64>,
+    /// Own friction coefficient; `None`: that of the rod.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
 }
 
 impl RodSection {

@@ -180,3 +180,37 @@ fn a_profile_is_short_for_sections_between_its_rows() {
         assert!(message.contains(word), "{keys}: {message}");
     }
 }
+
+#[test]
+fn friction_of_a_rod_needs_contact_and_a_motion() {
+    let motion = |text: &str, contact: &str| {
+        text.replace("mode = \"static\"", "step = \"1 ms\"\nend = \"1 s\"")
+            .replace("[time]", &format!("{contact}[time]"))
+    };
+    let own = "friction = 0.3\n[[rods.sections]]\nto = 0.5\nfriction = 0.1\n";
+    let contact = "[contact]\nmodel = \"imc\"\nfriction = 0.2\n";
+    let scenario = read(&motion(&beam(own), contact)).unwrap();
+    let rod = &scenario.rods[0];
+    assert_eq!(
+        (rod.friction, rod.sections[0].friction),
+        (Some(0.3), Some(0.1))
+    );
+    let scales = "[[planes]]\npoint = [0, 0, -1]\ndirected_friction = { forwards = 0.1, backwards = 0.2, sideways = 0.3 }\n";
+    for (text, reason) in [
+        (motion(&beam(own), ""), "without a [contact] table"),
+        (
+            beam(own).replace("[time]", "[contact]\nmodel = \"imc\"\n[time]"),
+            "an equilibrium has no friction",
+        ),
+        (
+            motion(&beam(own), &format!("{contact}{scales}")),
+            "`directed_friction`",
+        ),
+    ] {
+        let faults = read(&text).unwrap_err().to_string();
+        for key in ["`rods.0.friction`", "`rods.0.sections.0.friction`"] {
+            let of_key = faults.lines().find(|line| line.contains(key));
+            assert!(of_key.is_some_and(|line| line.contains(reason)), "{faults}");
+        }
+    }
+}

@@ -115,6 +115,10 @@ keys! {
         sections: tables(Vec<RodSection>) raw,
         /// Radius over the arc length, instead of `sections`.
         profile: raw(Profile) raw,
+        /// Friction coefficient of the rod with all that it touches; with a body that has a
+        /// coefficient of its own, the geometric mean of both. Needs [contact]. Default: that of
+        /// the plane or obstacle, or `contact.friction`.
+        friction: number(Dimensionless, NON_NEGATIVE) optional,
         /// How the inertia of edges is assigned to nodes. "lumped": half to each node, with errors
         /// of vibrations of second order in the edge length. "consistent": the velocity is linear
         /// along each edge, with errors of fourth order for straight rods. "consistent" also

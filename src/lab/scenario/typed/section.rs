@@ -43,6 +43,8 @@ keys! {
         natural_curvature: numbers(Curvature, 2, FINITE) optional,
         /// Natural twist per length. Default: that of the rod.
         natural_twist: number(Twist, FINITE) optional,
+        /// Friction coefficient, as for a rod. Default: that of the rod.
+        friction: number(Dimensionless, NON_NEGATIVE) optional,
     }
 }
 
