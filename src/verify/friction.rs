@@ -149,7 +149,7 @@ fn coated(model: ContactModel, name: &str, incline: f64) -> Result<Check, GroupE
     let case = format!(
         "halves of a rod with μ = 0.1 and 0.4 on an incline of 30° with μ = 0.1, {name}: acceleration"
     );
-    Ok(COATED.of(case, "m/s²").relative(expected, found, 1e-2))
+    Ok(COATED.of(case, "m/s²").relative(expected, found, 1e-6))
 }
 
 /// A rod along the line of steepest descent.

@@ -9,7 +9,7 @@ use super::contacts::{
     PlaneContact, PlaneJacobian, Proximity,
 };
 use super::curve_points::CurvePoints;
-use super::evaluated::Evaluated;
+use super::evaluated::EvaluatedPair;
 use super::iterate::Iterate;
 use super::multipliers::Multipliers;
 use super::parameters::ContactParameters;
@@ -100,7 +100,8 @@ pub struct ContactSystem {
     pub(super) contact_count: usize,
     /// Whether the position of each node of the rods is prescribed.
     pub(super) prescribed: Vec<bool>,
-    pub(super) evaluated: Evaluated,
+    /// The pairs in contact at the last evaluation of forces alone, in the order of the candidates.
+    pub(super) evaluated: Vec<EvaluatedPair>,
     /// Prescribed points that touched at the last evaluation.
     pub(super) without_force: Vec<Proximity>,
 }
@@ -160,7 +161,7 @@ impl ContactSystem {
             obstacle_pace: 1.0,
             contact_count: 0,
             prescribed: Vec::new(),
-            evaluated: Evaluated::default(),
+            evaluated: Vec::new(),
             without_force: Vec::new(),
         }
     }

@@ -7,7 +7,6 @@ use super::edge_contact::Sliding;
 use super::nearest_points::NearestPoints;
 use super::normal_law::NormalLaw;
 use super::normal_response::NormalResponse;
-use super::plane_contact::NodeSliding;
 use super::turning::Turning;
 use crate::mechanics::Vector3;
 
@@ -38,30 +37,6 @@ pub(super) struct EvaluatedPair {
     pub sign: f64,
 }
 
-/// A node within reach of a plane, with the same quantities.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct EvaluatedNode {
-    /// Its number among all contacts.
-    pub slot: usize,
-    pub node: usize,
-    pub plane: usize,
-    /// Distance of the node from the plane, and the distance at which the rod touches it, m.
-    pub distance: f64,
-    pub threshold: f64,
-    pub law: NormalLaw,
-    pub response: NormalResponse,
-    pub sliding: Option<NodeSliding>,
-    pub slip: Vector3,
-    pub traction: Vector3,
-}
-
-impl EvaluatedNode {
-    /// Gap between the rod and the plane, m.
-    pub(crate) fn gap(&self) -> f64 {
-        self.distance - self.threshold
-    }
-}
-
 /// How the bodies of a contact turn in a step with friction. It is large, rare and cheap to compute
 /// again, and is therefore not kept.
 #[derive(Clone, Copy, Debug, Default)]
@@ -70,12 +45,4 @@ pub(super) struct Rotation {
     pub turning: Option<Turning>,
     /// Rotation of the free bodies.
     pub spin: Option<Spin>,
-}
-
-/// The contacts of the last evaluation of forces alone, in the order of the candidates and of the
-/// nodes over planes.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Evaluated {
-    pub pairs: Vec<EvaluatedPair>,
-    pub nodes: Vec<EvaluatedNode>,
 }

@@ -120,7 +120,7 @@ impl ContactSystem {
             return self.evaluate_constraints(motion);
         }
         self.evaluate_pairs(&motion, request);
-        self.evaluate_planes(&motion, request);
+        self.evaluate_planes(&motion, request.has_jacobians());
         if request == Request::Jacobians {
             self.without_force = without_force;
         }

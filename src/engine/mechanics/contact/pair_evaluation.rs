@@ -31,20 +31,25 @@ impl ContactSystem {
         let is_known = request == Request::Jacobians;
         let mut farthest = 0.0;
         if !is_known {
-            self.evaluated.pairs.clear();
+            self.evaluated.clear();
             self.candidates.motion(motion.positions, &mut self.motion);
             farthest = 2.0 * self.motion.iter().copied().fold(0.0, f64::max);
         }
-        let mut known = std::mem::take(&mut self.evaluated.pairs);
-        let mut next = 0;
+        let mut known = std::mem::take(&mut self.evaluated);
+        let (mut next, mut rotation) = (0, Rotation::default());
         for candidate in 0..self.candidates.pairs().len() {
             let own = known
                 .get(next)
                 .filter(|own| is_known && own.candidate == candidate);
             if let Some(own) = own {
                 next += 1;
-                let rotation =
-                    self.rotation_of_pair(own.sliding.is_some(), &own.pair, &own.nearest, motion);
+                self.turn_pair(
+                    &mut rotation,
+                    own.sliding.as_ref(),
+                    &own.pair,
+                    &own.nearest,
+                    motion,
+                );
                 self.add_pair(own, &rotation, motion);
                 self.linearize_pair(own, &rotation, motion.positions);
                 continue;
@@ -53,7 +58,7 @@ impl ContactSystem {
             if !loaded && (is_known || self.is_far(candidate, farthest)) {
                 continue;
             }
-            let Some((pair, rotation)) = self.evaluated_pair(candidate, motion, loaded) else {
+            let Some(pair) = self.evaluated_pair(candidate, motion, loaded, &mut rotation) else {
                 continue;
             };
             self.add_pair(&pair, &rotation, motion);
@@ -66,25 +71,25 @@ impl ContactSystem {
         if is_known {
             known.clear();
         }
-        self.evaluated.pairs = known;
+        self.evaluated = known;
     }
 
-    /// How the bodies of a settled pair turn in a step with friction.
-    fn rotation_of_pair(
+    /// Sets how the bodies of a settled pair turn in a step with friction.
+    fn turn_pair(
         &self,
-        has_friction: bool,
+        rotation: &mut Rotation,
+        sliding: Option<&Sliding>,
         pair: &CandidatePair,
         nearest: &NearestPoints,
         motion: &Motion,
-    ) -> Rotation {
-        if !has_friction {
-            return Rotation::default();
+    ) {
+        if self.surface_turns.is_none() && !self.has_bodies() {
+            return;
         }
         let positions = [motion.positions, motion.previous];
-        Rotation {
-            turning: self.turning_of_pair(pair, nearest, positions, motion.time_step),
-            spin: self.spin_of_pair(pair, motion),
-        }
+        rotation.turning =
+            sliding.and_then(|_| self.turning_of_pair(pair, nearest, positions, motion.time_step));
+        rotation.spin = sliding.and_then(|_| self.spin_of_pair(pair, motion));
     }
 
     /// Whether a candidate is out of reach whatever the direction in which its nodes have moved
@@ -98,14 +103,15 @@ impl ContactSystem {
         earlier - farthest >= reach || earlier - approach(pair, &self.motion) >= reach
     }
 
-    /// A candidate pair with its force; `None` if it has none, or if it is out of reach and not
-    /// `loaded`.
+    /// A candidate pair with its force, and its `rotation`; `None` if it has none, or if it is out of
+    /// reach and not `loaded`.
     fn evaluated_pair(
         &mut self,
         candidate: usize,
         motion: &Motion,
         loaded: bool,
-    ) -> Option<(EvaluatedPair, Rotation)> {
+        rotation: &mut Rotation,
+    ) -> Option<EvaluatedPair> {
         let parameters = self.parameters;
         let pair = self.candidates.pairs()[candidate];
         let points = self.obstacles.points(motion.positions);
@@ -143,8 +149,8 @@ impl ContactSystem {
         let coefficient = self.friction_between(&pair);
         let friction = motion.friction(coefficient, parameters.slip_tolerance);
         let sliding = friction.map(|law| self.sliding(law, &pair, &nodes, &nearest, motion));
-        let rotation = self.rotation_of_pair(sliding.is_some(), &pair, &nearest, motion);
-        let Rotation { turning, spin } = &rotation;
+        self.turn_pair(rotation, sliding.as_ref(), &pair, &nearest, motion);
+        let Rotation { turning, spin } = rotation;
         let slip = sliding.map_or_else(Vector3::zeros, |sliding| {
             let of_centrelines = sliding.contact_velocity(&weights, &normal);
             let of_surfaces = with_turning(of_centrelines, turning.as_ref(), &normal);
@@ -153,7 +159,7 @@ impl ContactSystem {
         });
         let traction = friction.map_or_else(Vector3::zeros, |law| law.traction_of_slip(&slip));
         let pressed = sign * response.force;
-        let evaluated = EvaluatedPair {
+        Some(EvaluatedPair {
             candidate,
             pair,
             nodes,
@@ -168,8 +174,7 @@ impl ContactSystem {
             traction,
             force: force_on_nodes(spin.as_ref(), &weights, &normal, pressed, &traction),
             sign,
-        };
-        Some((evaluated, rotation))
+        })
     }
 
     /// Adds the force and the energy of a pair.
