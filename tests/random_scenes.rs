@@ -273,6 +273,8 @@ fn landscape(random: &mut Random, radius: f64, size: f64) -> String {
 /// a speed (m/s) or turn about axles, and may carry a rod; and whether none is on an axle.
 fn bodies(random: &mut Random, [radius, size, speed]: [f64; 3]) -> (String, bool) {
     let (mut text, mut free) = (String::new(), true);
+    // Drawn apart, so that other keys are as they were.
+    let mut of_bodies = Random(!random.0);
     let mut place = -size - 2.0 * radius;
     for number in 0..random.one_of(&[1, 2]) {
         let reach = size * random.between(0.1, 0.3);
@@ -334,8 +336,9 @@ fn bodies(random: &mut Random, [radius, size, speed]: [f64; 3]) -> (String, bool
         }
         let _ = write!(
             text,
-            "shape = {shape}\nposition = [{place:e}, {y:e}, {z:e}]\naxis = [1, 2, 3]\n\
+            "friction = {:e}\nshape = {shape}\nposition = [{place:e}, {y:e}, {z:e}]\naxis = [1, 2, 3]\n\
              angle = {angle:e}\ndensity = {density:e}\nvelocity = {velocity:?}\nangular_velocity = {spin:?}\n",
+            of_bodies.between(0.0, 1.0),
         );
         place -= 1.01 * reach;
     }
@@ -492,7 +495,7 @@ impl Invariants {
             places.extend(own);
         }
         for body in &scene.free_bodies {
-            surface.add_body(first + 1, &body.shape);
+            surface.add_body(first + 1, &body.shape, body.friction);
             for plane in &scene.planes {
                 for x in &positions[first + 1..first + body.nodes()] {
                     let ratio = (x - plane.point).dot(&plane.normal) / body.shape.radius;

@@ -49,6 +49,7 @@ fn scene() -> Scene {
             first_director: None,
             twist: 0.0,
             sections: Vec::new(),
+            friction: None,
             natural_shape: NaturalShape::Straight,
             pretension: 0.0,
             stiffness: Stiffness {

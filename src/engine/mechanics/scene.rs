@@ -166,6 +166,15 @@ pub struct Relaxation {
     pub time: f64,
 }
 
+impl Scene {
+    /// Friction coefficients of rods, their sections and free bodies of their own.
+    pub fn own_frictions(&self) -> Vec<f64> {
+        let of_rods = self.rods.iter().flat_map(RodDescription::frictions);
+        let of_bodies = self.free_bodies.iter().map(|body| body.friction);
+        of_rods.chain(of_bodies).flatten().collect()
+    }
+}
+
 impl RodDescription {
     /// Natural lengths of edges, from their lengths under the tension of the placed rod.
     pub fn relaxed(&self, mut lengths: Vec<f64>) -> Vec<f64> {

@@ -243,11 +243,10 @@ fn creep(prepared: &PreparedRun) -> Option<Creep> {
     let planes = scene.planes.iter();
     let of_planes = planes.map(Plane::own_friction);
     let of_obstacles = scene.obstacles.iter().map(|one| one.friction);
-    let of_rods = scene.rods.iter().flat_map(RodDescription::frictions);
     let friction = of_planes
         .chain(of_obstacles)
-        .chain(of_rods)
         .flatten()
+        .chain(scene.own_frictions())
         .fold(contact.friction, f64::max);
     let free = scene.rods.iter().filter(|rod| !rod.held);
     let radius = free.map(RodDescription::least_radius);

@@ -301,7 +301,7 @@ mod tests {
             let mut surface = ContactSurface::new();
             surface.add_rod(0, &rod(1.0), false, radius, false);
             if is_free {
-                surface.add_body(2, &body);
+                surface.add_body(2, &body, None);
             } else {
                 surface.add_obstacle(body.clone(), None);
             }

@@ -48,8 +48,8 @@ impl ContactSystem {
         combined(self.surface.own_friction(edge), own).unwrap_or(self.parameters.friction)
     }
 
-    /// A bound of all friction coefficients: the largest of the contact model, rods, planes and
-    /// obstacles.
+    /// A bound of all friction coefficients: the largest of the contact model, rods, free bodies,
+    /// planes and obstacles.
     pub(crate) fn largest_friction(&self) -> f64 {
         let planes = self.planes.iter().map(|plane| plane.friction);
         planes

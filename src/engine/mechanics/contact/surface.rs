@@ -24,7 +24,7 @@ pub struct ContactEdge {
     pub arc_length: [f64; 2],
     /// Whether the edge is part of a rigid obstacle; two held edges never touch.
     pub held: bool,
-    /// Own friction coefficient of the part of a rod, if it has one.
+    /// Own friction coefficient of the part of a rod or of the free body, if it has one.
     pub friction: Option<f64>,
 }
 
@@ -52,6 +52,8 @@ pub(super) struct ContactFace {
     pub rod: usize,
     /// Distance of the surface from the triangle, m.
     pub radius: f64,
+    /// Own friction coefficient of a free body, if it has one.
+    pub friction: Option<f64>,
 }
 
 impl ContactFace {
@@ -85,7 +87,7 @@ pub struct ContactSurface {
     obstacles: Vec<RigidBody>,
     /// Own friction coefficients of the obstacles.
     frictions: Vec<Option<f64>>,
-    /// Whether a part of a rod has a friction coefficient of its own.
+    /// Whether a part of a rod or a free body has a friction coefficient of its own.
     has_own_frictions: bool,
     nodes: Vec<ContactNode>,
     /// Length of every closed rod, m; `None` for open rods.
@@ -253,7 +255,9 @@ impl ContactSurface {
     /// Adds a free body with the nodes `first_node`, `first_node + 1`, ..., its vertices, after all
     /// rods and balls. Its segments touch like edges of rods, its vertices like nodes, and its faces
     /// like those of obstacles.
-    pub fn add_body(&mut self, first_node: usize, body: &RigidBody) {
+    ///
+    /// It may have a `friction` coefficient of its own, see `own_friction`.
+    pub fn add_body(&mut self, first_node: usize, body: &RigidBody, friction: Option<f64>) {
         debug_assert!(self.obstacles.is_empty(), "obstacles come last");
         let rod = self.closed_lengths.len();
         let first_edge = self.edges.len();
@@ -266,7 +270,7 @@ impl ContactSurface {
                 radius: body.radius,
                 arc_length: [0.0; 2],
                 held: false,
-                friction: None,
+                friction,
             }));
         self.nodes.extend((0..body.vertices.len()).map(|vertex| {
             let mut segments = body.segments.iter();
@@ -282,7 +286,9 @@ impl ContactSurface {
             obstacle: None,
             rod,
             radius: body.radius,
+            friction,
         }));
+        self.has_own_frictions |= friction.is_some();
         self.closed_lengths.push(None);
         self.rod_edges = self.edges.len();
         self.body_faces = self.faces.len();
@@ -430,6 +436,7 @@ impl ContactSurface {
                 obstacle: Some(self.obstacles.len()),
                 rod: self.closed_lengths.len(),
                 radius: obstacle.radius,
+                friction: None,
             });
         }
         self.closed_lengths.push(None);
@@ -482,7 +489,7 @@ impl ContactSurface {
         &self.obstacles
     }
 
-    /// All friction coefficients of rods and obstacles of their own.
+    /// All friction coefficients of rods, free bodies and obstacles of their own.
     pub(super) fn own_frictions(&self) -> impl Iterator<Item = Option<f64>> {
         let of_rods = self.rod_edges().iter().map(|edge| edge.friction);
         of_rods.chain(self.frictions.iter().copied())
@@ -534,7 +541,10 @@ impl ContactSurface {
     pub(super) fn own_friction(&self, body: usize) -> Option<f64> {
         match self.obstacle_of(body) {
             Some(obstacle) => self.frictions[obstacle],
-            None => self.edges.get(body)?.friction,
+            None => match self.edges.get(body) {
+                Some(edge) => edge.friction,
+                None => self.faces[body - self.edges.len()].friction,
+            },
         }
     }
 

@@ -3,10 +3,10 @@
 use super::*;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::rigid_body::RigidBody;
-use crate::mechanics::scene::{FreeBody, RodDescription, Scene};
+use crate::mechanics::scene::{FreeBody, Obstacle, RodDescription, Scene};
 use crate::mechanics::test_support::{
     SOFT_MODELS, advance_to, assert_close, assert_close_in, clamp, contact, drag, farthest, fixed,
-    fixed_steps, ground, line, resumed, run, run_with, section, weight,
+    fixed_steps, ground, line, obstacle, resumed, run, run_with, section, weight,
 };
 use crate::mechanics::{UnitQuaternion, Vector3};
 
@@ -29,6 +29,7 @@ pub(super) fn cuboid(name: &str, centre: Vector3, sides: [f64; 3]) -> FreeBody {
         axes,
         velocity: Vector3::zeros(),
         angular_velocity: Vector3::zeros(),
+        friction: None,
         axle: None,
         joints: Vec::new(),
     }
@@ -179,6 +180,35 @@ fn a_ball_rolls_down_an_incline_and_slips_on_a_steep_one() {
     let model = ContactModel::ImplicitContact;
     let found = acceleration(&on(model, 0.4, 0.3), Scheme::BackwardDifferences, 1e-3);
     assert_close(found, 5.0 / 7.0 * GRAVITY * 0.3_f64.sin(), 1e-3);
+}
+
+#[test]
+fn a_body_with_its_own_friction_slides_with_the_geometric_mean() {
+    let angle = 0.5_f64;
+    let plate = RigidBody::cuboid(
+        Vector3::new(0.3, 0.0, -0.05),
+        Vector3::new(1.0, 0.3, 0.1),
+        &UnitQuaternion::identity(),
+        0.0,
+    );
+    for model in SOFT_MODELS {
+        for (own, friction) in [(Some(0.4), 0.2), (None, 0.1)] {
+            let mut on_plane = on_incline(model, [0.1, 0.08, 0.04], 0.5, angle);
+            on_plane.free_bodies[0].friction = Some(0.1);
+            let mut on_plate = on_plane.clone();
+            on_plane.planes[0].friction = own;
+            on_plate.planes.clear();
+            on_plate.obstacles.push(Obstacle {
+                friction: own,
+                ..obstacle("plate", plate.clone())
+            });
+            for scene in [on_plane, on_plate] {
+                let found = acceleration(&scene, Scheme::ImplicitEuler, 1e-3);
+                let expected = GRAVITY * (angle.sin() - friction * angle.cos());
+                assert_close_in((model, friction), found, expected, 1e-3);
+            }
+        }
+    }
 }
 
 #[test]

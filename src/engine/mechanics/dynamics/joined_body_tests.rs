@@ -26,6 +26,7 @@ fn free_body(centre: Vector3, joints: Vec<BodyJoint>) -> FreeBody {
         axes: UnitQuaternion::identity(),
         velocity: Vector3::zeros(),
         angular_velocity: Vector3::zeros(),
+        friction: None,
         axle: None,
         joints,
     }

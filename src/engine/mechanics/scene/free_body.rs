@@ -27,6 +27,8 @@ pub struct FreeBody {
     pub velocity: Vector3,
     /// Angular velocity at time zero, rad/s.
     pub angular_velocity: Vector3,
+    /// Own friction coefficient, if it has one.
+    pub friction: Option<f64>,
     /// The axle about which alone it turns; `None` if it moves freely.
     pub axle: Option<Axle>,
     /// Rods that are joined to it.

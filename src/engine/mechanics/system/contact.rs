@@ -15,7 +15,7 @@ use crate::mechanics::contact::{
 };
 use crate::mechanics::rod::topology::{add_to_node, position};
 use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
-use crate::mechanics::scene::{RodDescription, Scene};
+use crate::mechanics::scene::Scene;
 use crate::mechanics::{SceneError, Vector3};
 
 /// Rigid contact is limited to implicit Euler: the midpoint rule would extrapolate through
@@ -152,8 +152,7 @@ impl Term for Contact {
                 return Err(NO_TUBES_OR_BALLS);
             }
         }
-        let of_rods = scene.rods.iter().flat_map(RodDescription::frictions);
-        let of_rods: Vec<f64> = of_rods.flatten().collect();
+        let own_frictions = scene.own_frictions();
         if scene
             .planes
             .iter()
@@ -166,7 +165,7 @@ impl Term for Contact {
             {
                 return Err(ONLY_CENTRELINES);
             }
-            if !of_rods.is_empty() {
+            if !own_frictions.is_empty() {
                 return Err(ONLY_USUAL);
             }
         }
@@ -195,19 +194,19 @@ impl Term for Contact {
         };
         let friction = scene.contact.map_or(0.0, |parameters| parameters.friction);
         let rubs = |coefficient: f64| model.is_some() && coefficient > 0.0;
-        let of_rods = of_rods.into_iter().any(rubs);
+        let of_bodies = own_frictions.into_iter().any(rubs);
         let obstacles = scene.obstacles.iter();
         let on_obstacles = obstacles.map(|own| own.friction.unwrap_or(friction));
-        let on_obstacles = on_obstacles.into_iter().any(|own| rubs(own) || of_rods);
+        let on_obstacles = on_obstacles.into_iter().any(|own| rubs(own) || of_bodies);
         let planes = scene.planes.iter();
         let on_planes = planes.map(|own| own.own_friction().unwrap_or(friction));
-        let on_planes = on_planes.into_iter().any(|own| rubs(own) || of_rods);
+        let on_planes = on_planes.into_iter().any(|own| rubs(own) || of_bodies);
         let nodes = assembly.rods.nodes;
         let mut contact = Self {
             model,
             is_evaluated: false,
             roots,
-            rubs: [friction > 0.0 || of_rods || on_obstacles, on_planes],
+            rubs: [friction > 0.0 || of_bodies || on_obstacles, on_planes],
             lists_nodes: on_planes || on_obstacles || !scene.free_bodies.is_empty(),
             has_planes: !scene.planes.is_empty(),
             moving_obstacles: MovingObstacle::of(&scene.obstacles),

@@ -49,7 +49,7 @@ pub(super) fn contact_of(
     add_balls(&mut surface, scene, assembly);
     let bodies = &assembly.rods.rods[scene.rods.len()..];
     for (range, body) in bodies.iter().zip(&scene.free_bodies) {
-        surface.add_body(range.first_node + 1, &body.shape);
+        surface.add_body(range.first_node + 1, &body.shape, body.friction);
     }
     for obstacle in &scene.obstacles {
         surface.add_obstacle(obstacle.body.clone(), obstacle.friction);

@@ -23,6 +23,7 @@ fn cuboid(name: &str, centre: Vector3, turned: Vector3) -> FreeBody {
         axes,
         velocity: Vector3::new(0.1, 0.2, -0.1),
         angular_velocity: Vector3::new(0.3, -0.2, 0.4),
+        friction: None,
         axle: None,
         joints: Vec::new(),
     }

@@ -2,7 +2,7 @@
 
 use crate::scenario::keys::{FINITE, NON_NEGATIVE, POSITIVE, keys};
 use crate::scenario::units::{
-    Angle, AngularVelocity, Density, Length, Mass, Moment, MomentOfInertia, Velocity,
+    Angle, AngularVelocity, Density, Dimensionless, Length, Mass, Moment, MomentOfInertia, Velocity,
 };
 
 /// Upwards, the default axis of rotations.
@@ -33,6 +33,10 @@ keys! {
         velocity: vector(Velocity) default([0.0; 3]),
         /// Angular velocity at time zero.
         angular_velocity: vector(AngularVelocity) default([0.0; 3]),
+        /// Friction coefficient of the body with all that it touches; with a body that has a
+        /// coefficient of its own, the geometric mean of both. Needs [contact]. Default: that of
+        /// the plane, obstacle or rod, or `contact.friction`.
+        friction: number(Dimensionless, NON_NEGATIVE) optional,
         /// Direction of an axle through its centre of mass, which does not move: the body only
         /// turns about it, as a pulley, a drum or a roller.
         axle: direction() optional,

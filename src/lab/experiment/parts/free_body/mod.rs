@@ -39,6 +39,9 @@ pub struct FreeBody {
     pub velocity: [f64; 3],
     /// Angular velocity, rad/s.
     pub angular_velocity: [f64; 3],
+    /// Own friction coefficient.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
     /// The axle about which alone it turns.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub axle: Option<Axle>,
@@ -216,6 +219,7 @@ impl Part for FreeBody {
             density,
             velocity: typed.velocity(section),
             angular_velocity: typed.angular_velocity(section),
+            friction: typed.friction(section),
             axle: Axle::resolve(section, typed),
             joined: (section.elements("joined", &typed.joined))
                 .map(|(section, typed)| Joined::resolve(&section, typed))
@@ -247,6 +251,10 @@ impl ScenePart for FreeBody {
             let message = format!("another free body or a rod is called `{}`", self.name);
             return Err(Issue::new(path.key("name"), message));
         }
+        if self.friction.is_some() && scene.contact.is_none() {
+            let message = "without a [contact] table bodies pass through everything; add one, or leave it out";
+            return Err(Issue::new(path.key("friction"), message));
+        }
         let solid = (self.shape.solid()).map_err(|why| Issue::new(path.key("shape"), why))?;
         let mass = self
             .mass
@@ -274,6 +282,7 @@ impl ScenePart for FreeBody {
             axes,
             velocity: Vector3::from(self.velocity),
             angular_velocity: Vector3::from(self.angular_velocity),
+            friction: self.friction,
             axle: (self.axle.as_ref()).map(|axle| axle.placed(inertia, &of_axes)),
             joints,
         });
