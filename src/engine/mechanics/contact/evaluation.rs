@@ -104,7 +104,8 @@ impl ContactSystem {
         time_step: f64,
         request: Request,
     ) {
-        let without_force = std::mem::take(&mut self.without_force);
+        let is_known = request == Request::Jacobians;
+        let without_force = is_known.then(|| std::mem::take(&mut self.without_force));
         self.clear_results();
         let (positions, previous) = (self.placed(positions), self.placed(previous));
         let positions = positions.as_ref();
@@ -121,7 +122,7 @@ impl ContactSystem {
         }
         self.evaluate_pairs(&motion, request);
         self.evaluate_planes(&motion, request.has_jacobians());
-        if request == Request::Jacobians {
+        if let Some(without_force) = without_force {
             self.without_force = without_force;
         }
         if request.has_jacobians() && self.multipliers.in_use() {

@@ -228,7 +228,10 @@ impl RodDescription {
 
     /// Own friction coefficients of its edges.
     pub fn frictions(&self) -> Vec<Option<f64>> {
-        let edges = self.centreline.len() - usize::from(!self.closed);
+        let edges = self
+            .centreline
+            .len()
+            .saturating_sub(usize::from(!self.closed));
         let of_sections = |edge: usize| match self.sections.get(edge) {
             Some(section) => section.friction,
             None => self.friction,
