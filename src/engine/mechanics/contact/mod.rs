@@ -78,6 +78,7 @@ mod jet;
 mod levers;
 mod memory;
 mod multipliers;
+mod nearest_in_step;
 mod nearest_points;
 mod nodes_and_points;
 mod normal_law;

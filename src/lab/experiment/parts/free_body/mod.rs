@@ -251,10 +251,6 @@ impl ScenePart for FreeBody {
             let message = format!("another free body or a rod is called `{}`", self.name);
             return Err(Issue::new(path.key("name"), message));
         }
-        if self.friction.is_some() && scene.contact.is_none() {
-            let message = "without a [contact] table bodies pass through everything; add one, or leave it out";
-            return Err(Issue::new(path.key("friction"), message));
-        }
         let solid = (self.shape.solid()).map_err(|why| Issue::new(path.key("shape"), why))?;
         let mass = self
             .mass
@@ -301,6 +297,15 @@ pub fn judge(scene: &Scene) -> Result<(), Issue> {
     let fault = |key: KeyPath, allowed: &str| {
         Err(Issue::new(key, format!("with [[free_bodies]], {allowed}")))
     };
+    let mut bodies = scene.free_bodies.iter();
+    if scene.contact.is_none()
+        && let Some(index) = bodies.position(|body| body.friction.is_some())
+    {
+        let path = KeyPath::from(FreeBody::KEY).index(index);
+        let message =
+            "without a [contact] table bodies pass through everything; add one, or leave it out";
+        return Err(Issue::new(path.key("friction"), message));
+    }
     if let Err(SceneError::Joint { name, reason }) = check_joints(scene) {
         let mut bodies = scene.free_bodies.iter();
         let index = bodies.position(|body| body.name == name);
@@ -547,6 +552,12 @@ BODY
         }
         let rigid = "[contact]\nmodel = \"complementarity\"\n";
         prepared(&format!("{body}{rigid}")).unwrap();
+        let rubs = with(&format!("{block}\nmass = 1.0\nfriction = 0.2"));
+        let scene = prepared(&format!("{rubs}{rigid}")).unwrap();
+        assert_eq!(scene.free_bodies[0].friction, Some(0.2));
+        let error = prepared(&rubs).unwrap_err();
+        let is_named = error.contains("free_bodies.0.friction");
+        assert!(is_named && error.contains("[contact]"), "{error}");
         for (time, expected) in [
             ("mode = \"static\"", "run dynamically"),
             (
