@@ -195,12 +195,9 @@ impl Term for Contact {
         let friction = scene.contact.map_or(0.0, |parameters| parameters.friction);
         let rubs = |coefficient: f64| model.is_some() && coefficient > 0.0;
         let of_bodies = own_frictions.into_iter().any(rubs);
-        let obstacles = scene.obstacles.iter();
-        let on_obstacles = obstacles.map(|own| own.friction.unwrap_or(friction));
-        let on_obstacles = on_obstacles.into_iter().any(|own| rubs(own) || of_bodies);
-        let planes = scene.planes.iter();
-        let on_planes = planes.map(|own| own.own_friction().unwrap_or(friction));
-        let on_planes = on_planes.into_iter().any(|own| rubs(own) || of_bodies);
+        let may_rub = |own: Option<f64>| of_bodies || rubs(own.unwrap_or(friction));
+        let on_obstacles = scene.obstacles.iter().any(|one| may_rub(one.friction));
+        let on_planes = scene.planes.iter().any(|one| may_rub(one.own_friction()));
         let nodes = assembly.rods.nodes;
         let mut contact = Self {
             model,
