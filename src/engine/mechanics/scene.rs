@@ -167,7 +167,7 @@ pub struct Relaxation {
 }
 
 impl Scene {
-    /// Friction coefficients of rods, their sections and free bodies of their own.
+    /// Friction coefficients that rods, their sections and free bodies have of their own.
     pub fn own_frictions(&self) -> Vec<f64> {
         let of_rods = self.rods.iter().flat_map(RodDescription::frictions);
         let of_bodies = self.free_bodies.iter().map(|body| body.friction);

@@ -9,13 +9,60 @@
 use super::contact_system::ContactSystem;
 use super::contacts::CandidatePair;
 use super::plane::ContactPlane;
-use super::surface::ContactNode;
+use super::surface::{ContactNode, ContactSurface};
 
 /// The coefficient between two bodies with these of their own; `None` if neither has one.
-pub(super) fn combined(one: Option<f64>, other: Option<f64>) -> Option<f64> {
+fn combined(one: Option<f64>, other: Option<f64>) -> Option<f64> {
     match (one, other) {
         (Some(one), Some(other)) => Some((one * other).sqrt()),
         _ => one.or(other),
+    }
+}
+
+impl ContactSurface {
+    /// Sets the own friction coefficients of the edges of the rod that was added last.
+    pub fn set_frictions(&mut self, frictions: &[Option<f64>]) {
+        let first = self.edges.len() - frictions.len();
+        for (edge, friction) in self.edges[first..].iter_mut().zip(frictions) {
+            edge.friction = *friction;
+        }
+        self.has_own_frictions |= frictions.iter().any(Option::is_some);
+    }
+
+    /// The coefficients that rods, free bodies and obstacles have of their own.
+    fn own_frictions(&self) -> impl Iterator<Item = Option<f64>> {
+        let of_rods = self.rod_edges().iter().map(|edge| edge.friction);
+        of_rods.chain(self.frictions.iter().copied())
+    }
+
+    /// The edge of the same rod that ends at a node where another edge starts, if any of its edges
+    /// has a friction coefficient of its own.
+    fn edge_before(&self, node: usize, edge: usize) -> Option<usize> {
+        if !self.has_own_frictions || self.edges[edge].nodes[0] != node {
+            return None;
+        }
+        let rod = self.edges[edge].rod;
+        let ends_here = |one: &usize| self.edges[*one].nodes[1] == node;
+        let is_own = |one: &usize| self.edges[*one].rod == rod;
+        let before = edge.checked_sub(1).filter(is_own);
+        match before {
+            Some(before) => Some(before).filter(ends_here),
+            // The first edge of a closed rod.
+            None => (edge + 1..self.edges.len())
+                .take_while(is_own)
+                .find(ends_here),
+        }
+    }
+
+    /// Own friction coefficient of a body.
+    fn own_friction(&self, body: usize) -> Option<f64> {
+        match self.obstacle_of(body) {
+            Some(obstacle) => self.frictions[obstacle],
+            None => match self.edges.get(body) {
+                Some(edge) => edge.friction,
+                None => self.faces()[body - self.edges.len()].friction,
+            },
+        }
     }
 }
 

@@ -70,7 +70,7 @@ impl ContactFace {
 /// edges of obstacles, faces of free bodies, faces of obstacles.
 #[derive(Clone, Debug, Default)]
 pub struct ContactSurface {
-    edges: Vec<ContactEdge>,
+    pub(super) edges: Vec<ContactEdge>,
     /// Vertices opposite to each edge of an obstacle in its two faces, numbered after the nodes of
     /// the rods; `None` if the edge does not have two faces.
     opposite: Vec<Option<[usize; 2]>>,
@@ -86,9 +86,9 @@ pub struct ContactSurface {
     bodies: Vec<(Range<usize>, f64)>,
     obstacles: Vec<RigidBody>,
     /// Own friction coefficients of the obstacles.
-    frictions: Vec<Option<f64>>,
+    pub(super) frictions: Vec<Option<f64>>,
     /// Whether a part of a rod or a free body has a friction coefficient of its own.
-    has_own_frictions: bool,
+    pub(super) has_own_frictions: bool,
     nodes: Vec<ContactNode>,
     /// Length of every closed rod, m; `None` for open rods.
     closed_lengths: Vec<Option<f64>>,
@@ -194,15 +194,6 @@ impl ContactSurface {
         self.note_least_radius(least, held);
     }
 
-    /// Sets the own friction coefficients of the edges of the rod that was added last.
-    pub fn set_frictions(&mut self, frictions: &[Option<f64>]) {
-        let first = self.edges.len() - frictions.len();
-        for (edge, friction) in self.edges[first..].iter_mut().zip(frictions) {
-            edge.friction = *friction;
-        }
-        self.has_own_frictions |= frictions.iter().any(Option::is_some);
-    }
-
     /// Takes a radius, m, into the smallest ones.
     fn note_least_radius(&mut self, radius: f64, held: bool) {
         let [moving, any] = &mut self.least_radii;
@@ -254,9 +245,7 @@ impl ContactSurface {
 
     /// Adds a free body with the nodes `first_node`, `first_node + 1`, ..., its vertices, after all
     /// rods and balls. Its segments touch like edges of rods, its vertices like nodes, and its faces
-    /// like those of obstacles.
-    ///
-    /// It may have a `friction` coefficient of its own, see `own_friction`.
+    /// like those of obstacles. Its own `friction` coefficient is as in `own_friction`.
     pub fn add_body(&mut self, first_node: usize, body: &RigidBody, friction: Option<f64>) {
         debug_assert!(self.obstacles.is_empty(), "obstacles come last");
         let rod = self.closed_lengths.len();
@@ -403,9 +392,8 @@ impl ContactSurface {
     /// A rod touches the obstacle where one of its edges is near a segment, or one of its nodes is
     /// near the interior of a face, above or below it; a foot on the border of a face belongs to
     /// the segments there. So the distances are those of two edges (thesis Eqs. 2.3–2.6), and of a
-    /// point from a plane. Smooth parts of meshes touch nodes only, see `smooth_faces`.
-    ///
-    /// It may have a `friction` coefficient of its own, see `own_friction`.
+    /// point from a plane. Smooth parts of meshes touch nodes only, see `smooth_faces`. Its own
+    /// `friction` coefficient is as in `own_friction`.
     pub fn add_obstacle(&mut self, obstacle: RigidBody, friction: Option<f64>) {
         let first = self.rod_nodes + self.vertex_count();
         // The rim of a tube is sharp.
@@ -489,12 +477,6 @@ impl ContactSurface {
         &self.obstacles
     }
 
-    /// All friction coefficients of rods, free bodies and obstacles of their own.
-    pub(super) fn own_frictions(&self) -> impl Iterator<Item = Option<f64>> {
-        let of_rods = self.rod_edges().iter().map(|edge| edge.friction);
-        of_rods.chain(self.frictions.iter().copied())
-    }
-
     /// Vertices of all obstacles.
     fn vertex_count(&self) -> usize {
         let vertices = self
@@ -516,36 +498,6 @@ impl ContactSurface {
         }
         let rods = self.closed_lengths.len() - self.obstacles.len();
         self.edges[body].rod.checked_sub(rods)
-    }
-
-    /// The edge of the same rod that ends at a node where another edge starts, if any of its edges
-    /// has a friction coefficient of its own.
-    pub(super) fn edge_before(&self, node: usize, edge: usize) -> Option<usize> {
-        if !self.has_own_frictions || self.edges[edge].nodes[0] != node {
-            return None;
-        }
-        let rod = self.edges[edge].rod;
-        let ends_here = |one: &usize| self.edges[*one].nodes[1] == node;
-        let is_own = |one: &usize| self.edges[*one].rod == rod;
-        let before = edge.checked_sub(1).filter(is_own);
-        match before {
-            Some(before) => Some(before).filter(ends_here),
-            // The first edge of a closed rod.
-            None => (edge + 1..self.edges.len())
-                .take_while(is_own)
-                .find(ends_here),
-        }
-    }
-
-    /// Own friction coefficient of a body.
-    pub(super) fn own_friction(&self, body: usize) -> Option<f64> {
-        match self.obstacle_of(body) {
-            Some(obstacle) => self.frictions[obstacle],
-            None => match self.edges.get(body) {
-                Some(edge) => edge.friction,
-                None => self.faces[body - self.edges.len()].friction,
-            },
-        }
     }
 
     /// The nodes that planes may push.

@@ -73,7 +73,7 @@ pub(super) fn left_out(prepared: &PreparedRun, phrases: Phrases) -> Vec<String> 
     let own = scene.rods.iter().flat_map(RodDescription::frictions);
     add(
         own.flatten().count() > 0,
-        "friction of rods of their own: all have that of the contact model",
+        "friction coefficients of single rods: all rods have that of the contact model",
     );
     add(!scene.springs.is_empty(), "springs");
     add(!scene.tendons.is_empty(), "tendons");

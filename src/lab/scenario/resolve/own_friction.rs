@@ -1,9 +1,11 @@
-//! Friction coefficients of rods of their own.
+//! Friction coefficients that rods have of their own.
 
 use super::continuation::{NO_FRICTION, is_at_rest};
+use crate::scenario::quantity::Quantity;
 use crate::scenario::resolved::{Contact, Plane, Time};
 use crate::scenario::section::Section;
 use crate::scenario::typed::{Rod, ScenarioFile};
+use crate::scenario::units::Dimensionless;
 
 /// Rejects friction of rods without contact, in equilibria, and on planes with friction by
 /// direction.
@@ -15,7 +17,11 @@ pub fn refuse(
     planes: &[Plane],
 ) {
     let is_directed = planes.iter().any(|plane| plane.directed_friction.is_some());
-    let fault = |section: &Section<'_>, friction: f64| {
+    let fault = |section: &Section<'_>, typed: &Option<Quantity<Dimensionless>>| {
+        // A value that is not valid has its fault where the rod is resolved.
+        let Some(friction) = typed.as_ref().and_then(|own| own.si().ok()) else {
+            return;
+        };
         if *contact == Contact::None {
             let message =
                 "without a [contact] table rods pass through everything; add one, or leave it out";
@@ -28,13 +34,9 @@ pub fn refuse(
         }
     };
     let judge = |section: &Section<'_>, rod: &Rod| {
-        if let Some(friction) = rod.friction(section) {
-            fault(section, friction);
-        }
+        fault(section, &rod.friction);
         for (below, one) in section.elements("sections", &rod.sections) {
-            if let Some(friction) = one.friction(&below) {
-                fault(&below, friction);
-            }
+            fault(&below, &one.friction);
         }
     };
     for (section, rod) in top.elements("rods", &file.rods) {
