@@ -53,8 +53,9 @@ fn a_sheet_is_folded_in_half_seen_and_scored() {
     );
     assert!((place(2) - 10.0).abs() < 0.2, "{record}");
     let score = |name: &str| record["score"][name].as_f64().unwrap();
-    // The sheet slides by 0.07 mm in plain simulation; the camera resolves 0.3 mm.
-    assert!(score("largest_sliding_m") < 1e-3, "{record}");
+    // The sheet slides by 0.07 mm in plain simulation; the camera resolves 0.3 mm. While the client
+    // looks and plans, the sheet must not creep, however long it takes.
+    assert!(score("largest_sliding_m") < 4e-4, "{record}");
     // At the end the edge covers the free end, so that the camera cannot measure the fold length.
     assert!(score("last_seen_sliding_m").abs() < 1e-3, "{record}");
     assert!(record["score"]["fold_length_error_m"].is_null(), "{record}");

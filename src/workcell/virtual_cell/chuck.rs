@@ -207,7 +207,7 @@ impl ChuckedRod {
             self.simulation.move_clamp(CHUCK, motion);
             (self.last_angle, self.led_until) = (angle, until);
         }
-        advance_for_a_while(&mut self.simulation, until)
+        Ok(advance_for_a_while(&mut self.simulation, until)?.has_come)
     }
 
     /// Rotation of the clamp from the last angle of the chuck to the next.

@@ -2,7 +2,7 @@
 
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::scene::Motion;
-use rodlab_robot::{Pose, between};
+use rodlab_robot::{Pose, between, distance_and_angle};
 
 /// Largest horizontal and vertical distance of the hand from a lying rod that it can grip, m: the
 /// opening of the fingers.
@@ -10,6 +10,8 @@ const REACH: f64 = 0.015;
 /// Number of nodes on each side of a held node that no other gripper can take, since the first
 /// gripper is in the way.
 const BESIDE: usize = 2;
+/// Distance of a hand from its place, m, and rotation, rad, up to which it is still.
+const STILL: [f64; 2] = [1e-6, 1e-5];
 
 /// Grip of a gripper on a rod. Poses are in the frame of the simulation.
 pub(super) struct Grip {
@@ -23,6 +25,8 @@ pub(super) struct Grip {
     first: Pose,
     /// Pose of the hand at the last call.
     last: Pose,
+    /// Pose near which the hand has been still.
+    still: Pose,
     /// Time of the simulation, s, at which the hand-over of a rod into the fingers ends.
     handed_by: f64,
     /// Lowest height of the hand, m, at which the table stops it.
@@ -40,6 +44,7 @@ impl Grip {
             clamp,
             first,
             last: first,
+            still: first,
             handed_by: 0.0,
             lowest: f64::NEG_INFINITY,
             pivot: Some(first.translation.vector),
@@ -67,8 +72,29 @@ impl Grip {
     /// Motion of the clamp between two times of the simulation, s, from the last pose of the hand
     /// to `hand`.
     pub fn lead(&mut self, hand: &Pose, [now, until]: [f64; 2]) -> Motion {
-        let part = if until < self.handed_by {
-            until / self.handed_by
+        let next = self.led(hand, until);
+        let motion = self.motion([(now, &self.last), (until, &next)]);
+        self.last = next;
+        motion
+    }
+
+    /// Whether `hand` leads the rod away from where the hand has been still, at a time of the
+    /// simulation, s. If so, the hand is still at its new place from then on.
+    pub fn moves(&mut self, hand: &Pose, time: f64) -> bool {
+        let next = self.led(hand, time);
+        let (distance, angle) = distance_and_angle(&self.still, &next);
+        let moves = distance > STILL[0] || angle > STILL[1];
+        if moves {
+            self.still = next;
+        }
+        moves
+    }
+
+    /// Pose to which `hand` leads the rod at a time of the simulation, s: part of the way while
+    /// the rod is handed over, and never into the table.
+    fn led(&self, hand: &Pose, time: f64) -> Pose {
+        let part = if time < self.handed_by {
+            time / self.handed_by
         } else {
             1.0
         };
@@ -76,9 +102,7 @@ impl Grip {
         let mut next = between(&self.first, hand, part);
         let height = &mut next.translation.vector.z;
         *height = height.max(self.lowest);
-        let motion = self.motion([(now, &self.last), (until, &next)]);
-        self.last = next;
-        motion
+        next
     }
 
     fn motion(&self, knots: [(f64, &Pose); 2]) -> Motion {

@@ -78,6 +78,32 @@ fn a_free_end_lies_at_its_given_place() {
 }
 
 #[test]
+fn a_held_rod_waits_for_still_hands_and_moves_on_with_them() {
+    let (_, hand, mut rod) = hanging(0.7, 0.0);
+    let last = |rod: &SimulatedRod| rod.nodes()[rod.nodes().len() - 1];
+    // The hand sways by less than it counts as a motion.
+    let sways = |time: f64| raised(4e-7 * (20.0 * time).sin()) * hand;
+    for step in 1..=800 {
+        let time = 5e-3 * f64::from(step);
+        lead(&mut rod, time, |_| sways(time));
+    }
+    let rests = rod.nodes();
+    lead(&mut rod, 20.0, |_| sways(20.0));
+    assert!(rod.nodes() == rests);
+    // A motion begins at the time of the last call, and moves the end with the hand.
+    let first = last(&rod);
+    for step in 1..=100 {
+        let time = 5e-3 * f64::from(step);
+        lead(&mut rod, 20.0 + time, |_| raised(1e-2 * time) * hand);
+        let risen = last(&rod).z - first.z;
+        assert!((risen - 1e-2 * time).abs() < 1e-6, "{time} {risen}");
+    }
+    rod.release().unwrap();
+    lead(&mut rod, 20.55, |_| hand);
+    assert!(last(&rod).z < first.z);
+}
+
+#[test]
 fn a_rod_that_is_let_go_falls_on_the_table() {
     let (supply, hand, mut rod) = hanging(0.0, 0.0);
     rod.release().unwrap();

@@ -10,13 +10,16 @@ use std::time::{Duration, Instant};
 
 /// Duration of the hand-over of a rod into the fingers, s.
 pub const HANDING_OVER: f64 = 1.0;
-/// A released rod rests if every node is slower than this, m/s.
+/// A rod rests if every node is slower than this, m/s.
 const REST: f64 = 1e-4;
+/// Time for which a held rod and its hands must be still before the simulation waits for the
+/// hands, s.
+const STILL: f64 = 1.0;
 /// Longest time for which the simulation runs without a pause for the server.
 const AT_A_TIME: Duration = Duration::from_millis(20);
-/// Longest time for the simulation of a fall. A heap of rod is difficult to simulate, and the rod
-/// along the pattern already lies.
-const LONGEST_FALL: Duration = Duration::from_secs(2);
+/// Largest number of steps for the simulation of a fall. A heap of rod is difficult to simulate,
+/// and the rod along the pattern already lies.
+const LONGEST_FALL: usize = 4000;
 /// Height of a rod's end, in radii, at which the table stops the hand.
 const FLOOR: f64 = 1.05;
 
@@ -58,8 +61,10 @@ pub struct SimulatedRod {
     rods: Vec<HandedRod>,
     /// Time of the release, s of the simulation.
     released: f64,
-    /// Wall time that the simulation of the fall has taken.
-    falling: Duration,
+    /// Number of steps of the simulation since the release.
+    falling: usize,
+    /// Time since which rod and hands are still, s of the simulation.
+    still_since: f64,
     rests: bool,
 }
 
@@ -103,7 +108,8 @@ impl SimulatedRod {
             begin: now,
             rods: rods.to_vec(),
             released: 0.0,
-            falling: Duration::ZERO,
+            falling: 0,
+            still_since: 0.0,
             rests: false,
         }
     }
@@ -156,15 +162,19 @@ impl SimulatedRod {
         if self.grips.is_empty() {
             self.led_until = self.simulation.time();
             self.begin = now - self.simulation.time();
-            self.falling = Duration::ZERO;
-            self.rests = false;
+            self.falling = 0;
         }
+        self.wake();
         Ok(clamp)
     }
 
     /// Advances towards the time `now`, s, with the held part in the hand. Returns whether the
     /// simulation has reached that time. A difficult step takes long. The method then returns
     /// `false`, so that the server can do other work, and must be called again with the same hand.
+    ///
+    /// While a held rod and its hands are still, the simulation waits. Sticking contacts of the
+    /// engine creep below the slip tolerance (0.2 µm/s for a folded sheet), and a cell at a high
+    /// rate passes hundreds of seconds while its client looks and plans.
     ///
     /// # Errors
     /// No step is found, or the rod tears, while it is held. A released rod is frozen instead.
@@ -182,37 +192,60 @@ impl SimulatedRod {
         now: f64,
     ) -> Result<bool, SimulationError> {
         let until = now - self.begin;
+        let inwards = self.frame.inverse();
         if self.rests {
-            return Ok(true);
+            let mut grips = self.grips.iter_mut();
+            if !grips.any(|grip| grip.moves(&(inwards * hand(grip.holder)), until)) {
+                self.begin = now - self.simulation.time();
+                return Ok(true);
+            }
+            self.wake();
         }
         if self.is_held() && until > self.led_until {
             let times = [self.simulation.time(), until];
             for grip in &mut self.grips {
-                let hand = self.frame.inverse() * hand(grip.holder);
+                let hand = inwards * hand(grip.holder);
+                if grip.moves(&hand, until) {
+                    self.still_since = until;
+                }
                 let motion = grip.lead(&hand, times);
                 self.simulation.move_clamp(grip.clamp, motion);
             }
             self.led_until = until;
         }
-        let work = Instant::now();
         match advance_for_a_while(&mut self.simulation, until) {
-            Ok(has_come) => {
-                self.settled(work);
-                Ok(has_come || self.rests)
+            Ok(advanced) => {
+                self.settled(advanced.steps);
+                Ok(advanced.has_come || self.rests)
             }
             Err(error) => self.given_up(error).map(|()| true),
         }
     }
 
-    /// Sets whether a released rod is at rest. A fall that takes too long to simulate is ended.
-    fn settled(&mut self, work: Instant) {
-        // A rod that was held still has no velocity until its first step.
-        if self.is_held() || self.simulation.time() <= self.released {
-            return;
-        }
+    /// Continues the simulation.
+    fn wake(&mut self) {
+        self.still_since = self.simulation.time();
+        self.rests = false;
+    }
+
+    /// Sets whether the rod is at rest after a number of steps. A fall that takes too long to
+    /// simulate is ended.
+    fn settled(&mut self, steps: usize) {
         let velocities = self.simulation.velocities().iter();
         let fastest = velocities.map(|v| v.norm()).fold(0.0, f64::max);
-        self.falling += work.elapsed();
+        let time = self.simulation.time();
+        if self.is_held() {
+            if fastest >= REST {
+                self.still_since = time;
+            }
+            self.rests = time - self.still_since >= STILL;
+            return;
+        }
+        // A rod that was held still has no velocity until its first step.
+        if time <= self.released {
+            return;
+        }
+        self.falling += steps;
         self.rests = fastest < REST;
         if !self.rests && self.falling > LONGEST_FALL {
             tracing::warn!(
@@ -237,11 +270,7 @@ impl SimulatedRod {
     /// # Errors
     /// The simulation rejects the release.
     pub fn release(&mut self) -> Result<(), SimulationError> {
-        self.released = self.simulation.time();
-        for grip in self.grips.drain(..) {
-            self.simulation.release(grip.clamp)?;
-        }
-        Ok(())
+        self.open(|_| true)
     }
 
     /// Opens the gripper of an arm, if it holds the rod.
@@ -249,8 +278,14 @@ impl SimulatedRod {
     /// # Errors
     /// The simulation rejects the release.
     pub fn release_by(&mut self, arm: usize) -> Result<(), SimulationError> {
-        for grip in self.grips.extract_if(.., |grip| grip.holder == arm) {
+        self.open(|grip| grip.holder == arm)
+    }
+
+    fn open(&mut self, opens: impl Fn(&Grip) -> bool) -> Result<(), SimulationError> {
+        let opened: Vec<Grip> = self.grips.extract_if(.., |grip| opens(grip)).collect();
+        for grip in opened {
             self.released = self.simulation.time();
+            self.wake();
             self.simulation.release(grip.clamp)?;
         }
         Ok(())
@@ -312,18 +347,27 @@ impl SimulatedRod {
     }
 }
 
-/// Advances a simulation towards a time, s, for at most `AT_A_TIME`; returns whether it has
-/// reached that time.
+/// Progress of a simulation towards a time.
+pub(super) struct Advanced {
+    /// Whether it has reached that time.
+    pub has_come: bool,
+    /// Number of steps.
+    pub steps: usize,
+}
+
+/// Advances a simulation towards a time, s, for at most `AT_A_TIME`.
 pub(super) fn advance_for_a_while(
     simulation: &mut Simulation,
     until: f64,
-) -> Result<bool, SimulationError> {
+) -> Result<Advanced, SimulationError> {
     let work = Instant::now();
-    while simulation.time() < until {
-        if work.elapsed() > AT_A_TIME {
-            return Ok(false);
-        }
+    let mut steps = 0;
+    while simulation.time() < until && work.elapsed() <= AT_A_TIME {
         simulation.advance(until)?;
+        steps += 1;
     }
-    Ok(true)
+    Ok(Advanced {
+        has_come: simulation.time() >= until,
+        steps,
+    })
 }
