@@ -2,6 +2,7 @@
 //! Matrix Computations, 4th ed., sec. 4.3.5; no pivoting, so that the band does not fill).
 
 use super::error::{Inertia, SingularMatrix};
+use std::ops::Range;
 
 /// Largest distance between coupled unknowns: a vertex couples x, θ, x, θ, x of three nodes, 11 unknowns.
 pub const HALF_BANDWIDTH: usize = 10;
@@ -66,13 +67,17 @@ impl BandedSymmetric {
         &mut self.columns
     }
 
-    /// Eliminates a held unknown: its row and column become zero, its diagonal one.
-    pub fn hold(&mut self, i: usize) {
-        self.columns[i] = [0.0; WIDTH];
-        self.columns[i][0] = 1.0;
-        for j in i.saturating_sub(HALF_BANDWIDTH)..i {
-            self.columns[j][i - j] = 0.0;
+    /// Eliminates held unknowns that follow each other: their rows and columns become zero, their
+    /// diagonals one.
+    pub fn hold(&mut self, unknowns: Range<usize>) {
+        let before = unknowns.start.saturating_sub(HALF_BANDWIDTH)..unknowns.start;
+        for (j, column) in before.clone().zip(&mut self.columns[before]) {
+            let end = WIDTH.min(unknowns.end - j);
+            column[unknowns.start - j..end].fill(0.0);
         }
+        let mut held = [0.0; WIDTH];
+        held[0] = 1.0;
+        self.columns[unknowns].fill(held);
     }
 
     /// y = A x.
@@ -314,7 +319,7 @@ mod tests {
         let n = 30;
         let mut matrix = dominant_band(n, &[0.3, -0.8, 0.5], |_| false);
         let free = dense(&matrix).remove_row(13).remove_column(13);
-        matrix.hold(13);
+        matrix.hold(13..14);
         let mut factor = BandedFactor::new(n);
         factor.factor(&matrix).unwrap();
         let mut x = vec![1.0; n];

@@ -14,7 +14,7 @@
 
 use super::elimination::{Part, SMALLEST_TASK};
 use super::error::{Inertia, SingularMatrix};
-use super::instruction_set::InstructionSet;
+use super::instruction_set::{InstructionSet, kernel};
 use super::node_block::{Block, BlockMatrix, DiagonalFactor, NODE, NodeVector};
 use super::symbolic::SymbolicFactor;
 
@@ -103,18 +103,21 @@ impl BlockFactor {
         for (own, &node) in self.vector.iter_mut().zip(&self.symbolic.order) {
             *own = x[node];
         }
-        self.solve_lower();
-        self.solve_upper();
+        let (set, symbolic) = (InstructionSet::best_of_width(NODE), &self.symbolic);
+        solve_lower(set, symbolic, &self.lower, &mut self.vector);
+        solve_upper(set, symbolic, &self.diagonal, &self.upper, &mut self.vector);
         for (own, &node) in self.vector.iter().zip(&self.symbolic.order) {
             x[node] = *own;
         }
     }
+}
 
-    fn solve_lower(&mut self) {
-        let vector = &mut self.vector;
-        for supernode in &self.symbolic.supernodes.list {
+kernel! {
+    /// Solves 𝓛 y = x in place.
+    fn solve_lower(symbolic: &SymbolicFactor, lower: &[Block], vector: &mut [NodeVector]) {
+        for supernode in &symbolic.supernodes.list {
             let width = supernode.width();
-            let panel = &self.lower[supernode.blocks()];
+            let panel = &lower[supernode.blocks()];
             let (own, after) = vector[supernode.columns.start..].split_at_mut(width);
             let (square, below) = panel.split_at(width * width);
             for (row, blocks) in square.chunks_exact(width).enumerate() {
@@ -123,7 +126,7 @@ impl BlockFactor {
                     block.subtract_from(value, &mut rest[0]);
                 }
             }
-            let rows = &self.symbolic.supernodes.rows[supernode.rows.clone()];
+            let rows = &symbolic.supernodes.rows[supernode.rows.clone()];
             for (&row, blocks) in rows.iter().zip(below.chunks_exact(width)) {
                 let target = &mut after[row as usize - supernode.columns.end];
                 for (block, value) in blocks.iter().zip(&*own) {
@@ -132,15 +135,22 @@ impl BlockFactor {
             }
         }
     }
+}
 
-    fn solve_upper(&mut self) {
-        let vector = &mut self.vector;
-        for supernode in self.symbolic.supernodes.list.iter().rev() {
+kernel! {
+    /// Solves 𝓤 x = y in place.
+    fn solve_upper(
+        symbolic: &SymbolicFactor,
+        diagonal: &[DiagonalFactor],
+        upper: &[Block],
+        vector: &mut [NodeVector],
+    ) {
+        for supernode in symbolic.supernodes.list.iter().rev() {
             let width = supernode.width();
-            let panel = &self.upper[supernode.blocks()];
+            let panel = &upper[supernode.blocks()];
             let (own, after) = vector[supernode.columns.start..].split_at_mut(width);
             let (square, below) = panel.split_at(width * width);
-            let rows = &self.symbolic.supernodes.rows[supernode.rows.clone()];
+            let rows = &symbolic.supernodes.rows[supernode.rows.clone()];
             for (&row, blocks) in rows.iter().zip(below.chunks_exact(width)) {
                 let value = &after[row as usize - supernode.columns.end];
                 for (block, target) in blocks.iter().zip(&mut *own) {
@@ -149,7 +159,7 @@ impl BlockFactor {
             }
             for (row, blocks) in square.chunks_exact(width).enumerate().rev() {
                 let (before, rest) = own.split_at_mut(row);
-                rest[0] = self.diagonal[supernode.columns.start + row].solve(&rest[0]);
+                rest[0] = diagonal[supernode.columns.start + row].solve(&rest[0]);
                 for (block, target) in blocks.iter().zip(before) {
                     block.subtract_transposed_from(&rest[0], target);
                 }

@@ -43,8 +43,8 @@ impl CoupledSystem {
     /// Finds the pattern of a band of `dimension` unknowns together with `elements`, chooses an order of elimination that fills
     /// it little, and makes room for its factors.
     ///
-    /// `held` marks the unknowns that keep their value (length `dimension`): their rows and
-    /// columns are dropped and their diagonals set to one. `shared` lists the unknowns that equal
+    /// `held` marks the unknowns that keep their value (length `dimension`): the entries of elements
+    /// in their rows and columns are dropped. `shared` lists the unknowns that equal
     /// another one, their owner, which may be free or held but not shared itself. Their rows and
     /// columns are added to those of the owner, and then become those of held unknowns. With
     /// `symmetric`, elements must be symmetric matrices; only one triangle is read. `chains` lists,
@@ -98,7 +98,8 @@ impl CoupledSystem {
         self.factor.blocks()
     }
 
-    /// Sets the matrix to `band`, which may couple nodes at most two apart.
+    /// Sets the matrix to `band`, which may couple nodes at most two apart. Held unknowns must have
+    /// been eliminated from it, see [`BandedSymmetric::hold`].
     pub fn assemble(&mut self, band: &BandedSymmetric) {
         assert_eq!(band.dimension(), self.dimension);
         self.matrix.assemble(band);

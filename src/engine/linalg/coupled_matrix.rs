@@ -2,6 +2,7 @@
 
 use super::banded::{BandedSymmetric, HALF_BANDWIDTH};
 use super::element::{Element, ElementMatrix, is_free};
+use super::instruction_set::{InstructionSet, kernel};
 use super::node_block::{Block, BlockMatrix, NODE, NodeVector};
 use super::node_graph::{BandPattern, NodeGraph};
 use std::cmp::Ordering;
@@ -19,6 +20,8 @@ pub(super) struct CoupledMatrix {
     blocks: Vec<Block>,
     /// Blocks that couple each node k with k + 1 and k + 2.
     band_places: Vec<[Option<usize>; 2]>,
+    /// Blocks below the diagonal that the band does not fill.
+    other_places: Vec<usize>,
     /// Moves of entries that couple the positions of two nodes, from each element to the matrix.
     block_moves: Vec<BlockMove>,
     /// Moves of the other entries to values of the matrix.
@@ -28,10 +31,10 @@ pub(super) struct CoupledMatrix {
     /// Band entries in rows and columns of shared unknowns, and the values to which they are
     /// added.
     band_moves: Vec<BandMove>,
-    /// Values in the rows and columns of held unknowns where the band may have entries.
-    held_values: Vec<u32>,
-    /// Values on the diagonal of held unknowns.
-    held_diagonals: Vec<u32>,
+    /// Values in the rows and columns of shared unknowns where the band may have entries.
+    shared_values: Vec<u32>,
+    /// Values on the diagonal of shared unknowns.
+    shared_diagonals: Vec<u32>,
 }
 
 /// Start of the moves of an element.
@@ -94,9 +97,12 @@ impl CoupledMatrix {
         symmetric: bool,
     ) -> Self {
         let (nodes, pairs) = (graph.nodes, graph.pairs().len());
+        let is_other = |&(_, (p, q)): &(usize, &(u32, u32))| p - q > 2;
+        let others = (nodes..).zip(graph.pairs()).filter(is_other);
         let mut matrix = Self {
             symmetric,
             blocks: vec![Block::ZERO; nodes + if symmetric { pairs } else { 2 * pairs }],
+            other_places: others.map(|(place, _)| place).collect(),
             band_places: (0..nodes)
                 .map(|q| [1, 2].map(|apart| graph.pair(q + apart, q).map(|pair| nodes + pair)))
                 .collect(),
@@ -104,8 +110,8 @@ impl CoupledMatrix {
             moves: Vec::new(),
             element_starts: Vec::with_capacity(elements.len() + 1),
             band_moves: Vec::new(),
-            held_values: Vec::new(),
-            held_diagonals: Vec::new(),
+            shared_values: Vec::new(),
+            shared_diagonals: Vec::new(),
             graph,
         };
         for element in elements {
@@ -114,7 +120,7 @@ impl CoupledMatrix {
         }
         matrix.begin_element();
         matrix.place_shared(band);
-        matrix.place_held(&band.held);
+        matrix.drop_shared(&band.owners);
         matrix
     }
 
@@ -129,40 +135,33 @@ impl CoupledMatrix {
         }
     }
 
-    /// Sets the matrix to `band`, with ones on the diagonal of held unknowns.
+    /// Sets the matrix to `band`, from which held unknowns were eliminated.
     pub(super) fn assemble(&mut self, band: &BandedSymmetric) {
-        self.blocks.fill(Block::ZERO);
-        for (j, column) in band.columns().iter().enumerate() {
-            let (q, c) = (j / NODE, j % NODE);
-            for r in c..NODE {
-                self.blocks[q].0[NODE * c + r] = column[r - c];
-                self.blocks[q].0[NODE * r + c] = column[r - c];
-            }
-            for (neighbour, place) in self.band_places[q].iter().enumerate() {
-                if let &Some(place) = place {
-                    let first = NODE * (neighbour + 1) - c;
-                    let end = (first + NODE).min(HALF_BANDWIDTH + 1);
-                    self.blocks[place].0[NODE * c..NODE * c + end - first]
-                        .copy_from_slice(&column[first..end]);
-                }
-            }
-            debug_assert!(
-                column[(3 * NODE - c).min(HALF_BANDWIDTH + 1)..]
-                    .iter()
-                    .all(|&value| value == 0.0),
-                "the band couples nodes three apart"
-            );
+        debug_assert!(
+            band.columns().iter().enumerate().all(|(j, column)| {
+                let reached = (3 * NODE - j % NODE).min(HALF_BANDWIDTH + 1);
+                column[reached..].iter().all(|&value| value == 0.0)
+            }),
+            "the band couples nodes three apart"
+        );
+        // The transposed blocks right of the diagonal equal those below it.
+        let of_copy = (!self.symmetric).then(|| self.graph.pairs().len());
+        for place in &self.other_places {
+            self.blocks[*place] = Block::ZERO;
+            of_copy.inspect(|copy| self.blocks[place + copy] = Block::ZERO);
         }
-        if !self.symmetric {
-            let pairs = self.graph.pairs().len();
-            for &place in self.band_places.iter().flatten().flatten() {
-                self.blocks[place + pairs] = self.blocks[place];
-            }
-        }
-        for &value in &self.held_values {
+        let set = InstructionSet::best_of_width(NODE);
+        copy_band(
+            set,
+            &mut self.blocks,
+            band.columns(),
+            &self.band_places,
+            of_copy,
+        );
+        for &value in &self.shared_values {
             *value_mut(&mut self.blocks, value) = 0.0;
         }
-        for &value in &self.held_diagonals {
+        for &value in &self.shared_diagonals {
             *value_mut(&mut self.blocks, value) = 1.0;
         }
         for &BandMove {
@@ -197,25 +196,13 @@ impl CoupledMatrix {
         residual: &mut [NodeVector],
         scale: &mut [NodeVector],
     ) {
-        let BlockMatrix {
-            diagonal,
-            lower,
-            upper,
-        } = self.parts();
-        let upper = if self.symmetric { lower } else { upper };
-        for (p, block) in diagonal.iter().enumerate() {
-            residual[p] = right_hand_side[p];
-            scale[p] = right_hand_side[p].map(f64::abs);
-            block.subtract_from(&x[p], &mut residual[p]);
-            block.add_magnitudes_to(&x[p], &mut scale[p]);
+        let set = InstructionSet::best_of_width(NODE);
+        let pairs = self.graph.pairs();
+        let mut parts = self.parts();
+        if self.symmetric {
+            parts.upper = parts.lower;
         }
-        for (pair, &(p, q)) in self.graph.pairs().iter().enumerate() {
-            let (p, q) = (p as usize, q as usize);
-            lower[pair].subtract_from(&x[q], &mut residual[p]);
-            lower[pair].add_magnitudes_to(&x[q], &mut scale[p]);
-            upper[pair].subtract_transposed_from(&x[p], &mut residual[q]);
-            upper[pair].add_transposed_magnitudes_to(&x[p], &mut scale[q]);
-        }
+        find_residual(set, &parts, pairs, x, right_hand_side, residual, scale);
     }
 
     /// Finds the destinations of the entries of an element. A symmetric matrix stores no block
@@ -308,15 +295,17 @@ impl CoupledMatrix {
         }
     }
 
-    /// Finds the values that the band may have in rows and columns of held unknowns.
-    fn place_held(&mut self, held: &[bool]) {
+    /// Finds the values that the band may have in rows and columns of shared unknowns.
+    fn drop_shared(&mut self, owners: &[usize]) {
         let pairs = self.graph.pairs().len();
-        for (i, _) in held.iter().enumerate().filter(|(_, held)| **held) {
+        let is_shared = |&(unknown, owner): &(usize, &usize)| unknown != *owner;
+        for (i, _) in owners.iter().enumerate().filter(is_shared) {
             let (p, r) = (i / NODE, i % NODE);
             let in_row = |k: usize| NODE * k + r;
             let in_column = |k: usize| NODE * r + k;
             let mut drop = |block: usize, place: usize| {
-                self.held_values.push((NODE * NODE * block + place) as u32);
+                self.shared_values
+                    .push((NODE * NODE * block + place) as u32);
             };
             for k in 0..NODE {
                 drop(p, in_row(k));
@@ -338,8 +327,89 @@ impl CoupledMatrix {
                     }
                 }
             }
-            self.held_diagonals
+            self.shared_diagonals
                 .push((NODE * NODE * p + NODE * r + r) as u32);
+        }
+    }
+}
+
+/// The diagonal block of a node from its columns of the band.
+#[inline(always)]
+fn symmetric_block(columns: &[[f64; HALF_BANDWIDTH + 1]; NODE]) -> Block {
+    Block(std::array::from_fn(|i| {
+        let (c, r) = (i / NODE, i % NODE);
+        columns[c.min(r)][c.abs_diff(r)]
+    }))
+}
+
+/// The block that couples a node with the one `APART` behind it, from the columns of the first.
+#[inline(always)]
+fn block_below<const APART: usize>(columns: &[[f64; HALF_BANDWIDTH + 1]; NODE]) -> Block {
+    Block(std::array::from_fn(|i| {
+        let (c, r) = (i / NODE, i % NODE);
+        let below = NODE * APART + r - c;
+        if below <= HALF_BANDWIDTH {
+            columns[c][below]
+        } else {
+            0.0
+        }
+    }))
+}
+
+kernel! {
+    /// Copies a band to the blocks of a matrix. If there are blocks right of the diagonal, they lie
+    /// `of_copy` behind those below it.
+    fn copy_band(
+        blocks: &mut [Block],
+        columns: &[[f64; HALF_BANDWIDTH + 1]],
+        band_places: &[[Option<usize>; 2]],
+        of_copy: Option<usize>,
+    ) {
+        let (columns, last) = columns.as_chunks::<NODE>();
+        let mut padded = [[0.0; HALF_BANDWIDTH + 1]; NODE];
+        padded[..last.len()].copy_from_slice(last);
+        padded[last.len()..].iter_mut().for_each(|column| column[0] = 1.0);
+        let padded = (!last.is_empty()).then_some(&padded);
+        for (q, columns) in columns.iter().chain(padded).enumerate() {
+            blocks[q] = symmetric_block(columns);
+            let [next, after_next] = band_places[q];
+            if let Some(place) = next {
+                let block = block_below::<1>(columns);
+                blocks[place] = block;
+                of_copy.inspect(|copy| blocks[place + copy] = block);
+            }
+            if let Some(place) = after_next {
+                let block = block_below::<2>(columns);
+                blocks[place] = block;
+                of_copy.inspect(|copy| blocks[place + copy] = block);
+            }
+        }
+    }
+}
+
+kernel! {
+    /// [`CoupledMatrix::residual`], with the blocks right of the diagonal also of a symmetric
+    /// matrix.
+    fn find_residual(
+        matrix: &BlockMatrix,
+        pairs: &[(u32, u32)],
+        x: &[NodeVector],
+        right_hand_side: &[NodeVector],
+        residual: &mut [NodeVector],
+        scale: &mut [NodeVector],
+    ) {
+        for (p, block) in matrix.diagonal.iter().enumerate() {
+            residual[p] = right_hand_side[p];
+            scale[p] = right_hand_side[p].map(f64::abs);
+            block.subtract_from(&x[p], &mut residual[p]);
+            block.add_magnitudes_to(&x[p], &mut scale[p]);
+        }
+        for (&(p, q), (lower, upper)) in pairs.iter().zip(matrix.lower.iter().zip(matrix.upper)) {
+            let (p, q) = (p as usize, q as usize);
+            lower.subtract_from(&x[q], &mut residual[p]);
+            lower.add_magnitudes_to(&x[q], &mut scale[p]);
+            upper.subtract_transposed_from(&x[p], &mut residual[q]);
+            upper.add_transposed_magnitudes_to(&x[p], &mut scale[q]);
         }
     }
 }

@@ -6,7 +6,7 @@ use super::error::{Inertia, SingularMatrix};
 use super::instruction_set::{InstructionSet, kernel};
 use super::node_block::{Block, BlockMatrix, DiagonalFactor};
 use super::panel::{Earlier, Rows};
-use super::symbolic::{SymbolicFactor, Update};
+use super::symbolic::{Entry, SymbolicFactor, Update};
 
 /// Products of blocks below which a task is not worth a thread.
 pub(super) const SMALLEST_TASK: usize = 20_000;
@@ -127,7 +127,8 @@ impl<'a> Part<'a> {
             first: 0,
         };
         let nodes = &symbolic.order[supernode.columns.clone()];
-        all.load(self.matrix, nodes, symbolic.entries(index), symmetric);
+        let entries = symbolic.entries(index);
+        load_rows(set, &mut all, self.matrix, nodes, entries, symmetric);
         let per_row = symbolic.products[index] / supernode.height();
         let most = (smallest_task / per_row.max(1)).max(8);
         let updates = symbolic.updates(index);
@@ -157,6 +158,19 @@ fn side_by_side(rows: Rows, most: usize, work: &(impl Fn(Rows) + Sync)) {
         || side_by_side(before, most, work),
         || side_by_side(after, most, work),
     );
+}
+
+kernel! {
+    /// [`Rows::load`].
+    fn load_rows(
+        rows: &mut Rows,
+        matrix: &BlockMatrix,
+        nodes: &[usize],
+        entries: &[Entry],
+        symmetric: bool,
+    ) {
+        rows.load(matrix, nodes, entries, symmetric);
+    }
 }
 
 kernel! {

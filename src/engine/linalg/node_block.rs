@@ -142,38 +142,49 @@ impl DiagonalFactor {
     /// which no pivot was found, and the pivot.
     #[inline(always)]
     pub(super) fn new(block: &Block) -> Result<Self, (usize, f64)> {
-        let mut a = *block;
-        let mut rows = [0, 1, 2, 3];
-        for k in 0..NODE {
-            let mut best = k;
-            for r in k + 1..NODE {
-                if a.get(r, k).abs() > a.get(best, k).abs() {
-                    best = r;
-                }
-            }
-            let pivot = a.get(best, k);
-            if !(pivot.abs() > 0.0 && pivot.abs() < f64::INFINITY) {
-                return Err((rows[best], pivot));
-            }
-            if best != k {
-                rows.swap(k, best);
-                for c in 0..NODE {
-                    a.0.swap(NODE * c + k, NODE * c + best);
-                }
-            }
-            let inverse = 1.0 / pivot;
-            a.0[NODE * k + k] = inverse;
-            for r in k + 1..NODE {
-                a.0[NODE * k + r] *= inverse;
-            }
-            for c in k + 1..NODE {
-                let factor = a.get(k, c);
-                for r in k + 1..NODE {
-                    a.0[NODE * c + r] -= a.0[NODE * k + r] * factor;
-                }
+        let mut factor = Self {
+            factors: *block,
+            rows: [0, 1, 2, 3],
+        };
+        factor.eliminate::<0>()?;
+        factor.eliminate::<1>()?;
+        factor.eliminate::<2>()?;
+        factor.eliminate::<3>()?;
+        Ok(factor)
+    }
+
+    /// Eliminates column `K`. It is a constant so that the compiler unrolls all loops.
+    #[inline(always)]
+    fn eliminate<const K: usize>(&mut self) -> Result<(), (usize, f64)> {
+        let Self { factors: a, rows } = self;
+        let mut best = K;
+        for r in K + 1..NODE {
+            if a.get(r, K).abs() > a.get(best, K).abs() {
+                best = r;
             }
         }
-        Ok(Self { factors: a, rows })
+        let pivot = a.get(best, K);
+        if !(pivot.abs() > 0.0 && pivot.abs() < f64::INFINITY) {
+            return Err((rows[best], pivot));
+        }
+        if best != K {
+            rows.swap(K, best);
+            for c in 0..NODE {
+                a.0.swap(NODE * c + K, NODE * c + best);
+            }
+        }
+        let inverse = 1.0 / pivot;
+        a.0[NODE * K + K] = inverse;
+        for r in K + 1..NODE {
+            a.0[NODE * K + r] *= inverse;
+        }
+        for c in K + 1..NODE {
+            let factor = a.get(K, c);
+            for r in K + 1..NODE {
+                a.0[NODE * c + r] -= a.0[NODE * K + r] * factor;
+            }
+        }
+        Ok(())
     }
 
     /// D⁻¹ v.

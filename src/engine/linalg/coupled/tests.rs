@@ -94,6 +94,7 @@ fn example(dimension: usize, count: usize, symmetric: bool, dominance: f64) -> E
         dense.row_mut(i).fill(0.0);
         dense.column_mut(i).fill(0.0);
         dense[(i, i)] = 1.0;
+        band.hold(i..i + 1);
     }
     let system = CoupledSystem::new(dimension, &elements, &held, &[], &[], symmetric);
     Example {
@@ -382,7 +383,7 @@ fn a_singular_system_is_an_error() {
         *matrix = [[0.0; 12]; 12];
     }
     for j in 40..44 {
-        example.band.hold(j);
+        example.band.hold(j..j + 1);
         example.band.columns_mut()[j][0] = 0.0;
     }
     let error = example.factor().unwrap_err();

@@ -419,9 +419,17 @@ fn are_last_digits(direction: &[f64], unknowns: &[f64]) -> bool {
 
 /// Largest move of a position along a direction, m.
 fn largest_move(direction: &[f64]) -> f64 {
-    let positions = direction
-        .iter()
-        .enumerate()
-        .filter(|(k, _)| k % STRIDE != 3);
-    positions.fold(0.0, |largest, (_, d)| largest.max(d.abs()))
+    let (nodes, rest) = direction.as_chunks::<STRIDE>();
+    let mut largest = [0.0; STRIDE - 1];
+    let keep_larger = |(largest, d): (&mut f64, &f64)| {
+        *largest = if d.abs() > *largest {
+            d.abs()
+        } else {
+            *largest
+        };
+    };
+    for node in nodes.iter().map(|node| &node[..]).chain([rest]) {
+        largest.iter_mut().zip(node).for_each(keep_larger);
+    }
+    largest.into_iter().fold(0.0, f64::max)
 }

@@ -441,8 +441,13 @@ impl NewtonMatrix {
 
     /// Eliminates held unknowns from the band; the coupled system eliminates them by its pattern.
     pub(crate) fn hold(&mut self, held: &[bool]) {
-        for (k, _) in held.iter().enumerate().filter(|(_, held)| **held) {
-            self.band.hold(k);
+        let mut end = 0;
+        for run in held.chunk_by(|one, next| one == next) {
+            let start = end;
+            end += run.len();
+            if run[0] {
+                self.band.hold(start..end);
+            }
         }
     }
 
@@ -455,7 +460,7 @@ impl NewtonMatrix {
         }
         let diagonal = self.band.get(unknown, unknown);
         self.isolated.push((unknown, diagonal));
-        self.band.hold(unknown);
+        self.band.hold(unknown..unknown + 1);
         diagonal
     }
 

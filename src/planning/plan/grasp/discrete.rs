@@ -202,7 +202,7 @@ impl DiscreteRod {
         gradient[last + 2] -= self.force[1];
         // Excludes the contact node, and the angle of the non-existent last edge.
         for held in [0, 1, 2, last + 3] {
-            self.matrix.hold(held);
+            self.matrix.hold(held..held + 1);
             gradient[held] = 0.0;
         }
         gradient
@@ -216,9 +216,7 @@ impl DiscreteRod {
             .map(|node| libm::hypot(libm::hypot(node[0], node[1]), node[2]))
             .fold(0.0, f64::max);
         // The gripper also holds the last edge and its angle.
-        for held in STRIDE * (edges - 1)..STRIDE * edges + 3 {
-            self.matrix.hold(held);
-        }
+        self.matrix.hold(STRIDE * (edges - 1)..STRIDE * edges + 3);
         let inertia = self.factor.factor(&self.matrix).ok()?;
         let frame = &self.geometry.edges[edges - 1];
         let frame = Matrix3::from_columns(&[frame.tangent, frame.director_1, frame.director_2]);
