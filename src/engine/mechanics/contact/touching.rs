@@ -64,6 +64,27 @@ pub fn touching_points(
     points
 }
 
+impl ContactSurface {
+    /// Whether an end of the second of two edges of rods is inside the first: nearer to its
+    /// centreline than `part` of the sum of the radii, and farther from its ends than this sum.
+    pub(crate) fn has_end_inside(
+        &self,
+        [edge, other]: [usize; 2],
+        positions: &[Vector3],
+        part: f64,
+    ) -> bool {
+        let sum = self.threshold([edge, other]);
+        let [start, end] = self.edges[edge].nodes.map(|node| positions[node]);
+        let length = (end - start).norm();
+        let along = (end - start) / length;
+        self.edges[other].nodes.iter().any(|node| {
+            let from_start = positions[*node] - start;
+            let way = from_start.dot(&along);
+            sum < way && way < length - sum && (from_start - along * way).norm() < part * sum
+        })
+    }
+}
+
 /// Pairs of edges that may touch and whose centrelines are nearer to each other than `part` of the
 /// sum of their radii, for the positions of all nodes, m.
 pub(crate) fn overlapping_edges(
