@@ -60,6 +60,9 @@ const FINE: usize = 3;
 /// lookup is enough for a plain pixel.
 const PLAIN: f64 = 1.5;
 
+/// Number of rows of pixels that are rendered together, so that their samples stay in the cache.
+const BAND: usize = 16;
+
 /// Renders rods above the table of a camera. `ground` is the colour, sRGB from 0 to 255, of the table at x, y.
 pub fn render(
     camera: &Camera,
@@ -67,59 +70,177 @@ pub fn render(
     ground: impl Fn(Point) -> [f64; 3],
     options: &RenderOptions,
 ) -> RgbImage {
-    let mut canvas = Canvas::new(camera);
-    canvas.paint_ground(camera, &ground, options.seed);
     let light = options.light.normalize();
-    canvas.shade_ground(camera, rods, &light, options.shadow);
-    for rod in rods {
-        canvas.paint_rod(camera, rod, rods, &light, options);
+    let shadows = shadows(camera, rods, &light, options.shadow);
+    let tubes: Vec<Tube> = rods
+        .iter()
+        .flat_map(|rod| tubes(camera, rod, rods, &light, options))
+        .collect();
+    let mut picture = Picture::new(camera);
+    // A regular grid of lookups would shift edges along it by a fraction of a pixel.
+    let mut jitter = Noise(!options.seed);
+    let mut canvas = Canvas::new(camera);
+    for first in (0..picture.height).step_by(BAND) {
+        canvas.begin(first, BAND.min(picture.height - first));
+        canvas.paint_ground(camera, &ground, &mut jitter);
+        canvas.shade_ground(&shadows, options.shadow);
+        for tube in &tubes {
+            canvas.paint_tube(tube, &light, options.ambient);
+        }
+        canvas.average_into(&mut picture);
     }
-    canvas.develop(options)
+    picture.develop(options)
 }
 
-/// Samples of the picture, [`SAMPLES`]² per pixel. Averages are linear in sRGB values.
+/// The shadow of a point of a rod on the table; lengths in samples.
+struct Shadow {
+    centre: Point,
+    radius: f64,
+    /// Half of the width of its edge.
+    soft: f64,
+}
+
+/// The shadows of rods on the table.
+fn shadows(
+    camera: &Camera,
+    rods: &[RenderedRod],
+    light: &Vector3<f64>,
+    shadow: f64,
+) -> Vec<Shadow> {
+    if light.z <= 0.0 || shadow <= 0.0 {
+        return Vec::new();
+    }
+    let of_point = |rod: &RenderedRod, point: &Vector3<f64>| {
+        let height = point.z - camera.table_height;
+        let foot = point - light * (height / light.z);
+        let centre = camera.project(foot)?;
+        let side = camera.project(foot + Vector3::x() * rod.radius)?;
+        let radius = (side - centre).norm() * SAMPLES as f64;
+        Some(Shadow {
+            centre: on_samples(centre),
+            radius,
+            // Penumbrae are wider for higher rods.
+            soft: radius * (0.2 + height / rod.radius * 0.05),
+        })
+    };
+    let points = rods.iter().flat_map(|rod| {
+        let points = rod.points.iter();
+        points.filter_map(move |point| of_point(rod, point))
+    });
+    points.collect()
+}
+
+/// A piece of a rod in the picture; lengths in samples where not said otherwise.
+struct Tube {
+    centre: Point,
+    radius: f64,
+    /// Direction across the piece.
+    across: Point,
+    /// From its start to its end.
+    along: Point,
+    /// Distance of its middle from the camera, m.
+    depth: f64,
+    /// Radius, m.
+    thickness: f64,
+    /// Directions across the piece in the cell: in the picture, and towards the camera.
+    side: Vector3<f64>,
+    view: Vector3<f64>,
+    /// Fraction of the light that reaches it.
+    lit: f64,
+    colour: [u8; 3],
+}
+
+/// The visible pieces of a rod, one for each pair of its points.
+fn tubes(
+    camera: &Camera,
+    rod: &RenderedRod,
+    rods: &[RenderedRod],
+    light: &Vector3<f64>,
+    options: &RenderOptions,
+) -> Vec<Tube> {
+    let of_pair = |pair: &[Vector3<f64>]| {
+        let (from, to) = (pair[0], pair[1]);
+        let middle = (from + to) * 0.5;
+        let (a, b) = (camera.project(from)?, camera.project(to)?);
+        let axis = (to - from).try_normalize(1e-15).unwrap_or(Vector3::x());
+        let towards = (camera.pose.translation.vector - middle).normalize();
+        let view = (towards - axis * towards.dot(&axis)).normalize();
+        let side = axis.cross(&view);
+        let edge = camera.project(middle + side * rod.radius)?;
+        let centre = (a + b) * 0.5;
+        Some(Tube {
+            centre: on_samples(centre),
+            radius: (edge - centre).norm() * SAMPLES as f64,
+            across: (edge - centre).normalize(),
+            along: (b - a) * SAMPLES as f64,
+            depth: camera.pose.inverse_transform_point(&middle.into()).z,
+            thickness: rod.radius,
+            side,
+            view,
+            lit: 1.0 - options.shadow * covered(middle, rod, rods, light),
+            colour: rod.colour,
+        })
+    };
+    rod.points.windows(2).filter_map(of_pair).collect()
+}
+
+/// A place in pixels as one in samples.
+fn on_samples(pixel: Point) -> Point {
+    let sample = |pixel: f64| (pixel + 0.5) * SAMPLES as f64 - 0.5;
+    Point::new(sample(pixel.x), sample(pixel.y))
+}
+
+/// Samples of a band of the picture, [`SAMPLES`]² per pixel. Averages are linear in sRGB values.
 struct Canvas {
+    /// Samples in a row.
     width: usize,
-    height: usize,
+    /// The first row of pixels.
+    first: usize,
+    /// Number of rows of pixels.
+    rows: usize,
     colours: Vec<[f32; 3]>,
     depths: Vec<f32>,
+    shades: Vec<f32>,
 }
 
 impl Canvas {
     fn new(camera: &Camera) -> Self {
-        let (width, height) = (
-            camera.width as usize * SAMPLES,
-            camera.height as usize * SAMPLES,
-        );
+        let width = camera.width as usize * SAMPLES;
+        let samples = width * SAMPLES * BAND;
         Self {
             width,
-            height,
-            colours: vec![[0.0; 3]; width * height],
-            depths: vec![f32::INFINITY; width * height],
+            first: 0,
+            rows: 0,
+            colours: vec![[0.0; 3]; samples],
+            depths: vec![f32::INFINITY; samples],
+            shades: vec![0.0; samples],
         }
     }
 
-    /// Sample coordinate of a pixel coordinate.
-    fn sample(pixel: f64) -> f64 {
-        (pixel + 0.5) * SAMPLES as f64 - 0.5
+    /// Empties the canvas for a number of rows of pixels.
+    fn begin(&mut self, first: usize, rows: usize) {
+        (self.first, self.rows) = (first, rows);
+        self.colours.fill([0.0; 3]);
+        self.depths.fill(f32::INFINITY);
     }
 
-    fn paint_ground(&mut self, camera: &Camera, ground: &impl Fn(Point) -> [f64; 3], seed: u64) {
+    fn paint_ground(
+        &mut self,
+        camera: &Camera,
+        ground: &impl Fn(Point) -> [f64; 3],
+        jitter: &mut Noise,
+    ) {
         // Coordinates on the table are bilinear between the corners of a pixel.
         let corners_along = camera.width as usize + 1;
         let corner = |index: usize| {
-            let (column, row) = (index % corners_along, index / corners_along);
+            let (column, row) = (index % corners_along, self.first + index / corners_along);
             let pixel = Point::new(column as f64 - 0.5, row as f64 - 0.5);
             let place = camera.on_table(pixel).ok()?;
             Some((place, ground(place)))
         };
-        let corners: Vec<Option<(Point, [f64; 3])>> = (0..corners_along
-            * (camera.height as usize + 1))
-            .map(corner)
-            .collect();
-        // A regular grid of lookups would shift edges along it by a fraction of a pixel.
-        let mut jitter = Noise(!seed);
-        for row in 0..camera.height as usize {
+        let corners: Vec<Option<(Point, [f64; 3])>> =
+            (0..corners_along * (self.rows + 1)).map(corner).collect();
+        for row in 0..self.rows {
             for column in 0..camera.width as usize {
                 let first = row * corners_along + column;
                 let below = first + corners_along;
@@ -146,7 +267,7 @@ impl Canvas {
                     let colour = if plain {
                         middle
                     } else {
-                        mean_colour(&mut jitter, |s, t| {
+                        mean_colour(jitter, |s, t| {
                             let part = |index: usize, within: f64| {
                                 (index as f64 + within) / SAMPLES as f64
                             };
@@ -161,126 +282,115 @@ impl Canvas {
     }
 
     /// Darkens the table where rods hide the light.
-    fn shade_ground(
-        &mut self,
-        camera: &Camera,
-        rods: &[RenderedRod],
-        light: &Vector3<f64>,
-        shadow: f64,
-    ) {
-        if light.z <= 0.0 || shadow <= 0.0 {
+    fn shade_ground(&mut self, shadows: &[Shadow], shadow: f64) {
+        if shadows.is_empty() {
             return;
         }
-        let mut shade = vec![0.0f32; self.colours.len()];
-        for rod in rods {
-            for point in &rod.points {
-                let height = point.z - camera.table_height;
-                let foot = point - light * (height / light.z);
-                let (Some(centre), Some(side)) = (
-                    camera.project(foot),
-                    camera.project(foot + Vector3::x() * rod.radius),
-                ) else {
-                    continue;
-                };
-                // Penumbrae are wider for higher rods.
-                let radius = (side - centre).norm() * SAMPLES as f64;
-                let soft = radius * (0.2 + height / rod.radius * 0.05);
-                self.each_near(centre, radius + soft, |index, distance| {
-                    let dark = ((radius + soft - distance) / (2.0 * soft)).clamp(0.0, 1.0);
-                    shade[index] = shade[index].max(dark as f32);
-                });
-            }
+        let mut shades = std::mem::take(&mut self.shades);
+        shades.fill(0.0);
+        for Shadow {
+            centre,
+            radius,
+            soft,
+        } in shadows
+        {
+            self.each_near(*centre, radius + soft, |index, distance, _| {
+                let dark = ((radius + soft - distance) / (2.0 * soft)).clamp(0.0, 1.0);
+                shades[index] = shades[index].max(dark as f32);
+            });
         }
-        for (colour, shade) in self.colours.iter_mut().zip(shade) {
+        for (colour, shade) in self.colours.iter_mut().zip(&shades) {
             *colour = colour.map(|channel| channel * (1.0 - shadow as f32 * shade));
         }
+        self.shades = shades;
     }
 
-    fn paint_rod(
-        &mut self,
-        camera: &Camera,
-        rod: &RenderedRod,
-        rods: &[RenderedRod],
-        light: &Vector3<f64>,
-        options: &RenderOptions,
-    ) {
-        for pair in rod.points.windows(2) {
-            let (from, to) = (pair[0], pair[1]);
-            let middle = (from + to) * 0.5;
-            let (Some(a), Some(b)) = (camera.project(from), camera.project(to)) else {
-                continue;
-            };
-            let axis = (to - from).try_normalize(1e-15).unwrap_or(Vector3::x());
-            let towards = (camera.pose.translation.vector - middle).normalize();
-            let view = (towards - axis * towards.dot(&axis)).normalize();
-            let side = axis.cross(&view);
-            let Some(edge) = camera.project(middle + side * rod.radius) else {
-                continue;
-            };
-            let centre = (a + b) * 0.5;
-            let radius = (edge - centre).norm() * SAMPLES as f64;
-            let across = (edge - centre).normalize();
-            let along = (b - a) * SAMPLES as f64;
-            let depth = camera.pose.inverse_transform_point(&middle.into()).z;
-            let lit = 1.0 - options.shadow * covered(middle, rod, rods, light);
-            let reach = radius + along.norm();
-            let width = self.width;
-            let middle_sample = Point::new(Self::sample(centre.x), Self::sample(centre.y));
-            let mut found = Vec::new();
-            self.each_near(centre, reach, |index, _| found.push(index));
-            for index in found {
-                let place = Point::new((index % width) as f64, (index / width) as f64);
-                let offset = place - middle_sample;
-                let t = offset.dot(&across) / radius;
-                let s = offset.dot(&along) / along.norm_squared().max(1e-12);
-                if t.abs() >= 1.0 || s.abs() > 0.75 {
-                    continue;
-                }
-                let rise = (1.0 - t * t).sqrt();
-                let nearest = (depth - rod.radius * rise) as f32;
-                if nearest >= self.depths[index] {
-                    continue;
-                }
-                let normal = side * t + view * rise;
-                let direct = normal.dot(light).max(0.0) * lit;
-                let brightness = options.ambient + (1.0 - options.ambient) * direct;
-                self.depths[index] = nearest;
-                self.colours[index] = rod.colour.map(|c| (f64::from(c) * brightness) as f32);
+    fn paint_tube(&mut self, tube: &Tube, light: &Vector3<f64>, ambient: f64) {
+        let reach = tube.radius + tube.along.norm();
+        let mut found = Vec::new();
+        self.each_near(tube.centre, reach, |index, _, offset| {
+            let t = offset.dot(&tube.across) / tube.radius;
+            let s = offset.dot(&tube.along) / tube.along.norm_squared().max(1e-12);
+            if t.abs() < 1.0 && s.abs() <= 0.75 {
+                found.push((index, t));
             }
+        });
+        for (index, t) in found {
+            let rise = (1.0 - t * t).sqrt();
+            let nearest = (tube.depth - tube.thickness * rise) as f32;
+            if nearest >= self.depths[index] {
+                continue;
+            }
+            let normal = tube.side * t + tube.view * rise;
+            let direct = normal.dot(light).max(0.0) * tube.lit;
+            let brightness = ambient + (1.0 - ambient) * direct;
+            self.depths[index] = nearest;
+            self.colours[index] = tube.colour.map(|c| (f64::from(c) * brightness) as f32);
         }
     }
 
-    /// Calls `visit` with the index and distance, in samples, of all samples near a pixel.
-    fn each_near(&self, pixel: Point, reach: f64, mut visit: impl FnMut(usize, f64)) {
-        let centre = Point::new(Self::sample(pixel.x), Self::sample(pixel.y));
-        let range = |x: f64, size| between(x - reach, x + reach, size);
-        for row in range(centre.y, self.height) {
-            for column in range(centre.x, self.width) {
-                let distance = (Point::new(column as f64, row as f64) - centre).norm();
+    /// Calls `visit` with the index of all samples near a place, their distance and their offset from it; all
+    /// in samples.
+    fn each_near(&self, centre: Point, reach: f64, mut visit: impl FnMut(usize, f64, Point)) {
+        let first = self.first * SAMPLES;
+        let rows = between(
+            centre.y - reach,
+            centre.y + reach,
+            first + self.rows * SAMPLES,
+        );
+        for row in rows.start.max(first)..rows.end {
+            for column in between(centre.x - reach, centre.x + reach, self.width) {
+                let offset = Point::new(column as f64, row as f64) - centre;
+                let distance = offset.norm();
                 if distance <= reach {
-                    visit(row * self.width + column, distance);
+                    visit((row - first) * self.width + column, distance, offset);
                 }
             }
         }
     }
 
-    /// Averages the samples, and adds blur and noise.
-    fn develop(&self, options: &RenderOptions) -> RgbImage {
-        let (width, height) = (self.width / SAMPLES, self.height / SAMPLES);
-        let mut planes = [const { Vec::new() }; 3];
-        for plane in &mut planes {
-            *plane = vec![0.0f64; width * height];
-        }
-        for row in 0..self.height {
-            for column in 0..self.width {
-                let pixel = row / SAMPLES * width + column / SAMPLES;
-                let colour = self.colours[row * self.width + column];
-                for (plane, channel) in planes.iter_mut().zip(colour) {
-                    plane[pixel] += f64::from(channel) / (SAMPLES * SAMPLES) as f64;
+    /// Averages the samples of each pixel.
+    fn average_into(&self, picture: &mut Picture) {
+        for row in 0..self.rows {
+            for column in 0..picture.width {
+                let mut mean = [0.0; 3];
+                for sample in 0..SAMPLES * SAMPLES {
+                    let (i, j) = (sample % SAMPLES, sample / SAMPLES);
+                    let index = (row * SAMPLES + j) * self.width + column * SAMPLES + i;
+                    for (mean, channel) in mean.iter_mut().zip(self.colours[index]) {
+                        *mean += f64::from(channel) / (SAMPLES * SAMPLES) as f64;
+                    }
+                }
+                let pixel = (self.first + row) * picture.width + column;
+                for (plane, mean) in picture.planes.iter_mut().zip(mean) {
+                    plane[pixel] = mean;
                 }
             }
         }
-        for plane in &mut planes {
+    }
+}
+
+/// Mean colours of the pixels, one plane per channel.
+struct Picture {
+    width: usize,
+    height: usize,
+    planes: [Vec<f64>; 3],
+}
+
+impl Picture {
+    fn new(camera: &Camera) -> Self {
+        let (width, height) = (camera.width as usize, camera.height as usize);
+        Self {
+            width,
+            height,
+            planes: [(); 3].map(|()| vec![0.0; width * height]),
+        }
+    }
+
+    /// Adds blur and noise.
+    fn develop(mut self, options: &RenderOptions) -> RgbImage {
+        let (width, height) = (self.width, self.height);
+        for plane in &mut self.planes {
             for _ in 0..options.blur {
                 binomial(plane, width, height);
             }
@@ -289,7 +399,7 @@ impl Canvas {
         RgbImage::from_fn(width as u32, height as u32, |u, v| {
             let pixel = v as usize * width + u as usize;
             Rgb([0, 1, 2].map(|channel| {
-                let value = planes[channel][pixel] + options.noise * noise.normal();
+                let value = self.planes[channel][pixel] + options.noise * noise.normal();
                 value.round().clamp(0.0, 255.0) as u8
             }))
         })

@@ -10,6 +10,7 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_vision::{Camera, Point, RenderOptions, RenderedRod, render};
 use serde_json::{Value, json};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::{Duration, Instant};
 
 /// Colours of the rod and of a second rod.
 const RODS: [[u8; 3]; 2] = [[205, 60, 70], [90, 190, 80]];
@@ -41,11 +42,17 @@ pub struct Scenery {
     pub pegs: Vec<([Vector3; 2], f64)>,
 }
 
+/// Wall time after a picture in which the next one does not begin: a client that needs only one
+/// can leave.
+const PAUSE: Duration = Duration::from_millis(20);
+
 /// Takes pictures, one at a time, in a separate thread.
 pub struct PictureTaker {
     camera: Camera,
     taken: u64,
     under_way: Option<Receiver<String>>,
+    /// Time at which the last picture was finished.
+    finished: Option<Instant>,
 }
 
 impl PictureTaker {
@@ -55,12 +62,19 @@ impl PictureTaker {
             camera,
             taken: 0,
             under_way: None,
+            finished: None,
         }
     }
 
     /// Whether a picture is being rendered.
     pub fn is_busy(&self) -> bool {
         self.under_way.is_some()
+    }
+
+    /// Whether the next picture may begin.
+    pub fn is_ready(&self) -> bool {
+        let is_over = |finished: Instant| finished.elapsed() >= PAUSE;
+        !self.is_busy() && self.finished.is_none_or(is_over)
     }
 
     /// Starts a picture for a topic, with a time stamp.
@@ -83,6 +97,7 @@ impl PictureTaker {
         let received = self.under_way.as_ref()?.try_recv();
         if received != Err(TryRecvError::Empty) {
             self.under_way = None;
+            self.finished = Some(Instant::now());
         }
         received.ok()
     }

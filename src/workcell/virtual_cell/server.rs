@@ -486,7 +486,7 @@ impl VirtualCell {
         let watching = self.clients.iter().filter(|client| client.awaits(topic));
         let watching: Vec<u64> = watching.map(|client| client.id).collect();
         let now = self.cell.time();
-        if !watching.is_empty() && !pictures.is_busy() && now - self.last_picture >= PICTURE {
+        if !watching.is_empty() && pictures.is_ready() && now - self.last_picture >= PICTURE {
             self.last_picture = now;
             self.watchers = watching;
             pictures.begin(self.cell.scenery(), topic, stamp(self.topics.version, now));
