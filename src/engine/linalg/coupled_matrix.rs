@@ -372,16 +372,12 @@ kernel! {
         let padded = (!last.is_empty()).then_some(&padded);
         for (q, columns) in columns.iter().chain(padded).enumerate() {
             blocks[q] = symmetric_block(columns);
-            let [next, after_next] = band_places[q];
-            if let Some(place) = next {
-                let block = block_below::<1>(columns);
-                blocks[place] = block;
-                of_copy.inspect(|copy| blocks[place + copy] = block);
-            }
-            if let Some(place) = after_next {
-                let block = block_below::<2>(columns);
-                blocks[place] = block;
-                of_copy.inspect(|copy| blocks[place + copy] = block);
+            let below = [block_below::<1>(columns), block_below::<2>(columns)];
+            for (place, block) in band_places[q].iter().zip(below) {
+                if let &Some(place) = place {
+                    blocks[place] = block;
+                    of_copy.inspect(|copy| blocks[place + copy] = block);
+                }
             }
         }
     }

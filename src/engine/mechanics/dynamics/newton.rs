@@ -2,7 +2,7 @@
 //! shortens the step only if the residual would increase.
 
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::system::{Divergence, Imbalance, Stage, System};
+use crate::mechanics::system::{Divergence, Imbalance, Stage, System, keep_larger};
 use tracing::{Level, enabled, trace};
 
 /// Stopping criteria of Newton's method.
@@ -421,15 +421,9 @@ fn are_last_digits(direction: &[f64], unknowns: &[f64]) -> bool {
 fn largest_move(direction: &[f64]) -> f64 {
     let (nodes, rest) = direction.as_chunks::<STRIDE>();
     let mut largest = [0.0; STRIDE - 1];
-    let keep_larger = |(largest, d): (&mut f64, &f64)| {
-        *largest = if d.abs() > *largest {
-            d.abs()
-        } else {
-            *largest
-        };
-    };
     for node in nodes.iter().map(|node| &node[..]).chain([rest]) {
-        largest.iter_mut().zip(node).for_each(keep_larger);
+        let own = largest.iter_mut().zip(node);
+        own.for_each(|(largest, d)| keep_larger(largest, d.abs()));
     }
     largest.into_iter().fold(0.0, f64::max)
 }

@@ -102,7 +102,7 @@ impl Sizes {
 
 /// Keeps the larger value. Like [`f64::max`] for a kept value that is a number, but a single
 /// instruction.
-fn keep_larger(kept: &mut f64, size: f64) {
+pub(crate) fn keep_larger(kept: &mut f64, size: f64) {
     *kept = if size > *kept { size } else { *kept };
 }
 

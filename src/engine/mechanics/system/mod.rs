@@ -81,8 +81,8 @@ mod virtual_work;
 mod whole_matrix;
 mod work;
 
-pub(crate) use balance::Imbalance;
 use balance::Tolerances;
+pub(crate) use balance::{Imbalance, keep_larger};
 pub use breaking::Break;
 use breaking::Breaking;
 pub(crate) use build::Assembly;
