@@ -1,20 +1,32 @@
 //! All pairs of edges of rods whose surfaces are nearer than a clearance, by sweep and prune.
 //!
 //! Every edge gets an axis-aligned box, inflated by its radius and half the clearance. The boxes
-//! are sorted along the axis on which the edges spread most and swept in that order. Pairs of
-//! boxes that overlap on all axes are tested for neighbourhood and by their exact distance. The
-//! cost is O(N log N) for the sort plus the number of pairs that overlap along the sweep axis,
-//! which for rods is a small multiple of N.
+//! are sorted along the axis on which the edges spread most and swept in that order, separately in
+//! slabs across another axis. Pairs of boxes that overlap on all axes are tested for neighbourhood
+//! and by their exact distance. The cost is O(N log N) for the sort plus the number of pairs that
+//! overlap along the sweep axis within a slab, which is a small multiple of N.
 
 use super::closest_points::edge_distance;
 use super::contacts::CandidatePair;
 use super::surface::ContactSurface;
 use crate::mechanics::Vector3;
+use rayon::prelude::*;
+
+/// Boxes that are swept without slabs.
+const FEW: usize = 256;
+/// Boxes that are swept in parallel.
+const MANY: usize = 4096;
+/// Least width of a slab, relative to the mean extent of the boxes across it: few boxes then belong
+/// to two slabs.
+const SLAB_WIDTH: f64 = 2.0;
+/// Pairs of boxes that are tested by one thread.
+const TESTED_TOGETHER: usize = 2048;
 
 /// Sweep and prune, with reused storage.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BroadPhase {
     boxes: Vec<EdgeBox>,
+    slabs: Slabs,
     /// Pairs of edges whose boxes overlap, by [`key_of`].
     overlapping: Vec<u64>,
 }
@@ -25,6 +37,18 @@ struct EdgeBox {
     lower: [f64; 3],
     upper: [f64; 3],
     edge: u32,
+    /// First slab to which it belongs.
+    slab: u32,
+}
+
+/// The boxes of each slab across axis 1, in the order of the sweep; with reused storage.
+#[derive(Clone, Debug, Default)]
+struct Slabs {
+    boxes: Vec<EdgeBox>,
+    /// End of the boxes of each slab.
+    ends: Vec<usize>,
+    /// Pairs found in each slab.
+    overlapping: Vec<Vec<u64>>,
 }
 
 impl EdgeBox {
@@ -48,27 +72,33 @@ impl BroadPhase {
     ) {
         self.build_boxes(surface, positions, clearance);
         self.sweep();
-        self.overlapping.sort_unstable();
         found.clear();
         let edges = surface.edges();
-        for &key in &self.overlapping {
-            let [i, j] = edges_of(key);
+        let tested = |key: &u64| {
+            let [i, j] = edges_of(*key);
             if !surface.may_touch(i, j) {
-                continue;
+                return None;
             }
             let ([a, b], [c, d]) = (edges[i].nodes, edges[j].nodes);
             let nodes = [a, b, c, d];
             let distance = edge_distance(&nodes.map(|node| positions[node]));
-            if distance < surface.threshold([i, j]) + clearance {
-                let pair = CandidatePair {
-                    edges: [i, j],
-                    nodes,
-                    side: 0,
-                    start: 0,
-                };
-                found.push((pair, distance));
-            }
+            let is_near = distance < surface.threshold([i, j]) + clearance;
+            let pair = CandidatePair {
+                edges: [i, j],
+                nodes,
+                side: 0,
+                start: 0,
+            };
+            is_near.then_some((pair, distance))
+        };
+        if self.overlapping.len() <= TESTED_TOGETHER {
+            return found.extend(self.overlapping.iter().filter_map(tested));
         }
+        let parts = self.overlapping.par_chunks(TESTED_TOGETHER);
+        let near: Vec<Vec<_>> = parts
+            .map(|keys| keys.iter().filter_map(tested).collect())
+            .collect();
+        near.iter().for_each(|own| found.extend_from_slice(own));
     }
 
     /// Collects in `found` all pairs that may touch if the boxes around their straight paths from
@@ -90,9 +120,7 @@ impl BroadPhase {
                 swept.upper[k] = swept.upper[k].max(a[axis].max(b[axis]) + edge.radius);
             }
         }
-        self.sort_boxes();
         self.sweep();
-        self.overlapping.sort_unstable();
         found.clear();
         let edges = surface.edges();
         for &key in &self.overlapping {
@@ -109,19 +137,20 @@ impl BroadPhase {
         }
     }
 
-    /// Collects all pairs of boxes that overlap.
+    /// Collects all pairs of boxes that overlap, sorted.
     fn sweep(&mut self) {
+        self.boxes
+            .sort_unstable_by(|a, b| a.lower[0].total_cmp(&b.lower[0]).then(a.edge.cmp(&b.edge)));
         self.overlapping.clear();
-        for (index, first) in self.boxes.iter().enumerate() {
-            let reached = self.boxes[index + 1..]
-                .iter()
-                .take_while(|second| second.lower[0] <= first.upper[0]);
-            for second in reached {
-                if first.overlaps_across(second) {
-                    self.overlapping.push(key_of(first.edge, second.edge));
-                }
-            }
+        if self.boxes.len() <= FEW {
+            sweep_slab(0, &self.boxes, &mut self.overlapping);
+        } else {
+            self.slabs.fill(&mut self.boxes);
+            self.slabs.sweep();
+            let found = self.slabs.overlapping.iter();
+            found.for_each(|own| self.overlapping.extend_from_slice(own));
         }
+        self.overlapping.sort_unstable();
     }
 
     fn build_boxes(&mut self, surface: &ContactSurface, positions: &[Vector3], clearance: f64) {
@@ -135,14 +164,80 @@ impl BroadPhase {
                     lower: axes.map(|axis| a[axis].min(b[axis]) - inflation),
                     upper: axes.map(|axis| a[axis].max(b[axis]) + inflation),
                     edge: index as u32,
+                    slab: 0,
                 }
             }));
-        self.sort_boxes();
+    }
+}
+
+impl Slabs {
+    /// Distributes boxes among slabs of equal width, and keeps their order in each.
+    fn fill(&mut self, boxes: &mut [EdgeBox]) {
+        let (mut lowest, mut highest, mut extent) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
+        for own in boxes.iter() {
+            lowest = lowest.min(own.lower[1]);
+            highest = highest.max(own.upper[1]);
+            extent += own.upper[1] - own.lower[1];
+        }
+        let width = SLAB_WIDTH * extent / boxes.len() as f64;
+        // A cast turns what is not a number into zero.
+        let count = (((highest - lowest) / width) as usize).clamp(1, boxes.len());
+        let last = count - 1;
+        let slab_of = |place: f64| (((place - lowest) / width) as usize).min(last);
+        let slabs_of = |own: &EdgeBox| slab_of(own.lower[1])..slab_of(own.upper[1]) + 1;
+        self.ends.clear();
+        self.ends.resize(count, 0);
+        for own in boxes.iter_mut() {
+            let slabs = slabs_of(own);
+            own.slab = slabs.start as u32;
+            self.ends[slabs].iter_mut().for_each(|size| *size += 1);
+        }
+        // Each slab begins where the one before it ends; storing a box moves its end.
+        let mut total = 0;
+        for end in &mut self.ends {
+            total += std::mem::replace(end, total);
+        }
+        if let Some(first) = boxes.first() {
+            self.boxes.resize(total, *first);
+        }
+        for own in boxes.iter() {
+            for end in &mut self.ends[slabs_of(own)] {
+                self.boxes[*end] = *own;
+                *end += 1;
+            }
+        }
     }
 
-    fn sort_boxes(&mut self) {
-        self.boxes
-            .sort_unstable_by(|a, b| a.lower[0].total_cmp(&b.lower[0]).then(a.edge.cmp(&b.edge)));
+    /// Collects the pairs of boxes that overlap in each slab.
+    fn sweep(&mut self) {
+        self.overlapping.resize_with(self.ends.len(), Vec::new);
+        let (ends, boxes) = (&self.ends, &self.boxes);
+        let sweep = |(slab, found): (usize, &mut Vec<u64>)| {
+            let start = slab.checked_sub(1).map_or(0, |before| ends[before]);
+            found.clear();
+            sweep_slab(slab as u32, &boxes[start..ends[slab]], found);
+        };
+        if boxes.len() < MANY || rayon::current_num_threads() == 1 {
+            self.overlapping.iter_mut().enumerate().for_each(sweep);
+        } else {
+            self.overlapping.par_iter_mut().enumerate().for_each(sweep);
+        }
+    }
+}
+
+/// Collects the pairs of boxes of a slab that overlap, except those that overlap in an earlier one,
+/// too.
+fn sweep_slab(slab: u32, boxes: &[EdgeBox], overlapping: &mut Vec<u64>) {
+    for (index, first) in boxes.iter().enumerate() {
+        let reached = boxes[index + 1..]
+            .iter()
+            .take_while(|second| second.lower[0] <= first.upper[0]);
+        for second in reached {
+            let is_first = first.slab == slab || second.slab == slab;
+            if is_first && first.overlaps_across(second) {
+                overlapping.push(key_of(first.edge, second.edge));
+            }
+        }
     }
 }
 
@@ -227,6 +322,19 @@ mod tests {
             BroadPhase::default().find(&surface, &positions, clearance, &mut found);
             let pairs: Vec<[usize; 2]> = found.iter().map(|(pair, _)| pair.edges).collect();
             prop_assert_eq!(pairs, by_brute_force(&surface, &positions, clearance));
+        }
+    }
+
+    #[test]
+    fn slabs_find_each_pair_once() {
+        let (surface, positions) = tangle(3, 40, 30);
+        let mut broad = BroadPhase::default();
+        for clearance in [0.0, 0.4, 0.1] {
+            let mut found = Vec::new();
+            broad.find(&surface, &positions, clearance, &mut found);
+            assert!(broad.boxes.len() > FEW && broad.slabs.ends.len() > 3);
+            let pairs: Vec<[usize; 2]> = found.iter().map(|(pair, _)| pair.edges).collect();
+            assert_eq!(pairs, by_brute_force(&surface, &positions, clearance));
         }
     }
 
