@@ -1,35 +1,44 @@
 //! Complete time steps of 1 ms of piles of rods with friction, while they collapse and when they
-//! are nearly at rest, with each contact model.
+//! are nearly at rest, with each contact model; and of hairs before and while some of them touch.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rodlab::experiment;
 use rodlab::mechanics::dynamics::Simulation;
 use std::path::Path;
 
-/// The first rods of `scenarios/pile.toml`, before they fall.
-fn pile(rods: usize, model: &str) -> Simulation {
+/// The first rods of a scenario, at its start.
+fn first_of(name: &str, rods: usize, model: &str) -> Simulation {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
-    let text = std::fs::read_to_string(directory.join("pile.toml")).expect("a scenario");
+    let text = std::fs::read_to_string(directory.join(format!("{name}.toml"))).expect("a scenario");
     let set = [
         format!("parameters.n={rods}"),
         format!("contact.model={model}"),
     ];
-    let loaded = experiment::from_text("pile", &text, &directory, &set).expect("valid");
+    let loaded = experiment::from_text(name, &text, &directory, &set).expect("valid");
     let prepared = experiment::prepare(&loaded.scenario).expect("a valid scene");
     Simulation::new(&prepared.scene, &prepared.integration).expect("sound")
 }
 
 fn steps(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("step of 1 ms of a pile");
+    let mut group = criterion.benchmark_group("step of 1 ms");
     group.sample_size(10);
     let all = ["imc", "ipc", "complementarity"];
-    for (name, rods, start, models) in [
-        ("50 rods falling in", 50, 0.08, &all[..]),
-        ("50 rods nearly at rest", 50, 0.3, &all[..]),
-        ("200 rods falling in", 200, 0.15, &all[..2]),
+    for (name, scenario, rods, start, models) in [
+        ("50 rods falling in", "pile", 50, 0.08, &all[..]),
+        ("50 rods nearly at rest", "pile", 50, 0.3, &all[..]),
+        ("200 rods falling in", "pile", 200, 0.15, &all[..2]),
+        ("200 hairs apart", "hair", 200, 0.01, &all[..1]),
+        ("2,000 hairs apart", "hair", 2000, 0.01, &all[..1]),
+        (
+            "2,000 hairs of which some touch",
+            "hair",
+            2000,
+            0.09,
+            &all[..1],
+        ),
     ] {
         for model in models {
-            let mut simulation = pile(rods, model);
+            let mut simulation = first_of(scenario, rods, model);
             while simulation.time() < start {
                 simulation.advance(start).expect("converges");
             }

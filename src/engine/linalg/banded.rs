@@ -2,6 +2,7 @@
 //! Matrix Computations, 4th ed., sec. 4.3.5; no pivoting, so that the band does not fill).
 
 use super::error::{Inertia, SingularMatrix};
+use super::in_parts::{Span, in_chunks, in_parts};
 use std::ops::Range;
 
 /// Largest distance between coupled unknowns: a vertex couples x, θ, x, θ, x of three nodes, 11 unknowns.
@@ -35,7 +36,7 @@ impl BandedSymmetric {
 
     /// Sets every entry to zero.
     pub fn clear(&mut self) {
-        self.columns.fill([0.0; WIDTH]);
+        in_chunks(&mut self.columns, &|_, own| own.fill([0.0; WIDTH]));
     }
 
     /// Adds `value` to entry (i, j) of the lower triangle, j ≤ i ≤ j + 10.
@@ -97,22 +98,46 @@ impl BandedSymmetric {
     }
 }
 
+/// Least number of unknowns of a part that is factored in parallel with others: waking a thread
+/// takes as long as a hundred columns.
+const LEAST_PART: usize = 2000;
+
 /// The factors of A = L D Lᵀ, with L unit lower triangular and D diagonal, not necessarily positive.
 #[derive(Clone, Debug)]
 pub struct BandedFactor {
-    /// Columns of L below the diagonal, and 1/D on it. Ten columns of padding follow the matrix,
-    /// so that the update of the last columns needs no bounds checks.
+    /// Columns of L below the diagonal, and 1/D on it.
     columns: Vec<Column>,
-    dimension: usize,
+    /// Unknowns that are coupled with no other.
+    parts: Vec<Range<usize>>,
 }
 
 impl BandedFactor {
     /// Storage for the factors of a matrix of the given dimension.
     pub fn new(dimension: usize) -> Self {
+        Self::of_chains(dimension, std::iter::once(0..dimension))
+    }
+
+    /// Storage for the factors of a matrix whose chains, consecutive unknowns, are not coupled with
+    /// each other. Large parts are factored in parallel.
+    pub(crate) fn of_chains(dimension: usize, chains: impl Iterator<Item = Range<usize>>) -> Self {
         Self {
-            columns: vec![[0.0; WIDTH]; dimension + HALF_BANDWIDTH],
-            dimension,
+            columns: vec![[0.0; WIDTH]; dimension],
+            parts: Self::parts_of(chains),
         }
+    }
+
+    /// Unites chains that follow each other to parts that are factored together.
+    pub(crate) fn parts_of(chains: impl Iterator<Item = Range<usize>>) -> Vec<Range<usize>> {
+        let mut parts: Vec<Range<usize>> = Vec::new();
+        for chain in chains {
+            match parts.last_mut() {
+                Some(last) if last.end == chain.start && last.len() < LEAST_PART => {
+                    last.end = chain.end;
+                }
+                _ => parts.push(chain),
+            }
+        }
+        parts
     }
 
     /// Factors `matrix` and reports the signs of the pivots.
@@ -120,58 +145,54 @@ impl BandedFactor {
     /// # Errors
     /// A pivot that is zero or not finite. Small pivots are not errors: `Inertia` holds their size.
     pub fn factor(&mut self, matrix: &BandedSymmetric) -> Result<Inertia, SingularMatrix> {
-        assert_eq!(matrix.dimension(), self.dimension);
-        self.columns[..self.dimension].copy_from_slice(&matrix.columns);
-        self.columns[self.dimension..].fill([0.0; WIDTH]);
-        let mut inertia = Inertia::EMPTY;
-        for j in 0..self.dimension {
-            let (column, following) = self.columns[j..=j + HALF_BANDWIDTH]
-                .split_first_mut()
-                .expect("a column and its padding");
-            let following: &mut [Column; HALF_BANDWIDTH] =
-                following.try_into().expect("ten columns follow");
-            inertia.count(column[0], j)?;
-            eliminate(column, following);
+        let parts = std::mem::take(&mut self.parts);
+        let inertia = self.factor_parts(matrix, &parts);
+        self.parts = parts;
+        inertia
+    }
+
+    /// Factors parts of `matrix` that are coupled with no other unknowns, in their order.
+    ///
+    /// # Errors
+    /// A pivot that is zero or not finite.
+    pub(crate) fn factor_parts(
+        &mut self,
+        matrix: &BandedSymmetric,
+        parts: &[Range<usize>],
+    ) -> Result<Inertia, SingularMatrix> {
+        assert_eq!(matrix.dimension(), self.columns.len());
+        if parts.is_empty() {
+            return Ok(Inertia::EMPTY);
         }
-        Ok(inertia)
+        in_parts(
+            parts,
+            Span::all(&mut self.columns),
+            &|columns, part| columns.cut(part.start),
+            &|part, mut columns| {
+                factor_part(part.start, columns.of(part), &matrix.columns[part.clone()])
+            },
+            &|one, other| Ok(one?.and(other?)),
+        )
     }
 
     /// Solves A x = b in place.
     pub fn solve(&self, right_hand_side: &mut [f64]) {
-        let n = self.dimension;
-        assert_eq!(right_hand_side.len(), n);
-        let x = right_hand_side;
-        // Forward substitution: registers hold the next ten unknowns, minus the contributions of
-        // those already found.
-        let mut next = [0.0; HALF_BANDWIDTH];
-        for (next, &value) in next.iter_mut().zip(&*x) {
-            *next = value;
+        self.solve_parts(right_hand_side, &self.parts);
+    }
+
+    /// Solves A x = b in place for the unknowns of parts that were factored.
+    pub(crate) fn solve_parts(&self, right_hand_side: &mut [f64], parts: &[Range<usize>]) {
+        assert_eq!(right_hand_side.len(), self.columns.len());
+        if parts.is_empty() {
+            return;
         }
-        for i in 0..n {
-            let (column, known) = (&self.columns[i], next[0]);
-            x[i] = known;
-            let far = i + HALF_BANDWIDTH;
-            let last = if far < n { x[far] } else { 0.0 };
-            for r in 1..HALF_BANDWIDTH {
-                next[r - 1] = next[r] - column[r] * known;
-            }
-            next[HALF_BANDWIDTH - 1] = last - column[HALF_BANDWIDTH] * known;
-        }
-        // Backward substitution: registers hold the last ten unknowns found. The sum subtracts the
-        // nearest of them last, so that only this term waits for it.
-        let mut found = [0.0; HALF_BANDWIDTH];
-        for j in (0..n).rev() {
-            let column = &self.columns[j];
-            let mut sum = x[j] * column[0];
-            for r in (1..WIDTH).rev() {
-                sum -= column[r] * found[r - 1];
-            }
-            x[j] = sum;
-            for r in (1..HALF_BANDWIDTH).rev() {
-                found[r] = found[r - 1];
-            }
-            found[0] = sum;
-        }
+        in_parts(
+            parts,
+            Span::all(right_hand_side),
+            &|entries, part| entries.cut(part.start),
+            &|part, mut entries| solve_part(&self.columns[part.clone()], entries.of(part)),
+            &|(), ()| (),
+        );
     }
 
     /// Solves A X = B in place for the unknowns from `first` on, one per row given. These must not
@@ -196,6 +217,80 @@ impl BandedFactor {
             }
             rows[j] = sum;
         }
+    }
+}
+
+/// Factors a part of a matrix, which begins at the unknown `first`, into `columns`.
+fn factor_part(
+    first: usize,
+    columns: &mut [Column],
+    matrix: &[Column],
+) -> Result<Inertia, SingularMatrix> {
+    columns.copy_from_slice(matrix);
+    let mut inertia = Inertia::EMPTY;
+    let last = columns.len().saturating_sub(HALF_BANDWIDTH);
+    eliminate_columns(first, columns, &mut inertia)?;
+    // Zeros follow the last columns, so that their update needs no bounds checks.
+    let mut padded = [[0.0; WIDTH]; 2 * HALF_BANDWIDTH];
+    let rest = &mut columns[last..];
+    padded[..rest.len()].copy_from_slice(rest);
+    let all = &mut padded[..rest.len() + HALF_BANDWIDTH];
+    eliminate_columns(first + last, all, &mut inertia)?;
+    rest.copy_from_slice(&padded[..rest.len()]);
+    Ok(inertia)
+}
+
+/// Eliminates all columns but the last ten.
+fn eliminate_columns(
+    first: usize,
+    columns: &mut [Column],
+    inertia: &mut Inertia,
+) -> Result<(), SingularMatrix> {
+    for j in 0..columns.len().saturating_sub(HALF_BANDWIDTH) {
+        let (column, following) = columns[j..=j + HALF_BANDWIDTH]
+            .split_first_mut()
+            .expect("a column and ten others");
+        let following: &mut [Column; HALF_BANDWIDTH] =
+            following.try_into().expect("ten columns follow");
+        inertia.count(column[0], first + j)?;
+        eliminate(column, following);
+    }
+    Ok(())
+}
+
+/// Solves A x = b in place with the columns of a part.
+fn solve_part(columns: &[Column], x: &mut [f64]) {
+    let n = x.len();
+    // Forward substitution: registers hold the next ten unknowns, minus the contributions of
+    // those already found.
+    let mut next = [0.0; HALF_BANDWIDTH];
+    for (next, &value) in next.iter_mut().zip(&*x) {
+        *next = value;
+    }
+    for i in 0..n {
+        let (column, known) = (&columns[i], next[0]);
+        x[i] = known;
+        let far = i + HALF_BANDWIDTH;
+        let last = if far < n { x[far] } else { 0.0 };
+        for r in 1..HALF_BANDWIDTH {
+            next[r - 1] = next[r] - column[r] * known;
+        }
+        next[HALF_BANDWIDTH - 1] = last - column[HALF_BANDWIDTH] * known;
+    }
+    // Backward substitution: registers hold the last ten unknowns found. The sum subtracts the
+    // nearest of them last, so that only this term waits for it.
+    let mut found = [0.0; HALF_BANDWIDTH];
+    for j in (0..n).rev() {
+        let column = &columns[j];
+        let mut sum = x[j] * column[0];
+        for r in (1..WIDTH).rev() {
+            sum -= column[r] * found[r - 1];
+        }
+        x[j] = sum;
+        for r in (1..HALF_BANDWIDTH).rev() {
+            found[r] = found[r - 1];
+        }
+        found[0] = sum;
     }
 }
 

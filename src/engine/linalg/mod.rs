@@ -8,7 +8,8 @@
 //!
 //! Neither factorisation allocates once it is set up. Every number is the result of the same
 //! operations in the same order on every machine, for any number of threads: the same matrix gives
-//! the same bytes. The band is factored in one thread, coupled systems in all threads of the pool.
+//! the same bytes. Parts of the band that are not coupled, and coupled systems, are factored in all
+//! threads of the pool.
 //! `instruction_set` compiles kernels, here and in the mechanics, for the registers of the machine
 //! in use.
 
@@ -24,7 +25,9 @@ mod elimination;
 mod elimination_order;
 mod elimination_tree;
 mod error;
+mod in_parts;
 pub(crate) mod instruction_set;
+mod islands;
 mod lane_vector;
 mod node_block;
 mod node_graph;
@@ -37,4 +40,6 @@ pub(crate) use banded_lanes::BandedLanes;
 pub use coupled::CoupledSystem;
 pub use element::{Element, ElementMatrix, SharedUnknown, UNUSED};
 pub(crate) use error::{Inertia, SingularMatrix};
+pub(crate) use in_parts::{Span, in_chunks, in_parts};
+pub(crate) use islands::{Couplings, Islands};
 pub(crate) use lane_vector::LaneVector;

@@ -111,6 +111,8 @@ mod joint_tests;
 #[cfg(test)]
 mod lockstep_tests;
 #[cfg(test)]
+mod many_rods_tests;
+#[cfg(test)]
 mod moving_obstacle_tests;
 #[cfg(test)]
 mod natural_shape_tests;

@@ -2,16 +2,17 @@
 
 use super::discretization::{Edge, ElasticRods, Vertex, VertexUnknowns};
 use super::edge::stretching_energy;
-use super::edge_lanes::{self, EdgeLanes, SymmetricLanes};
+use super::edge_lanes::{self, SymmetricLanes};
 use super::frame_lanes::{VectorLanes, every_lane, vector};
 use super::geometry::RodGeometry;
+use super::parts::Part;
 use super::topology::{STRIDE, add_to_node};
 use super::turning_ghost::TurningGhost;
 use super::vertex_lanes::{GradientLanes, HessianLanes, VERTEX_UNKNOWNS, VertexLanes};
-use crate::linalg::BandedSymmetric;
 use crate::linalg::instruction_set::LANES;
+use crate::linalg::{BandedSymmetric, HALF_BANDWIDTH, Span, in_parts};
 use crate::mechanics::Vector3;
-use std::ops::Add;
+use std::ops::{Add, Range};
 
 /// Elastic energies, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -91,18 +92,41 @@ impl ElasticRods {
     /// Adds the gradient to `gradient` (4 entries per node).
     pub(crate) fn add_gradient(&self, geometry: &RodGeometry, gradient: &mut [f64]) {
         let geometry = &*geometry.with_batches(self);
-        let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
-        for (vertices, lanes) in self.vertex_batches(geometry) {
-            lanes.gradients(geometry.set, &mut local);
-            for (lane, vertex) in vertices.iter().enumerate() {
-                self.scatter_gradient(vertex, geometry, &local, lane, gradient);
+        let of_vertices = |vertices: Range<usize>, gradient: &mut Span<f64>| {
+            let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
+            for batch in batches(&vertices) {
+                let lanes = &geometry.vertex_lanes[batch];
+                lanes.gradients(geometry.set, &mut local);
+                for (lane, vertex) in lanes_of(&vertices, batch) {
+                    self.scatter_gradient(&self.vertices[vertex], geometry, &local, lane, gradient);
+                }
             }
-        }
-        let mut force = every_lane(Vector3::zeros());
-        for (edges, lanes) in self.edge_batches(geometry) {
-            edge_lanes::forces(geometry.set, lanes, &mut force);
-            scatter_forces(edges, &force, gradient);
-        }
+        };
+        let parts = &geometry.parts;
+        in_parts(
+            &parts.rods,
+            Span::all(gradient),
+            &|entries, part| entries.cut(STRIDE * part.nodes.start),
+            &|part, mut own| of_vertices(part.vertices.clone(), &mut own),
+            &|(), ()| (),
+        );
+        of_vertices(
+            parts.later_vertices..self.vertices.len(),
+            &mut Span::all(gradient),
+        );
+        in_parts(
+            &parts.rods,
+            Span::all(gradient),
+            &|entries, part| entries.cut(STRIDE * part.nodes.start),
+            &|part, mut own| {
+                let mut force = every_lane(Vector3::zeros());
+                for batch in batches(&part.edges) {
+                    edge_lanes::forces(geometry.set, &geometry.edge_lanes[batch], &mut force);
+                    self.scatter_forces(&part.edges, batch, &force, &mut own);
+                }
+            },
+            &|(), ()| (),
+        );
     }
 
     /// Adds the gradient to `gradient` and the Hessian to `band` and `elements` (one 12×12 matrix for each
@@ -116,46 +140,77 @@ impl ElasticRods {
         spin_moment: &mut [f64],
     ) {
         spin_moment.fill(0.0);
+        let mut all = Derivatives {
+            gradient: Span::all(gradient),
+            columns: band.columns_mut(),
+            elements,
+            first_element: 0,
+            spin_moment,
+        };
+        let parts = &geometry.parts;
+        in_parts(
+            &parts.rods,
+            all.reborrow(),
+            &Derivatives::cut,
+            &|part, mut own| self.add_vertex_derivatives(geometry, &part.vertices, &mut own),
+            &|(), ()| (),
+        );
+        let later = parts.later_vertices..self.vertices.len();
+        self.add_vertex_derivatives(geometry, &later, &mut all);
+        in_parts(
+            &parts.rods,
+            all,
+            &Derivatives::cut,
+            &|part, mut own| self.add_edge_derivatives(geometry, part, &mut own),
+            &|(), ()| (),
+        );
+    }
+
+    fn add_vertex_derivatives(
+        &self,
+        geometry: &RodGeometry,
+        vertices: &Range<usize>,
+        target: &mut Derivatives,
+    ) {
         let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
         let mut hessians = [[[0.0; LANES]; VERTEX_UNKNOWNS]; VERTEX_UNKNOWNS];
-        for (vertices, lanes) in self.vertex_batches(geometry) {
+        for batch in batches(vertices) {
+            let lanes = &geometry.vertex_lanes[batch];
             lanes.derivatives(geometry.set, &mut local, &mut hessians);
-            for (lane, vertex) in vertices.iter().enumerate() {
-                self.scatter_gradient(vertex, geometry, &local, lane, gradient);
-                spin_moment[vertex.before] += local[3][lane];
-                spin_moment[vertex.after] += local[7][lane];
+            for (lane, vertex) in lanes_of(vertices, batch) {
+                let vertex = &self.vertices[vertex];
+                self.scatter_gradient(vertex, geometry, &local, lane, &mut target.gradient);
+                target.add_spin_moment(vertex.before, local[3][lane]);
+                target.add_spin_moment(vertex.after, local[7][lane]);
                 if let VertexUnknowns::Turning {
                     element,
                     ghost_first,
                 } = vertex.unknowns
                 {
                     let ghost = self.ghost_of(vertex, geometry, ghost_first);
-                    ghost.add_hessian(&local, &hessians, lane, &mut elements[element]);
+                    ghost.add_hessian(&local, &hessians, lane, target.element(element));
                 } else {
-                    scatter_hessian(vertex, &hessians, lane, band, elements);
+                    scatter_hessian(vertex, &hessians, lane, target);
                 }
-            }
-        }
-        let (mut force, mut hessian) = (every_lane(Vector3::zeros()), [[0.0; LANES]; 6]);
-        for (edges, lanes) in self.edge_batches(geometry) {
-            let mut moments = [0.0; LANES];
-            for (moment, edge) in moments.iter_mut().zip(edges) {
-                *moment = spin_moment[edge.start];
-            }
-            edge_lanes::derivatives(geometry.set, lanes, &moments, &mut force, &mut hessian);
-            scatter_forces(edges, &force, gradient);
-            for (lane, edge) in edges.iter().enumerate() {
-                self.scatter_edge_hessian(edge, &hessian, lane, band, elements);
             }
         }
     }
 
-    /// Edges in batches of as many as there are lanes, each with the lanes that hold them.
-    fn edge_batches<'a>(
-        &'a self,
-        geometry: &'a RodGeometry,
-    ) -> impl Iterator<Item = (&'a [Edge], &'a EdgeLanes)> {
-        self.edges.chunks(LANES).zip(&geometry.edge_lanes)
+    fn add_edge_derivatives(&self, geometry: &RodGeometry, part: &Part, target: &mut Derivatives) {
+        let (mut force, mut hessian) = (every_lane(Vector3::zeros()), [[0.0; LANES]; 6]);
+        let first = target.first_node();
+        for batch in batches(&part.edges) {
+            let mut moments = [0.0; LANES];
+            for (lane, edge) in lanes_of(&part.edges, batch) {
+                moments[lane] = target.spin_moment[self.edges[edge].start - first];
+            }
+            let lanes = &geometry.edge_lanes[batch];
+            edge_lanes::derivatives(geometry.set, lanes, &moments, &mut force, &mut hessian);
+            self.scatter_forces(&part.edges, batch, &force, &mut target.gradient);
+            for (lane, edge) in lanes_of(&part.edges, batch) {
+                self.scatter_edge_hessian(&self.edges[edge], &hessian, lane, part, target);
+            }
+        }
     }
 
     /// Vertices in batches of as many as there are lanes, each with the lanes that hold them.
@@ -185,11 +240,12 @@ impl ElasticRods {
         geometry: &RodGeometry,
         local: &GradientLanes,
         lane: usize,
-        gradient: &mut [f64],
+        gradient: &mut Span<f64>,
     ) {
         match vertex.unknowns {
             VertexUnknowns::Consecutive { first, from, to } => {
-                let entries = &mut gradient[first..first + to - from];
+                let first = first - gradient.first;
+                let entries = &mut gradient.entries[first..first + to - from];
                 if let Ok(entries) = <&mut [_; VERTEX_UNKNOWNS]>::try_from(&mut *entries) {
                     // The same loop as below, with a constant length.
                     for k in 0..VERTEX_UNKNOWNS {
@@ -204,7 +260,7 @@ impl ElasticRods {
             VertexUnknowns::Closing { element } => {
                 for (&unknown, local) in self.elements[element].iter().zip(local) {
                     if unknown != usize::MAX {
-                        gradient[unknown] += local[lane];
+                        gradient.entries[unknown - gradient.first] += local[lane];
                     }
                 }
             }
@@ -215,9 +271,25 @@ impl ElasticRods {
                 let ghost = self.ghost_of(vertex, geometry, ghost_first);
                 let entries = ghost.gradient(local, lane);
                 for (&unknown, entry) in self.elements[element].iter().zip(entries) {
-                    gradient[unknown] += entry;
+                    gradient.entries[unknown - gradient.first] += entry;
                 }
             }
+        }
+    }
+
+    /// Adds the gradients with respect to edge vectors to those of their nodes.
+    fn scatter_forces(
+        &self,
+        edges: &Range<usize>,
+        batch: usize,
+        forces: &VectorLanes,
+        gradient: &mut Span<f64>,
+    ) {
+        let first = gradient.first / STRIDE;
+        for (lane, edge) in lanes_of(edges, batch) {
+            let (force, edge) = (vector(forces, lane), &self.edges[edge]);
+            add_to_node(gradient.entries, edge.end - first, &force);
+            add_to_node(gradient.entries, edge.start - first, &-force);
         }
     }
 
@@ -228,14 +300,14 @@ impl ElasticRods {
         edge: &Edge,
         hessian: &SymmetricLanes,
         lane: usize,
-        band: &mut BandedSymmetric,
-        elements: &mut [[[f64; 12]; 12]],
+        part: &Part,
+        target: &mut Derivatives,
     ) {
         let [xx, xy, xz, yy, yz, zz] = hessian.map(|component| component[lane]);
         let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
         if edge.end == edge.start + 1 {
-            let first = STRIDE * edge.start;
-            let columns = &mut band.columns_mut()[first..first + STRIDE + 3];
+            let first = STRIDE * edge.start - target.gradient.first;
+            let columns = &mut target.columns[first..first + STRIDE + 3];
             for j in 0..3 {
                 for i in j..3 {
                     columns[j][i - j] += rows[i][j];
@@ -246,11 +318,12 @@ impl ElasticRods {
                 }
             }
         } else {
-            let closing = self
-                .elements
-                .iter()
-                .position(|e| e[0] == STRIDE * edge.start && e[4] == STRIDE * edge.end);
-            let matrix = &mut elements[closing.expect("every ring has a closing vertex")];
+            let closes = |element: &usize| {
+                let unknowns = &self.elements[*element];
+                unknowns[0] == STRIDE * edge.start && unknowns[4] == STRIDE * edge.end
+            };
+            let closing = part.elements.clone().find(closes);
+            let matrix = target.element(closing.expect("every ring has a closing vertex"));
             for i in 0..3 {
                 for j in 0..3 {
                     matrix[i][j] += rows[i][j];
@@ -263,12 +336,81 @@ impl ElasticRods {
     }
 }
 
-/// Adds the gradients with respect to edge vectors to those of their nodes.
-fn scatter_forces(edges: &[Edge], forces: &VectorLanes, gradient: &mut [f64]) {
-    for (lane, edge) in edges.iter().enumerate() {
-        let force = vector(forces, lane);
-        add_to_node(gradient, edge.end, &force);
-        add_to_node(gradient, edge.start, &-force);
+/// Batches that contain some of these edges or vertices.
+fn batches(range: &Range<usize>) -> Range<usize> {
+    range.start / LANES..range.end.div_ceil(LANES)
+}
+
+/// Those of the edges or vertices that are in a batch, each with its lane. A batch may also contain
+/// some of the neighbouring parts.
+fn lanes_of(range: &Range<usize>, batch: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
+    let first = LANES * batch;
+    let own = first.max(range.start)..range.end.min(first + LANES);
+    own.map(move |index| (index - first, index))
+}
+
+/// Gradient and Hessian of consecutive rods.
+struct Derivatives<'a> {
+    gradient: Span<'a, f64>,
+    /// The band, a column for each unknown.
+    columns: &'a mut [[f64; HALF_BANDWIDTH + 1]],
+    elements: &'a mut [[[f64; 12]; 12]],
+    /// Number of their first element.
+    first_element: usize,
+    /// One per node; in the last part followed by those of the ghosts.
+    spin_moment: &'a mut [f64],
+}
+
+impl Derivatives<'_> {
+    fn reborrow(&mut self) -> Derivatives<'_> {
+        Derivatives {
+            gradient: self.gradient.reborrow(),
+            columns: self.columns,
+            elements: self.elements,
+            first_element: self.first_element,
+            spin_moment: self.spin_moment,
+        }
+    }
+
+    fn first_node(&self) -> usize {
+        self.gradient.first / STRIDE
+    }
+
+    /// Cuts before a part.
+    fn cut(self, part: &Part) -> (Self, Self) {
+        let node = part.nodes.start - self.first_node();
+        let (gradient, gradient_after) = self.gradient.cut(STRIDE * part.nodes.start);
+        let (columns, columns_after) = self.columns.split_at_mut(STRIDE * node);
+        let element = part.elements.start - self.first_element;
+        let (elements, elements_after) = self.elements.split_at_mut(element);
+        let (spin_moment, spin_moment_after) = self.spin_moment.split_at_mut(node);
+        let before = Self {
+            gradient,
+            columns,
+            elements,
+            spin_moment,
+            ..self
+        };
+        let after = Self {
+            gradient: gradient_after,
+            columns: columns_after,
+            elements: elements_after,
+            first_element: part.elements.start,
+            spin_moment: spin_moment_after,
+        };
+        (before, after)
+    }
+
+    fn element(&mut self, element: usize) -> &mut [[f64; 12]; 12] {
+        &mut self.elements[element - self.first_element]
+    }
+
+    /// Adds to the moment about an edge. Those of ghosts, which are not used, may be outside.
+    fn add_spin_moment(&mut self, edge: usize, moment: f64) {
+        let first = self.first_node();
+        if let Some(own) = self.spin_moment.get_mut(edge - first) {
+            *own += moment;
+        }
     }
 }
 
@@ -277,12 +419,12 @@ fn scatter_hessian(
     vertex: &Vertex,
     hessians: &HessianLanes,
     lane: usize,
-    band: &mut BandedSymmetric,
-    elements: &mut [[[f64; 12]; 12]],
+    target: &mut Derivatives,
 ) {
     match vertex.unknowns {
         VertexUnknowns::Consecutive { first, from, to } => {
-            let columns = &mut band.columns_mut()[first..first + to - from];
+            let first = first - target.gradient.first;
+            let columns = &mut target.columns[first..first + to - from];
             if let Ok(columns) = <&mut [_; VERTEX_UNKNOWNS]>::try_from(&mut *columns) {
                 // The same loops as below, with constant lengths.
                 for j in 0..VERTEX_UNKNOWNS {
@@ -299,7 +441,7 @@ fn scatter_hessian(
             }
         }
         VertexUnknowns::Closing { element } => {
-            let matrix = &mut elements[element];
+            let matrix = target.element(element);
             for j in 0..VERTEX_UNKNOWNS {
                 matrix[j][j] += hessians[j][0][lane];
                 for i in j + 1..VERTEX_UNKNOWNS {

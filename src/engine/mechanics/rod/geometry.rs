@@ -1,14 +1,17 @@
 //! Edges, frames and strains of all rods at one set of unknowns.
 
-use super::discretization::{ElasticRods, GhostEdge, Vertex};
+use super::discretization::{Edge, ElasticRods, GhostEdge, Vertex};
 use super::edge_lanes::EdgeLanes;
 use super::frame_lanes::{self, every_lane, vector};
+use super::parts::{BATCHES, Parts};
 use super::topology::{STRIDE, position};
 use super::transport::unwrapped;
 use super::vertex::{EdgeFrame, VertexStrains, curvatures};
 use super::vertex_lanes::VertexLanes;
+use crate::linalg::in_parts;
 use crate::linalg::instruction_set::{InstructionSet, LANES};
 use crate::mechanics::Vector3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -31,6 +34,8 @@ pub struct ReferenceFrames {
 pub struct RodGeometry {
     /// Instruction set for kernels.
     pub(super) set: InstructionSet,
+    /// Division of the rods among threads.
+    pub(super) parts: Parts,
     /// Framed edges, one per node, then the ghost edges.
     pub edges: Vec<EdgeFrame>,
     /// Vertices with their strains, in batches.
@@ -61,6 +66,7 @@ impl RodGeometry {
         let edges = rods.nodes + rods.ghosts;
         Self {
             set: InstructionSet::best(),
+            parts: Parts::of(rods),
             edges: vec![unused; edges],
             vertex_lanes: rods.vertices.chunks(LANES).map(VertexLanes::new).collect(),
             edge_lanes: rods.edges.chunks(LANES).map(EdgeLanes::new).collect(),
@@ -161,21 +167,24 @@ impl RodGeometry {
     }
 
     fn update_edges(&mut self, rods: &ElasticRods, unknowns: &[f64], reference: &ReferenceFrames) {
-        let mut directors = every_lane(Vector3::zeros());
-        for (edges, lanes) in rods.edges.chunks(LANES).zip(&mut self.edge_lanes) {
-            let EdgeLanes { from, frames, .. } = lanes;
-            for (lane, edge) in edges.iter().enumerate() {
-                let k = edge.start;
-                let vector = position(unknowns, edge.end) - position(unknowns, k);
-                let (source, director) = (&reference.tangent[k], &reference.director[k]);
-                from.set(lane, &vector, source, director, unknowns[STRIDE * k + 3]);
-            }
-            frame_lanes::transport(self.set, from, frames, &mut directors);
-            for (lane, edge) in edges.iter().enumerate() {
-                self.edges[edge.start] = frames.get(lane);
-                self.reference_director[edge.start] = vector(&directors, lane);
-            }
+        if rods.edges.is_empty() {
+            return;
         }
+        let all = EdgeSpan {
+            edges: &rods.edges,
+            lanes: &mut self.edge_lanes,
+            first_batch: 0,
+            frames: &mut self.edges,
+            directors: &mut self.reference_director,
+            first_node: 0,
+        };
+        in_parts(
+            &self.parts.edges,
+            all,
+            &|span, group| span.cut(group.first_batch, group.first_node),
+            &|_, span| span.update(self.set, unknowns, reference),
+            &|(), ()| (),
+        );
     }
 
     fn update_vertices(
@@ -195,34 +204,55 @@ impl RodGeometry {
             let ghost = edge.checked_sub(rods.nodes);
             ghost.map_or(0.0, |ghost| self.ghost_spin[ghost])
         };
-        for (batch, lanes) in self.vertex_lanes.iter_mut().enumerate() {
-            let first = LANES * batch;
-            let vertices = &rods.vertices[first..rods.vertices.len().min(first + LANES)];
-            let directors = &self.reference_director;
-            for (lane, vertex) in vertices.iter().enumerate() {
-                let after = vertex.after;
-                lanes.set_after(lane, &self.edges[after], &directors[after]);
+        let (frames, directors) = (&self.edges, &self.reference_director);
+        let update = |vertices: &[Vertex],
+                      lanes: &mut [VertexLanes],
+                      twists: &mut [f64],
+                      earlier: &[f64]| {
+            let batches = vertices.chunks(LANES).zip(lanes);
+            let twists = twists.chunks_mut(LANES).zip(earlier.chunks(LANES));
+            for ((vertices, lanes), (twists, earlier)) in batches.zip(twists) {
+                for (lane, vertex) in vertices.iter().enumerate() {
+                    let after = vertex.after;
+                    lanes.set_after(lane, &frames[after], &directors[after]);
+                }
+                let others = if lanes.is_chain() {
+                    lanes.chain();
+                    1
+                } else {
+                    vertices.len()
+                };
+                for (lane, vertex) in vertices[..others].iter().enumerate() {
+                    let before = vertex.before;
+                    lanes.set_before(lane, &frames[before], &directors[before]);
+                }
+                let angles = lanes.bend(self.set);
+                for (lane, vertex) in vertices.iter().enumerate() {
+                    let expected = earlier[lane] + spin(vertex.after) - spin(vertex.before);
+                    let between = unwrapped(angles[lane], expected);
+                    twists[lane] = between;
+                    let turn = angle(vertex.after) - angle(vertex.before);
+                    lanes.set_twist(lane, turn + between - vertex.joint_twist);
+                }
             }
-            let others = if lanes.is_chain() {
-                lanes.chain();
-                1
-            } else {
-                vertices.len()
-            };
-            for (lane, vertex) in vertices[..others].iter().enumerate() {
-                let before = vertex.before;
-                lanes.set_before(lane, &self.edges[before], &directors[before]);
-            }
-            let angles = lanes.bend(self.set);
-            for (lane, vertex) in vertices.iter().enumerate() {
-                let expected =
-                    reference.twist[first + lane] + spin(vertex.after) - spin(vertex.before);
-                let between = unwrapped(angles[lane], expected);
-                self.reference_twist[first + lane] = between;
-                let turn = angle(vertex.after) - angle(vertex.before);
-                lanes.set_twist(lane, turn + between - vertex.joint_twist);
-            }
+        };
+        const GROUP: usize = LANES * BATCHES;
+        let (lanes, twists) = (&mut self.vertex_lanes, &mut self.reference_twist);
+        if lanes.len() <= BATCHES || rayon::current_num_threads() == 1 {
+            return update(&rods.vertices, lanes, twists, &reference.twist);
         }
+        (rods
+            .vertices
+            .par_chunks(GROUP)
+            .zip(lanes.par_chunks_mut(BATCHES)))
+        .zip(
+            twists
+                .par_chunks_mut(GROUP)
+                .zip(reference.twist.par_chunks(GROUP)),
+        )
+        .for_each(|((vertices, lanes), (twists, earlier))| {
+            update(vertices, lanes, twists, earlier);
+        });
     }
 
     /// Twist τ of a vertex, rad.
@@ -237,5 +267,63 @@ impl RodGeometry {
             reference.director[k] = self.reference_director[k];
         }
         reference.twist.copy_from_slice(&self.reference_twist);
+    }
+}
+
+/// Consecutive edges, and the arrays over the nodes at which they start.
+struct EdgeSpan<'a> {
+    edges: &'a [Edge],
+    lanes: &'a mut [EdgeLanes],
+    /// Number of their first batch.
+    first_batch: usize,
+    frames: &'a mut [EdgeFrame],
+    directors: &'a mut [Vector3],
+    /// Node to which the first frame and director belong.
+    first_node: usize,
+}
+
+impl EdgeSpan<'_> {
+    /// Cuts before a batch, whose first edge starts at `node`.
+    fn cut(self, batch: usize, node: usize) -> (Self, Self) {
+        let (batches, nodes) = (batch - self.first_batch, node - self.first_node);
+        let (edges, edges_after) = self.edges.split_at(LANES * batches);
+        let (lanes, lanes_after) = self.lanes.split_at_mut(batches);
+        let (frames, frames_after) = self.frames.split_at_mut(nodes);
+        let (directors, directors_after) = self.directors.split_at_mut(nodes);
+        let before = Self {
+            edges,
+            lanes,
+            frames,
+            directors,
+            ..self
+        };
+        let after = Self {
+            edges: edges_after,
+            lanes: lanes_after,
+            first_batch: batch,
+            frames: frames_after,
+            directors: directors_after,
+            first_node: node,
+        };
+        (before, after)
+    }
+
+    /// Computes frames and directors.
+    fn update(self, set: InstructionSet, unknowns: &[f64], reference: &ReferenceFrames) {
+        let mut directors = every_lane(Vector3::zeros());
+        for (edges, lanes) in self.edges.chunks(LANES).zip(self.lanes) {
+            let EdgeLanes { from, frames, .. } = lanes;
+            for (lane, edge) in edges.iter().enumerate() {
+                let k = edge.start;
+                let vector = position(unknowns, edge.end) - position(unknowns, k);
+                let (source, director) = (&reference.tangent[k], &reference.director[k]);
+                from.set(lane, &vector, source, director, unknowns[STRIDE * k + 3]);
+            }
+            frame_lanes::transport(set, from, frames, &mut directors);
+            for (lane, edge) in edges.iter().enumerate() {
+                self.frames[edge.start - self.first_node] = frames.get(lane);
+                self.directors[edge.start - self.first_node] = vector(&directors, lane);
+            }
+        }
     }
 }

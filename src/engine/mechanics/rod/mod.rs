@@ -1,7 +1,7 @@
 //! The discrete elastic rod: topology, frames, strains, energies and their derivatives.
 //!
 //! [`vertex`] contains bending and twisting, [`edge`] stretching; [`ElasticRods`] sums them over
-//! all rods into a gradient and a band matrix. `clamped_end` weights vertices next to clamps, and
+//! all rods into a gradient and a band matrix, in parallel (`parts`). `clamped_end` weights vertices next to clamps, and
 //! `turning_ghost` allows a ghost edge to rotate with a joint or body. [`RodGeometry`] computes
 //! edges, frames and strains from the unknowns. Both process several edges or vertices at a time,
 //! in lanes (`frame_lanes`, `edge_lanes`, `vertex_lanes`), with the formulas of a single one;
@@ -20,6 +20,7 @@ mod elastic;
 mod frame_lanes;
 mod geometry;
 mod holonomy;
+mod parts;
 mod placement;
 pub mod topology;
 pub mod transport;

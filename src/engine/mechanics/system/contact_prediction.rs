@@ -23,7 +23,7 @@
 //! The prediction omits the closing of rings, the smoothing of friction, and the rotation of
 //! contacts, so it is repeated if rods move far.
 
-use super::contact_response::{Response, Responses};
+use super::contact_response::{Found, Response, Responses};
 use super::{Stage, System, copy_positions};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactConstraint, ContactSystem};
@@ -133,7 +133,10 @@ impl System {
             .is_some_and(|inertia| inertia.negative == 0)
             .then(|| {
                 copy_positions(unknowns, &mut self.terms.contact.positions);
-                self.sweep(&mut contact, stage, reach, unknowns)
+                let mut found = std::mem::take(&mut self.responses);
+                let moved = self.sweep(&mut contact, &mut found, stage, reach, unknowns);
+                self.responses = found;
+                moved
             });
         contact.release_constraints();
         self.terms.contact.model = Some(contact);
@@ -143,11 +146,12 @@ impl System {
     fn sweep(
         &self,
         contact: &mut ContactSystem,
+        found: &mut Found,
         stage: &Stage,
         [radius, farthest]: [f64; 2],
         unknowns: &mut [f64],
     ) -> Option<f64> {
-        let mut responses = Responses::new(self.matrix.rod_factor(), &self.assembly);
+        let mut responses = Responses::new(self.matrix.rod_factor(), &self.assembly, found);
         let mut correction = responses.free_motion(&self.residual);
         let nodes = 0..self.terms.contact.positions.len();
         let motions: Vec<Vector3> = nodes.map(|node| position(&correction, node)).collect();

@@ -34,6 +34,12 @@ pub(super) struct Responses<'a> {
     set: InstructionSet,
     factor: &'a BandedFactor,
     assembly: &'a Assembly,
+    found: &'a mut Found,
+}
+
+/// The responses found so far; its storage is reused.
+#[derive(Default)]
+pub(super) struct Found {
     /// Start of the rows of each node and of the angle of each edge; only the first entries of
     /// these rows are used.
     of_node: Vec<Option<usize>>,
@@ -75,15 +81,23 @@ impl Response {
 }
 
 impl<'a> Responses<'a> {
-    pub(crate) fn new(factor: &'a BandedFactor, assembly: &'a Assembly) -> Self {
+    /// Begins without responses, in the storage of `found`.
+    pub(crate) fn new(
+        factor: &'a BandedFactor,
+        assembly: &'a Assembly,
+        found: &'a mut Found,
+    ) -> Self {
+        for of_unknown in [&mut found.of_node, &mut found.of_angle] {
+            of_unknown.clear();
+            of_unknown.resize(assembly.held.len() / STRIDE, None);
+        }
+        found.rows.clear();
+        found.of_contacts.clear();
         Self {
             set: InstructionSet::best(),
             factor,
             assembly,
-            of_node: vec![None; assembly.held.len() / STRIDE],
-            of_angle: vec![None; assembly.held.len() / STRIDE],
-            rows: Vec::new(),
-            of_contacts: Vec::new(),
+            found,
         }
     }
 
@@ -105,37 +119,37 @@ impl<'a> Responses<'a> {
 
     /// Start of the rows of a node.
     fn of_node(&mut self, node: usize) -> usize {
-        if let Some(begin) = self.of_node[node] {
+        if let Some(begin) = self.found.of_node[node] {
             return begin;
         }
-        let begin = self.rows.len();
+        let begin = self.found.rows.len();
         let (first, count) = self.rod_of(node);
-        self.rows.resize(begin + count, [0.0; 4]);
+        self.found.rows.resize(begin + count, [0.0; 4]);
         for axis in 0..3 {
             let unknown = STRIDE * node + axis;
             if !self.assembly.held[unknown] {
-                self.rows[begin + unknown - first][axis] = 1.0;
+                self.found.rows[begin + unknown - first][axis] = 1.0;
             }
         }
-        self.factor.solve_part(first, &mut self.rows[begin..]);
-        self.of_node[node] = Some(begin);
+        self.factor.solve_part(first, &mut self.found.rows[begin..]);
+        self.found.of_node[node] = Some(begin);
         begin
     }
 
     /// Start of the rows of the angle of an edge.
     fn of_angle(&mut self, edge: usize) -> usize {
-        if let Some(begin) = self.of_angle[edge] {
+        if let Some(begin) = self.found.of_angle[edge] {
             return begin;
         }
-        let begin = self.rows.len();
+        let begin = self.found.rows.len();
         let (first, count) = self.rod_of(edge);
-        self.rows.resize(begin + count, [0.0; 4]);
+        self.found.rows.resize(begin + count, [0.0; 4]);
         let unknown = STRIDE * edge + 3;
         if !self.assembly.held[unknown] {
-            self.rows[begin + unknown - first][0] = 1.0;
+            self.found.rows[begin + unknown - first][0] = 1.0;
         }
-        self.factor.solve_part(first, &mut self.rows[begin..]);
-        self.of_angle[edge] = Some(begin);
+        self.factor.solve_part(first, &mut self.found.rows[begin..]);
+        self.found.of_angle[edge] = Some(begin);
         begin
     }
 
@@ -149,19 +163,25 @@ impl<'a> Responses<'a> {
         let mut parts = [None; 2];
         for (part, [m, n]) in parts.iter_mut().zip([[0, 1], [2, 3]]) {
             // Obstacles do not yield.
-            let is_of_rod = nodes[m] < self.of_node.len();
+            let is_of_rod = nodes[m] < self.found.of_node.len();
             if !is_of_rod || (weights[m] == 0.0 && weights[n] == 0.0) {
                 continue;
             }
-            let n = if nodes[n] < self.of_node.len() { n } else { m };
+            let n = if nodes[n] < self.found.of_node.len() {
+                n
+            } else {
+                m
+            };
             let second = if n == m { 0.0 } else { weights[n] };
             let (first, count) = self.rod_of(nodes[m]);
             let [p, q] = [m, n].map(|m| self.of_node(nodes[m]));
-            let begin = self.of_contacts.len();
+            let begin = self.found.of_contacts.len();
             for axis in 0..3 {
-                let of_nodes = self.rows[p..p + count].iter().zip(&self.rows[q..]);
+                let of_nodes = self.found.rows[p..p + count]
+                    .iter()
+                    .zip(&self.found.rows[q..]);
                 let along = of_nodes.map(|(p, q)| weights[m] * p[axis] + second * q[axis]);
-                self.of_contacts.extend(along);
+                self.found.of_contacts.extend(along);
             }
             *part = Some(Part {
                 first,
@@ -173,9 +193,9 @@ impl<'a> Responses<'a> {
         for (k, turn) in constraint.turns.iter().enumerate() {
             if let (Some((edge, slide)), Some(part)) = (turn, parts[k].or(parts[0])) {
                 let begin = self.of_angle(*edge);
-                let of_part = &mut self.of_contacts[part.begin..part.begin + 3 * part.count];
+                let of_part = &mut self.found.of_contacts[part.begin..part.begin + 3 * part.count];
                 for (own, slide) in of_part.chunks_exact_mut(part.count).zip(slide.iter()) {
-                    for (own, by_moment) in own.iter_mut().zip(&self.rows[begin..]) {
+                    for (own, by_moment) in own.iter_mut().zip(&self.found.rows[begin..]) {
                         *own += slide * by_moment[0];
                     }
                 }
@@ -214,7 +234,8 @@ impl<'a> Responses<'a> {
     fn moved(&self, unknown: usize, parts: &[Option<Part>; 2], force: &Vector3) -> f64 {
         let of_part = |part: &Part| {
             let local = unknown.checked_sub(part.first)?;
-            let along = |axis: usize| self.of_contacts[part.begin + axis * part.count + local];
+            let along =
+                |axis: usize| self.found.of_contacts[part.begin + axis * part.count + local];
             (local < part.count)
                 .then(|| along(0) * force.x + along(1) * force.y + along(2) * force.z)
         };
@@ -233,7 +254,7 @@ impl<'a> Responses<'a> {
         let parts = response.iter().flat_map(|response| response.parts);
         for part in parts.flatten() {
             let of_rod = &mut motion[part.first..part.first + part.count];
-            let along = &self.of_contacts[part.begin..part.begin + 3 * part.count];
+            let along = &self.found.of_contacts[part.begin..part.begin + 3 * part.count];
             add_motion(self.set, of_rod, along, force.as_ref());
         }
     }

@@ -5,6 +5,7 @@
 use super::build::Assembly;
 use super::newton_matrix::Entries;
 use super::term::{Configuration, Kind, Term};
+use crate::linalg::in_chunks;
 use crate::mechanics::SceneError;
 use crate::mechanics::scene::Scene;
 
@@ -41,12 +42,17 @@ impl Term for Inertia {
         };
         let per_step = 1.0 / stage.step;
         let per_acceleration_step = 1.0 / stage.acceleration_step;
-        let motion = at.unknowns.iter().zip(&stage.start).zip(&stage.velocity);
-        let entries = residual.iter_mut().zip(&assembly.masses).zip(motion);
-        for ((entry, mass), ((now, start), velocity)) in entries {
-            let change = (now - start) * per_step - velocity;
-            *entry += mass * per_acceleration_step * change;
-        }
+        in_chunks(residual, &|first, residual| {
+            let [masses, now, start, velocity] =
+                [&assembly.masses, at.unknowns, &stage.start, &stage.velocity]
+                    .map(|all| &all[first..first + residual.len()]);
+            let motion = now.iter().zip(start).zip(velocity);
+            let entries = residual.iter_mut().zip(masses).zip(motion);
+            for ((entry, mass), ((now, start), velocity)) in entries {
+                let change = (now - start) * per_step - velocity;
+                *entry += mass * per_acceleration_step * change;
+            }
+        });
         assembly.add_shared_inertia(stage, at.unknowns, residual);
         assembly.add_eccentric_inertia(stage, at.unknowns, residual);
         assembly.add_moments_of_spin(stage, at.unknowns, residual);

@@ -79,18 +79,19 @@ impl Assembly {
             })
         };
         let (residual, _) = residual.as_chunks_mut::<STRIDE>();
-        for chain in &self.consistent.chains {
-            let mut own = acceleration(chain.first_node);
-            for (node, shared) in (chain.first_node..).zip(&chain.shared) {
-                let next = acceleration(node + 1);
-                for k in 0..STRIDE {
-                    let force = shared[k] * (next[k] - own[k]);
-                    residual[node][k] += force;
-                    residual[node + 1][k] -= force;
+        self.consistent
+            .for_each_chain(residual, &|chain, residual| {
+                let mut own = acceleration(chain.first_node);
+                for (k, shared) in chain.shared.iter().enumerate() {
+                    let next = acceleration(chain.first_node + k + 1);
+                    for axis in 0..STRIDE {
+                        let force = shared[axis] * (next[axis] - own[axis]);
+                        residual[k][axis] += force;
+                        residual[k + 1][axis] -= force;
+                    }
+                    own = next;
                 }
-                own = next;
-            }
-        }
+            });
         for joint in &self.consistent.joints {
             let [own, next] = joint.nodes.map(acceleration);
             for k in 0..STRIDE {
@@ -110,11 +111,10 @@ impl Assembly {
         elements: &mut [ElementMatrix],
     ) {
         let (nodes, _) = columns.as_chunks_mut::<STRIDE>();
-        for chain in &self.consistent.chains {
+        self.consistent.for_each_chain(nodes, &|chain, nodes| {
             let mut before = [0.0; STRIDE];
-            let last = chain.first_node + chain.shared.len();
-            for (node, shared) in (chain.first_node..last).zip(&chain.shared) {
-                for (k, column) in nodes[node].iter_mut().enumerate() {
+            for (columns, shared) in nodes.iter_mut().zip(&chain.shared) {
+                for (k, column) in columns.iter_mut().enumerate() {
                     let mass = scale * shared[k];
                     // The diagonals lose exactly the part of the mass that survives rounding
                     // beside a stiffness 10¹⁵ times as large. So rows still sum to the masses: a
@@ -126,10 +126,10 @@ impl Assembly {
                     before[k] = kept;
                 }
             }
-            for (column, before) in nodes[last].iter_mut().zip(before) {
+            for (column, before) in nodes[chain.shared.len()].iter_mut().zip(before) {
                 column[0] -= before;
             }
-        }
+        });
         for joint in &self.consistent.joints {
             let (element, [row, place]) = joint.element;
             let matrix = &mut elements[element];

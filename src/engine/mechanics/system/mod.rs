@@ -87,6 +87,7 @@ pub use breaking::Break;
 use breaking::Breaking;
 pub(crate) use build::Assembly;
 pub(crate) use clamps::Drive;
+use contact_response::Found;
 pub(crate) use contact_start::StiffnessCourse;
 pub(crate) use copies::{Allowance, Copies, Member, set_lanes};
 pub(crate) use demand::Demand;
@@ -165,6 +166,8 @@ pub struct System {
     border: Border,
     /// Convergence tolerance of the residual.
     tolerances: Tolerances,
+    /// Responses of the last prediction of contact forces; scratch.
+    responses: Found,
 }
 
 impl System {
@@ -203,6 +206,7 @@ impl System {
             matrix: NewtonMatrix::new(&assembly, &elements, has_potential, lists_nodes),
             border: Border::default(),
             tolerances: Tolerances::new(&assembly),
+            responses: Found::default(),
             breaking: Breaking::new(scene, &assembly),
             terms,
             assembly,

@@ -8,8 +8,8 @@ use super::turned_elements::{TurnedElements, matrices_of};
 use super::whole_matrix::WholeMatrix;
 use super::{Assembly, Stage};
 use crate::linalg::{
-    BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, HALF_BANDWIDTH, Inertia,
-    SharedUnknown, SingularMatrix,
+    BandedFactor, BandedSymmetric, Couplings, Element, ElementMatrix, HALF_BANDWIDTH, Inertia,
+    Islands, SharedUnknown, SingularMatrix, in_chunks,
 };
 use crate::mechanics::Matrix3;
 use crate::mechanics::contact::{CandidatePair, ConstraintPlace, ContactSystem, TurnedBodies};
@@ -29,7 +29,7 @@ const ZERO: ElementMatrix = [[0.0; 12]; 12];
 pub(crate) struct NewtonMatrix {
     band: BandedSymmetric,
     factor: BandedFactor,
-    coupled: Option<CoupledSystem>,
+    coupled: Option<Islands>,
     held: Vec<bool>,
     /// Positions of joined nodes that are owned by other nodes.
     shared: Vec<SharedUnknown>,
@@ -105,19 +105,26 @@ impl NewtonMatrix {
     ) -> Self {
         let dimension = assembly.unknowns.len();
         let permanent = elements.concat();
+        let chains: Vec<usize> = (assembly.rods.rods.iter().map(|rod| rod.first_node))
+            .chain(assembly.rods.nodes..dimension / STRIDE)
+            .collect();
+        let ends = chains.iter().skip(1).copied().chain([dimension / STRIDE]);
+        let unknowns = chains
+            .iter()
+            .zip(ends)
+            .map(|(first, end)| STRIDE * first..STRIDE * end);
+        let factor = BandedFactor::of_chains(dimension, unknowns);
         let ends = elements.iter().scan(0, |end, own| {
             *end += own.len();
             Some(*end)
         });
         Self {
             band: BandedSymmetric::new(dimension),
-            factor: BandedFactor::new(dimension),
+            factor,
             coupled: None,
             held: assembly.held.clone(),
             shared: assembly.joints.shared(),
-            chains: (assembly.rods.rods.iter().map(|rod| rod.first_node))
-                .chain(assembly.rods.nodes..dimension / STRIDE)
-                .collect(),
+            chains,
             lost_symmetry: false,
             symmetric,
             permanent_matrices: vec![ZERO; permanent.len()],
@@ -193,9 +200,11 @@ impl NewtonMatrix {
         let per_step = 1.0 / stage.step;
         let per_acceleration_step = 1.0 / stage.acceleration_step;
         let columns = self.band.columns_mut();
-        for (column, mass) in columns.iter_mut().zip(&assembly.masses) {
-            column[0] += mass * per_acceleration_step * per_step;
-        }
+        in_chunks(columns, &|first, columns| {
+            for (column, mass) in columns.iter_mut().zip(&assembly.masses[first..]) {
+                column[0] += mass * per_acceleration_step * per_step;
+            }
+        });
         let closing = &mut self.permanent_matrices[..self.closing];
         assembly.add_shared_masses(per_acceleration_step * per_step, columns, closing);
     }
@@ -530,14 +539,14 @@ impl NewtonMatrix {
             none => {
                 let mut elements = self.permanent.clone();
                 elements.extend_from_slice(&self.contact_elements);
-                none.insert(CoupledSystem::new(
-                    self.held.len(),
-                    &elements,
-                    &self.held,
-                    &self.shared,
-                    &self.chains,
-                    self.symmetric && !self.lost_symmetry,
-                ))
+                none.insert(Islands::new(&Couplings {
+                    dimension: self.held.len(),
+                    elements: &elements,
+                    held: &self.held,
+                    shared: &self.shared,
+                    chains: &self.chains,
+                    symmetric: self.symmetric && !self.lost_symmetry,
+                }))
             }
         };
         coupled.assemble(&self.band);
@@ -547,7 +556,7 @@ impl NewtonMatrix {
         for (index, matrix) in &self.active {
             coupled.add_element(*index, matrix);
         }
-        coupled.factor()
+        coupled.factor(&self.band, &mut self.factor)
     }
 
     /// Solves with the factors of the last [`Self::factor`].
@@ -560,7 +569,7 @@ impl NewtonMatrix {
             self.factor.solve(right_hand_side);
             return Ok(());
         };
-        let solved = coupled.solve(right_hand_side);
+        let solved = coupled.solve(right_hand_side, &self.factor);
         if solved.is_ok() || !self.symmetric || self.lost_symmetry {
             return solved;
         }

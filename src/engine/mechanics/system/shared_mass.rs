@@ -1,8 +1,13 @@
 //! Neighbours that share masses in rods with consistent inertia: see [`super::mass`].
 
+use crate::linalg::{Span, in_parts};
 use crate::mechanics::rod::{ElasticRods, RodRange, STRIDE};
 use crate::mechanics::scene::RodDescription;
+use std::ops::Range;
 
+/// Least number of nodes of chains that are processed together: waking a thread takes as long as
+/// thousands of sums.
+const LEAST_NODES: usize = 2000;
 /// Fraction of the mass of an edge by which linear interpolation differs from masses lumped at its
 /// nodes.
 const OF_EDGE: f64 = 1.0 / 6.0;
@@ -15,6 +20,8 @@ pub struct ConsistentMasses {
     rods: Vec<Densities>,
     /// Neighbours with unknowns in the band: all of a rod except the pair that closes it.
     pub(super) chains: Vec<Chain>,
+    /// Consecutive chains that are processed together.
+    groups: Vec<Range<usize>>,
     /// Pairs that close rings: the last nodes and edges with the first.
     pub(super) joints: Vec<Joint>,
 }
@@ -61,21 +68,29 @@ impl ConsistentMasses {
     /// Recomputes the unknowns that share masses; call this after vertices are added or removed.
     pub(super) fn share(&mut self, rods: &ElasticRods) {
         let (mut chains, mut joints) = (Vec::new(), Vec::new());
+        // Natural lengths of the edges by their first nodes, and between their middles, m.
+        let mut lengths = vec![0.0; rods.nodes];
+        for edge in &rods.edges {
+            lengths[edge.start] = edge.natural_length;
+        }
+        let mut between = vec![0.0; rods.nodes];
+        for vertex in &rods.vertices {
+            let (before, after) = (vertex.before, vertex.after);
+            if before < rods.nodes && after < rods.nodes {
+                between[before] = 0.5 * (lengths[before] + lengths[after]);
+            }
+        }
         for rod in &self.rods {
             let (range, nodes) = (rod.range, rod.range.node_indices());
-            let mut shared = vec![[0.0; STRIDE]; range.nodes];
-            let own = rods.edges.iter().filter(|edge| nodes.contains(&edge.start));
-            let lengths: Vec<f64> = own.map(|edge| edge.natural_length).collect();
-            for (shared, length) in shared.iter_mut().zip(&lengths) {
-                shared[..3].fill(OF_EDGE * rod.mass_per_length * length);
-            }
-            for vertex in &rods.vertices {
-                if nodes.contains(&vertex.before) && nodes.contains(&vertex.after) {
-                    let [before, after] = [vertex.before, vertex.after].map(|e| e - nodes.start);
-                    let length = 0.5 * (lengths[before] + lengths[after]);
-                    shared[before][3] = OF_VERTEX * rod.inertia_per_length * length;
-                }
-            }
+            let of_edge = OF_EDGE * rod.mass_per_length;
+            let of_vertex = OF_VERTEX * rod.inertia_per_length;
+            let own = lengths[nodes.clone()].iter().zip(&between[nodes.clone()]);
+            let mut shared: Vec<Shared> = own
+                .map(|(length, between)| {
+                    let mass = of_edge * length;
+                    [mass, mass, mass, of_vertex * between]
+                })
+                .collect();
             let closing = shared.pop().unwrap_or_default();
             let ends = [nodes.end - 1, nodes.start];
             let first_unknowns = ends.map(|node| STRIDE * node);
@@ -100,8 +115,41 @@ impl ConsistentMasses {
                 shared,
             });
         }
+        self.groups.clear();
+        let (mut first, mut nodes) = (0, 0);
+        for (number, chain) in chains.iter().enumerate() {
+            nodes += chain.shared.len();
+            if nodes >= LEAST_NODES || number + 1 == chains.len() {
+                self.groups.push(first..number + 1);
+                (first, nodes) = (number + 1, 0);
+            }
+        }
         self.chains = chains;
         self.joints = joints;
+    }
+
+    /// Calls `work` for each chain, in parallel with others, with the entries of its nodes in an
+    /// array over all nodes.
+    pub(super) fn for_each_chain<T: Send>(
+        &self,
+        entries: &mut [T],
+        work: &(impl Fn(&Chain, &mut [T]) + Sync),
+    ) {
+        if self.groups.is_empty() {
+            return;
+        }
+        in_parts(
+            &self.groups,
+            Span::all(entries),
+            &|entries, group| entries.cut(self.chains[group.start].first_node),
+            &|group, mut entries| {
+                for chain in &self.chains[group.clone()] {
+                    let first = chain.first_node;
+                    work(chain, entries.of(&(first..first + chain.shared.len() + 1)));
+                }
+            },
+            &|(), ()| (),
+        );
     }
 
     /// Pairs of nodes that share masses, with the shares.
