@@ -8,8 +8,8 @@ const BASE: &str = include_str!("../../scenarios/helix_boundary.toml");
 const DIRECTIONS: usize = 58_352;
 /// Number of directions in a quick version.
 const QUICK_DIRECTIONS: usize = 2_000;
-/// Processor time of a direction, s(measured; correct within a factor of two).
-const SECONDS_PER_DIRECTION: f64 = 7.5e-3;
+/// Processor time of a direction, s (measured; correct within a factor of two).
+const SECONDS_PER_DIRECTION: f64 = 3e-3;
 
 /// The search over all directions, which is done once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,9 @@ use super::Simulation;
 use super::failure::no_equilibrium;
 use super::integrator::{STIFFENING, report_contacts};
 use super::report::{SimulationError, StepReport};
-use crate::mechanics::statics::{Descent, SmallMotions, nearby_equilibrium, small_motions};
+use crate::mechanics::statics::{
+    Descent, SmallMotions, nearby_equilibrium, nearest_eigenvalue, small_motions,
+};
 use crate::mechanics::system::{Demand, name_overlap};
 use crate::mechanics::{Overlap, SceneError};
 use tracing::{debug, warn};
@@ -15,6 +17,9 @@ const STIFFENINGS: usize = 8;
 const NOT_JUDGED: SceneError = SceneError::Unsuitable(
     "the stability of an equilibrium under moments and forces that turn with rods is computed for at most 1500 nodes",
 );
+
+const NO_ENERGY: SceneError =
+    SceneError::Unsuitable("forces without an energy have no symmetric stiffness");
 
 impl Simulation {
     /// Finds the equilibrium at the present time at which the scene would come to rest: Newton's method without
@@ -136,6 +141,24 @@ impl Simulation {
                 Ok(motions.unstable.total())
             }
         }
+    }
+
+    /// Finds the equilibrium of [`Self::find_nearby_equilibrium`] and returns its stiffness (N/m):
+    /// the size of the eigenvalue of the Hessian nearest to zero, with angles in units of the
+    /// shortest edge, positive for a stable equilibrium and negative for an unstable one. It is
+    /// continuous where stability is lost.
+    ///
+    /// # Errors
+    /// Those of [`Self::find_nearby_equilibrium`], and [`SimulationError::BadScene`] for forces
+    /// without an energy.
+    pub fn find_nearby_stiffness(&mut self) -> Result<f64, SimulationError> {
+        if !self.system.is_symmetric() {
+            return Err(NO_ENERGY.into());
+        }
+        let unstable = self.find_nearby_equilibrium()?;
+        // The Hessian at the equilibrium is still factored.
+        let size = nearest_eigenvalue(&mut self.system).abs();
+        Ok(if unstable > 0 { -size } else { size })
     }
 
     /// Stores an equilibrium as the present state.

@@ -124,6 +124,21 @@ fn a_straight_column_leaves_its_unstable_equilibrium_and_bends_over() {
     }
 }
 
+/// Linear in the load, and zero at Euler's load of the column, π²/4 EI/L².
+#[test]
+fn the_stiffness_of_a_column_passes_through_zero_at_its_buckling_load() {
+    let stiffness = |load: f64| {
+        let mut scene = cantilever(point_force(0, EDGES, -load * 0.25 * PI * PI * Vector3::x()));
+        scene.rods[0].stiffness.bending = [1.0, 20.0];
+        simulation_of(&scene).find_nearby_stiffness().unwrap()
+    };
+    let loads = [0.97, 1.03];
+    let [stable, unstable] = loads.map(stiffness);
+    assert!(stable > 0.0 && unstable < 0.0, "{stable} {unstable}");
+    let buckling = loads[0] + (loads[1] - loads[0]) * stable / (stable - unstable);
+    assert!((buckling - 1.0).abs() < 2e-3, "{buckling}");
+}
+
 #[test]
 fn a_plane_or_a_post_supports_a_resting_rod() {
     let post = RodDescription {

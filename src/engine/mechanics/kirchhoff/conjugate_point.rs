@@ -1,9 +1,10 @@
 //! First loss of stability of a helical rod with clamped ends, by conjugate points.
 
 use super::helix::{Helix, StateMatrix};
-use super::numerics::bisect;
+use super::numerics::{bisect, find_zero};
 use super::straight_rod::stability_determinant;
 use nalgebra::{Matrix6, SMatrix};
+use std::convert::Infallible;
 
 /// Step of the search along the rod, as an angle: ‖(κ, τ, ω)‖ times arc length.
 const STEP: f64 = 0.05;
@@ -25,6 +26,9 @@ pub struct CriticalDistance {
     /// Estimate of its absolute error.
     pub error_estimate: f64,
 }
+
+/// Relative width of the interval in which a zero of the determinant is found.
+const ROUND_OFF: f64 = 1e-13;
 
 /// Columns of the propagator that start with moment and force: solutions with θ(0) = ρ(0) = 0.
 type Solutions = SMatrix<f64, 12, 6>;
@@ -75,23 +79,25 @@ fn first_zero(direction: &Helix, step: f64) -> Option<CriticalDistance> {
     let mut previous = Point::new(2.0 * step, propagator * before.solutions);
     for index in 3..=(FARTHEST / step) as usize {
         let next = Point::new(index as f64 * step, propagator * previous.solutions);
-        let between = |from: &Point, to: f64| {
-            let determinant = |at: f64| from.moved(&equations, at - from.at).determinant;
-            let distance = bisect(from.at, to, determinant);
-            Some(CriticalDistance {
+        let between = |from: &Point, to: &Point| {
+            let ends = [from, to].map(|point| (point.at, point.determinant));
+            let zero = find_zero(ends, ROUND_OFF, |_, at| {
+                Ok::<_, Infallible>((at, from.moved(&equations, at - from.at).determinant))
+            });
+            zero.ok().map(|distance| CriticalDistance {
                 distance,
-                error_estimate: 1e-13 * distance,
+                error_estimate: ROUND_OFF * distance,
             })
         };
         if next.determinant * previous.determinant <= 0.0 {
-            return between(&previous, next.at);
+            return between(&previous, &next);
         }
         let dips = previous.determinant.abs() < before.determinant.abs()
             && previous.determinant.abs() < next.determinant.abs();
         if dips {
             let least = before.least_determinant_before(&equations, next.at);
             if least.determinant * before.determinant < 0.0 {
-                return between(&before, least.at);
+                return between(&before, &least);
             }
             let depth = (least.determinant / before.determinant).abs();
             if depth < DOUBLE_ZERO {

@@ -14,7 +14,7 @@
 //! | `spatial_cantilever` | cantilever in space, of any section and natural shape, by multiple shooting |
 //! | `straight_rod` | the same for the straight rod, twisted and pulled, in closed form |
 //! | `suspended_loop` | a loop held at its two ends only, in space |
-//! | `numerics` | bisection, Runge–Kutta and quadrature |
+//! | `numerics` | zeros, Runge–Kutta and quadrature |
 
 mod cantilever;
 mod conjugate_point;

@@ -19,3 +19,4 @@ pub use natural_shape::{DesignError, Designed, natural_strains};
 pub(crate) use nearby::nearby_equilibrium;
 pub use path::{EndedEarly, PathMethod, PathPlan, PathPoint, PointKind, Tracer};
 pub(crate) use small_motions::{SmallMotions, small_motions};
+pub(crate) use spectrum::nearest_eigenvalue;

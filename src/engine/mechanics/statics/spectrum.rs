@@ -12,6 +12,8 @@ use crate::mechanics::system::System;
 const ITERATIONS: usize = 60;
 /// Relative change below which an eigenvalue counts as found.
 const TOLERANCE: f64 = 1e-10;
+/// The same for an eigenvalue whose zero is sought: it converges the faster, the closer to zero.
+const ROUGH: f64 = 1e-4;
 /// Largest eigenvalue of a motion without stiffness, relative to the shift of the Hessian.
 const LARGEST_NEUTRAL_EIGENVALUE: f64 = 0.1;
 /// Growth factor of the shift until the Hessian is positive.
@@ -40,6 +42,14 @@ pub(super) fn lowest_eigenvalue(
     Some(inverse_iteration(system, scratch, neutral)? - shift)
 }
 
+/// The eigenvalue (N/m) nearest to zero of the Hessian whose factors `system` holds; zero if it is
+/// singular.
+pub(crate) fn nearest_eigenvalue(system: &mut System) -> f64 {
+    let mut vector = vec![0.0; system.assembly.unknowns.len()];
+    let neutral = NeutralModes::new(system.assembly.shortest_edge.powi(2));
+    iterate(system, &mut vector, &neutral, ROUGH).unwrap_or(0.0)
+}
+
 /// The eigenvalue (N/m) nearest to zero of the matrix whose factors `system` holds. Leaves its
 /// vector, of B-norm 1 and B-orthogonal to `neutral`, in `vector`. `None` if the matrix is
 /// singular.
@@ -47,6 +57,16 @@ pub(super) fn inverse_iteration(
     system: &mut System,
     vector: &mut [f64],
     neutral: &NeutralModes,
+) -> Option<f64> {
+    iterate(system, vector, neutral, TOLERANCE)
+}
+
+/// Inverse iteration until the eigenvalue changes by less than the relative `tolerance`.
+fn iterate(
+    system: &mut System,
+    vector: &mut [f64],
+    neutral: &NeutralModes,
+    tolerance: f64,
 ) -> Option<f64> {
     let weight = neutral.weight();
     let units = [1.0, 1.0, 1.0, 1.0 / weight.sqrt()];
@@ -65,7 +85,7 @@ pub(super) fn inverse_iteration(
         scale_angles(vector, weight);
         system.solve(vector).ok()?;
         inverse = inner(&old, vector, weight);
-        if (inverse - before).abs() <= TOLERANCE * inverse.abs() {
+        if (inverse - before).abs() <= tolerance * inverse.abs() {
             break;
         }
     }

@@ -4,18 +4,19 @@ use super::discrete_rod::{DiscreteRod, END, deviation};
 use super::keys::{HelixSearch, HelixStability};
 use rodlab_engine::mechanics::SceneError;
 use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
+use rodlab_engine::mechanics::kirchhoff::numerics::find_zero;
 use rodlab_engine::mechanics::kirchhoff::{CriticalDistance, Helix};
 
 /// Twisting over bending stiffness at Poisson's ratio 1/2. Stability does not depend on it.
 const STIFFNESS_RATIO: f64 = 1.0 / 1.5;
-/// First step along a direction. Stability is not regained farther out, so a step that is too long
+/// Step along a direction without a guess. Stability is not regained farther out, so a step that is too long
 /// does no harm unless Newton's method fails.
-const STEP: f64 = 1.0;
-/// Half-width of the first bracket around a guess, as a fraction of the guess.
-const NEAR: f64 = 0.02;
-/// Width of a bracket, as a fraction of the distance, at which the search ends if Newton's method
-/// fails everywhere in it.
-const SINGULAR: f64 = 1e-6;
+const STEP: f64 = 2.0;
+/// Half-width of the first bracket about a guess, as a fraction of the guess, over the square of
+/// the angle by which the rod turns from edge to edge: the guess is that of a coarser mesh.
+const NEAR: f64 = 0.25;
+/// Growth of the steps away from the guess while the sign of the stiffness does not change.
+const GROWTH: f64 = 4.0;
 /// Fractions of the distance to a place where Newton's method fails, at which the search tries
 /// again.
 const ELSEWHERE: [f64; 6] = [0.97, 0.9, 0.75, 0.5, 0.3, 0.1];
@@ -41,8 +42,10 @@ const ROUND_OFF: f64 = 1e-6;
 /// A path ends when the step is this short, as a fraction of the distance. Near the loss of
 /// stability Newton's method converges slowly, which causes an error of about the same size.
 const PATH_PRECISION: f64 = 1e-6;
-/// The search ends when the bracket is this narrow, as a fraction of the distance.
-const PRECISION: f64 = 1e-8;
+/// The search ends when the bracket is this narrow, as a fraction of the distance. The error is of
+/// the order of its square. In a narrower one, where the Hessian is nearly singular, Newton's
+/// method fails.
+const PRECISION: f64 = 1e-6;
 
 /// Distance at which a helical rod with `edges` edges along the direction of `helix` loses
 /// stability. `None` if it is stable up to a distance of `edges`/2, beyond which the mesh is too
@@ -105,7 +108,7 @@ impl DiscreteRod {
         }
     }
 
-    /// Finds each equilibrium from the helix itself.
+    /// Finds each equilibrium from the helix itself, and the distance at which its stiffness is zero.
     fn at_once(
         &self,
         direction: &Helix,
@@ -113,44 +116,49 @@ impl DiscreteRod {
         guess: Option<f64>,
         goes_on: &dyn Fn() -> bool,
     ) -> Result<Option<f64>, SimulationError> {
-        let first = guess.map_or(STEP, |guess| (1.0 - NEAR) * guess);
-        let step = guess.map_or(STEP, |guess| 2.0 * NEAR * guess);
-        let (mut stable, mut lost) = (0.0, first.min(largest));
-        loop {
-            let (distance, unstable) = self.is_unstable(direction, stable, lost, goes_on)?;
-            if unstable {
-                lost = distance;
-                break;
-            }
-            if distance == largest {
+        let stiffness =
+            |before, distance| self.helix_stiffness(direction, before, distance, goes_on);
+        let mut step = guess.map_or(STEP, |guess| {
+            2.0 * (NEAR * (guess / self.edges as f64).powi(2)).max(PRECISION) * guess
+        });
+        let growth = guess.map_or(1.0, |_| GROWTH);
+        let first = guess.map_or(STEP, |guess| guess - 0.5 * step).min(largest);
+        let mut newest = stiffness(0.0, first)?;
+        let is_stable = newest.1 > 0.0;
+        let bracket = loop {
+            let before = newest;
+            if is_stable && before.0 == largest {
                 return Ok(None);
             }
-            stable = distance;
-            lost = (distance + step).min(largest);
-        }
-        while lost - stable > PRECISION * lost {
-            let middle = 0.5 * (stable + lost);
-            match self.is_unstable(direction, stable, middle, goes_on) {
-                Ok((distance, true)) => lost = distance,
-                Ok((distance, false)) => stable = distance,
-                // Newton's method fails where the Hessian is singular, which is the place to find.
-                Err(_) if lost - stable < SINGULAR * lost => break,
-                Err(error) => return Err(error),
+            // Inwards, at most half the way to the straight rod, which is stable.
+            let next = if is_stable {
+                (before.0 + step).min(largest)
+            } else {
+                (before.0 - step).max(0.5 * before.0)
+            };
+            newest = stiffness(before.0, next)?;
+            if (newest.1 > 0.0) != is_stable {
+                break if is_stable {
+                    [before, newest]
+                } else {
+                    [newest, before]
+                };
             }
-        }
-        Ok(Some(0.5 * (stable + lost)))
+            step *= growth;
+        };
+        Ok(Some(find_zero(bracket, PRECISION, stiffness)?))
     }
 
-    /// Whether the helix at `distance` is unstable. Where the Hessian is nearly singular, Newton's
-    /// method may fail or leave the helix; then a place between `before` and `distance` is tested
-    /// instead. Also returns the tested place.
-    fn is_unstable(
+    /// Stiffness of the helix at `distance`, positive where it is stable. Where the Hessian is
+    /// nearly singular, Newton's method may fail or leave the helix; then a place between `before`
+    /// and `distance` is tested instead. Also returns the tested place.
+    fn helix_stiffness(
         &self,
         direction: &Helix,
         before: f64,
         distance: f64,
         goes_on: &dyn Fn() -> bool,
-    ) -> Result<(f64, bool), SimulationError> {
+    ) -> Result<(f64, f64), SimulationError> {
         let judge = |distance: f64| {
             if !goes_on() {
                 return Err(STOPPED.into());
@@ -158,11 +166,11 @@ impl DiscreteRod {
             let helix = direction.scaled(distance);
             let scene = self.on_helix(&helix);
             let mut simulation = Simulation::new(&scene, &IntegrationParameters::default())?;
-            let unstable = simulation.find_nearby_equilibrium()? > 0;
+            let stiffness = simulation.find_nearby_stiffness()?;
             if deviation(&simulation, &helix, 1.0) > farthest(&helix) {
                 return Err(NO_HELIX.into());
             }
-            Ok((distance, unstable))
+            Ok((distance, stiffness))
         };
         let mut found = judge(distance);
         for part in ELSEWHERE {

@@ -3,7 +3,7 @@
 //! A point (κ, τ, ω) represents a naturally straight rod of unit length and bending stiffness,
 //! held at both ends in the shape of a helix of curvature κ and torsion τ with the twisting moment
 //! ω. Along a direction, the equilibrium next to the helix is found at increasing distances ‖(κ,
-//! τ, ω)‖. The helix loses stability where the Hessian has its first negative pivot. The method
+//! τ, ω)‖. The helix loses stability where the lowest eigenvalue of the Hessian is zero. The method
 //! does not use [`critical_distance`](rodlab_engine::mechanics::kirchhoff::critical_distance),
 //! which is the theory.
 //!
