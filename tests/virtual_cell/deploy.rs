@@ -179,9 +179,9 @@ fn a_rod_with_a_wrong_visible_length_is_not_scored() {
 
 #[test]
 fn the_path_of_a_rod_is_replanned_from_pictures() {
-    // The limits below are six times the jitter, since its phase at the start of the motion is not
-    // fixed. That at the grasp displaces the rod in the hand: by −0.5 to 2.1 mm in six runs.
-    let jitter = ["--jitter", "0.5 mm", "--seed", "3"];
+    // The limits below are seven to ten times the jitter, since its phase at the start of the
+    // motion is not fixed. That at the grasp displaces the rod in the hand, by up to four times.
+    let jitter = ["--jitter", "0.3 mm", "--seed", "3"];
     let served = serve(&[&["--rate", "50"], &jitter[..]].concat(), "");
     let mut arguments = DEPLOY.to_vec();
     arguments.push("--correct");
@@ -206,7 +206,7 @@ fn the_path_of_a_rod_is_replanned_from_pictures() {
         // Pictures are ignored within half a gravito-bending length of the gripper's place. The
         // line is along x.
         assert!(
-            (row[0] - row[1] - 0.015).abs() < 1e-4 && (row[1] - row[2]).abs() < 3e-3,
+            (row[0] - row[1] - 0.015).abs() < 1e-4 && (row[1] - row[2]).abs() < 2e-3,
             "{looks}"
         );
         assert!(row[3].abs() < 3e-3 && row[4].abs() < 0.1, "{looks}");

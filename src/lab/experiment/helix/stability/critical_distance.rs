@@ -9,8 +9,8 @@ use rodlab_engine::mechanics::kirchhoff::{CriticalDistance, Helix};
 
 /// Twisting over bending stiffness at Poisson's ratio 1/2. Stability does not depend on it.
 const STIFFNESS_RATIO: f64 = 1.0 / 1.5;
-/// Step along a direction without a guess. Stability is not regained farther out, so a step that is too long
-/// does no harm unless Newton's method fails.
+/// Step along a direction without a guess. Stability is not regained farther out, so a step that is
+/// too long does no harm unless Newton's method fails.
 const STEP: f64 = 2.0;
 /// Half-width of the first bracket about a guess, as a fraction of the guess, over the square of
 /// the angle by which the rod turns from edge to edge: the guess is that of a coarser mesh.
@@ -138,11 +138,12 @@ impl DiscreteRod {
             };
             newest = stiffness(before.0, next)?;
             if (newest.1 > 0.0) != is_stable {
-                break if is_stable {
+                let [stable, lost] = if is_stable {
                     [before, newest]
                 } else {
                     [newest, before]
                 };
+                break [stable, lost];
             }
             step *= growth;
         };
